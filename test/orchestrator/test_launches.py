@@ -17,17 +17,17 @@ from rocsafe_dispersion.estimator_options import EstimatorOptions
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
-from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.fleet_verbs_node import FleetVerbsOptions
-from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.mission.closing import REPORT
+from rocsafe_orchestrator.parameters.field_parameters import field_parameters
+from rocsafe_orchestrator.parameters.goal_conversions import unseen_viewpoint
+from rocsafe_orchestrator.parameters.node_parameters import localizer_parameters, write_parameters
+from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.executables import find_executable
-from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, launches
-from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes
-from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.report.run_texts import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
@@ -41,7 +41,7 @@ from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.physics.field import MODELS
 from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.physics.photons import AIR, materials
-from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario

@@ -44,8 +44,8 @@ from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_ros.lease_server_node import LeaseServer
-from rocsafe_ros.mission_identity import new_identity
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
@@ -415,7 +415,7 @@ from pathlib import Path
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
-from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.scenario_file import read_scenario
 
 REPEAT_S = 3.0

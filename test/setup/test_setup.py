@@ -274,7 +274,8 @@ def test_sourced_jazzy_is_used_and_no_wheel(system_ros):
     venv, pip, build = system_ros.call_lines
     assert '--system-site-packages' in venv
     installed = [word for word in pip.split() if '==' in word]
-    assert [word.split('==')[0] for word in installed] == ['mcap', 'mcap-ros2-support', 'pydantic']
+    names = [word.split('==')[0] for word in installed]
+    assert names == ['aiohttp', 'cryptography', 'mcap', 'mcap-ros2-support', 'pydantic']
     assert 'ros.txt' not in pip
     constraint = system_ros.checkout / '.cache/system-numpy.txt'
     assert f'-c{constraint}' in pip

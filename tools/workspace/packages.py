@@ -19,8 +19,10 @@ from workspace.ros import SystemRos
 # the lowest version that was tried, which is that of Ubuntu 24.04 where it will do. What is older
 # or missing comes, pinned, from python.txt.
 SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
+    'aiohttp': ('aiohttp', (3, 14)),
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'contourpy': ('contourpy', (1, 0, 7)),
+    'cryptography': ('cryptography', (45, 0)),
     'cv2': ('opencv-python-headless', (4, 6)),
     'jinja2': ('Jinja2', (3, 1)),
     'markupsafe': ('MarkupSafe', (2, 1)),

@@ -27,11 +27,16 @@ class MarkedArea:
     width: int
 
 
-def areas_kml(areas: Iterable[MarkedArea], frame: LocalFrame) -> str:
-    """Return areas as KML 2.2, clamped to the ground; empty ones are left out."""
+def areas_kml(areas: Iterable[MarkedArea], frame: LocalFrame, note: str = '') -> str:
+    """Return areas as KML 2.2, clamped to the ground; empty ones are left out.
+
+    `note` describes all of them together.
+    """
     ElementTree.register_namespace('', KML_NAMESPACE)
     root = ElementTree.Element(f'{{{KML_NAMESPACE}}}kml')
     document = _child(root, 'Document')
+    if note:
+        _child(document, 'description', note)
     for marked in areas:
         if marked.area.is_empty:
             continue

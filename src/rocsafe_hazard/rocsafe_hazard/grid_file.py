@@ -29,6 +29,7 @@ def write_grid(
     corner_m: tuple[float, float],
     cell_m: float,
     frame: LocalFrame,
+    doubts: Sequence[str] = (),
 ) -> None:
     """Write bands of one shape in a transverse Mercator projection about the origin of `frame`.
 
@@ -44,6 +45,8 @@ def write_grid(
         East and north of the first node, and distance of nodes, metres.
     frame
         The frame.
+    doubts
+        What is not as assumed; the tag ``DOUBTS`` holds them, a line each.
 
     Raises
     ------
@@ -65,6 +68,8 @@ def write_grid(
             dtype='float32', crs=projection, compress='deflate',
             transform=from_origin(west, top, cell_m, cell_m),
         ) as raster:  # fmt: skip
+            if doubts:
+                raster.update_tags(DOUBTS='\n'.join(doubts))
             for number, band in enumerate(bands, 1):
                 raster.write(np.flipud(band.values).astype(np.float32), number)
                 raster.set_band_description(number, band.meaning)

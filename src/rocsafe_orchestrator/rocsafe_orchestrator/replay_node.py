@@ -15,6 +15,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import Trigger
 
 from rocsafe_interfaces.msg import AccumulatedDose, HazardSourceArray, ShotReceipt
+from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.replay.feed import Feed, Input, StoredShot
 from rocsafe_orchestrator.replay.recorded_inputs import (
     RecordedInputs,
@@ -42,7 +43,7 @@ class ReplayNode(Node):
         self.feed = Feed([*inputs.readings, *inputs.shots])
         self.rejected: dict[str, str] = {}
         self.sources: tuple[tuple[float, float, float], ...] = ()
-        self.sources_ns = 0
+        self._asked: Any = None
         self._inputs = inputs
         self._clock_out = topics.create_publisher(self, topics.CLOCK)
         self._region = topics.create_publisher(self, topics.REGION)
@@ -55,15 +56,22 @@ class ReplayNode(Node):
             topics.create_subscription(self, topics.ACCUMULATED_DOSE, on_dose, name)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
         topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
+        self._asking = self.create_client(
+            topics.SUGGEST_VIEWPOINTS.call_type, topics.SUGGEST_VIEWPOINTS.name
+        )
         self._saving = self.create_client(topics.SAVE_MOSAIC.call_type, topics.SAVE_MOSAIC.name)
         if inputs.region is not None:
             self._region.publish(inputs.region)
         self.create_timer(TICK_S, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    @property
     def is_localized(self) -> bool:
-        """Whether the sources are those of all readings."""
-        return self.sources_ns >= self._inputs.newest_ns
+        """Return whether the localizer answers, which it does when it used all readings."""
+        if self._asked is not None and self._asked.done():
+            answer, self._asked = self._asked.result(), None
+            return bool(answer.status != SuggestViewpoints.Response.NOT_YET)
+        if self._asked is None:
+            self._asked = self._asking.call_async(SuggestViewpoints.Request(count=0))
+        return False
 
     def save(self) -> Any:
         """Ask for the map and return the future of the answer."""
@@ -99,7 +107,7 @@ class ReplayNode(Node):
         self.feed.on_receipt(receipt.shot_id)
 
     def _on_sources(self, found: HazardSourceArray) -> None:
-        self.sources_ns, self.sources = time_of(found), sources_of(found)
+        self.sources = sources_of(found)
 
 
 @contextmanager

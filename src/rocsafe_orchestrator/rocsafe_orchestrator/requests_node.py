@@ -18,12 +18,13 @@ from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
-from rocsafe_orchestrator.processes.node_parameters import FLEET
+from rocsafe_orchestrator.parameters import goal_conversions
+from rocsafe_orchestrator.parameters.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
+from rocsafe_orchestrator.watches.operator_watch import Verb
+from rocsafe_orchestrator.watches.retreat import retreat
 from rocsafe_ros import topics
 from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
@@ -140,7 +141,7 @@ class Requests:
         return bool(client.server_is_ready())
 
     def command_fleet(self, verb: Verb) -> None:
-        """Command all vehicles; what they refuse is told."""
+        """Command all vehicles, and report their refusals."""
         spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
         answer = self._services[spec.name].call_async(FleetCommand.Request())
         answer.add_done_callback(self._on_fleet)
@@ -151,17 +152,26 @@ class Requests:
                 self._remark(answer.message)
 
     def _send_plan(self, order: Order) -> None:
-        goal = conversions.plan_goal(self._scenario)
-        if self._mission is not None and self._mission.is_gathering and self._plan is not None:
-            goal = conversions.rest_goal(
-                self._scenario, (self._plan, self._routes), self._monitor, self._mission.able
+        goal = goal_conversions.plan_goal(self._scenario)
+        if (
+            self._mission is not None
+            and self._mission.fleet.is_gathering
+            and self._plan is not None
+        ):
+            goal = goal_conversions.rest_goal(
+                self._scenario,
+                (self._plan, self._routes),
+                self._monitor,
+                self._mission.fleet.others,
             )
             self._visited = list(goal.visited)
-            if len(self._visited) == conversions.viewpoint_count(self._plan):
+            if len(self._visited) == goal_conversions.viewpoint_count(self._plan):
                 self._mission.nothing_left()
                 return
         elif self._viewpoints:
-            goal = conversions.further_goal(goal, self._viewpoints, list(self._plans.values()))
+            goal = goal_conversions.further_goal(
+                goal, self._viewpoints, list(self._plans.values())
+            )
         self._send_goal(self._planner, goal, order, self._on_plan)
 
     def _send_fly(self, order: Order) -> None:
@@ -285,11 +295,11 @@ class Requests:
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
             return
-        if unseen := conversions.unseen_viewpoint(self._scenario, result.plan):
+        if unseen := goal_conversions.unseen_viewpoint(self._scenario, result.plan):
             self._mission.refused(order, unseen)
             return
         visited, self._visited = self._visited, []
-        if self._mission.is_gathering and self._plan is not None:
+        if self._mission.fleet.is_gathering and self._plan is not None:
             self._photographed += len(visited)
             self._replaces = True
             del self._plans[self._plan.plan_id]
@@ -297,14 +307,14 @@ class Requests:
         self._routes.update(((result.plan.plan_id, r.vehicle), r) for r in result.plan.routes)
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
-        expected = sum(map(conversions.viewpoint_count, self._plans.values()))
+        expected = sum(map(goal_conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        viewpoints = conversions.viewpoint_count(result.plan)
+        viewpoints = goal_conversions.viewpoint_count(result.plan)
         self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._routed = [route.vehicle for route in routed]
         real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
         # The rest of a plan that was confirmed needs no confirmation of its own.
-        if real and not self._mission.is_gathering:
+        if real and not self._mission.fleet.is_gathering:
             self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
         else:
             self._mission.planned(self._routed, len(visited))
@@ -316,7 +326,7 @@ class Requests:
             self._mission.planned(self._routed)
 
     def reject(self, text: str) -> None:
-        """Do not fly the plan that waits for a confirmation, and say why."""
+        """Refuse the plan that waits for a confirmation, with the reason."""
         self.unconfirmed = ''
         if self._mission is not None:
             self._mission.refused(Order(kind=OrderKind.PLAN), text)

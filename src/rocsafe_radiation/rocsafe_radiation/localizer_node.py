@@ -58,7 +58,7 @@ class LocalizerNode(Node):
         self._assessment: Assessment | None = None
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._request = PendingRequest()
-        self._fitted = self._evaluated = self._looks_to_wait = 0
+        self._fitted = self._fitted_ns = self._evaluated = self._looks_to_wait = 0
         self._publish_to()
         levels = self._options.levels()
         self._watches = {name: VehicleWatch(self, name, levels) for name in self._options.vehicles}
@@ -114,7 +114,7 @@ class LocalizerNode(Node):
         except GroundError as error:
             self.get_logger().error(f'nothing localized: {error}', once=True)
             return
-        self._fitted = len(self._log)
+        self._fitted, self._fitted_ns = len(self._log), self._log.newest_ns
         options = self._options.assessment(self._log.models)
         vehicles = self._log.vehicles
         self._job = BackgroundJob(
@@ -126,7 +126,7 @@ class LocalizerNode(Node):
             self._assessment = assessment = job.result()
         except TooFewReadingsError:
             return
-        time_ns = self._log.newest_ns
+        time_ns = self._fitted_ns
         self._sources.publish(sources_message(assessment, self._log.frame, time_ns))
         self._maps.publish(dose_map_message(assessment.dose, time_ns))
         self._cordons.publish(

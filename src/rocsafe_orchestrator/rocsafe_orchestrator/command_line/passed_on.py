@@ -32,11 +32,16 @@ class PassedOn:
 PASSED_ON = (
     PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
     PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
+    PassedOn('ground', 'rocsafe_ground', 'plan the drive of a ground vehicle to evidence points'),
     PassedOn('map', 'rocsafe_mapping', 'map a folder of photographs'),
     PassedOn('scene', 'rocsafe_scene', 'check, list and render scenes; write terrain heights'),
     PassedOn('dataset', 'rocsafe_dataset', 'make labelled images of a scene for training'),
     PassedOn('changes', 'rocsafe_mapping', 'find changes between two flights'),
     PassedOn('import', 'rocsafe_mapping', 'import photographs into an image store'),
+    PassedOn('console', 'rocsafe_console', "serve the operator's page"),
+    PassedOn('users', 'rocsafe_console', 'add and remove users of the console'),
+    PassedOn('seal', 'rocsafe_console', 'seal a run, or make the key that signs seals'),
+    PassedOn('verify', 'rocsafe_console', 'find what has been changed in a sealed run'),
     PassedOn('repository', 'rocsafe_mapping', 'receive photographs over HTTP and store them'),
 )
 

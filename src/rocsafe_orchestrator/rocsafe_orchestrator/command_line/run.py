@@ -48,6 +48,9 @@ def add_to(commands: Commands) -> None:
         help='let real vehicles take off by the plan with this hash, as a terminal asks for it; '
         'may be given several times',
     )
+    parser.add_argument(
+        '--console', action='store_true', help="serve the operator's page while the mission runs"
+    )
     parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
     parser.set_defaults(command=_run)
 
@@ -57,7 +60,7 @@ def _run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.run_command import RunRequest, run_scenario
+    from rocsafe_orchestrator.mission_commands.run_command import RunRequest, run_scenario
 
     request = RunRequest(
         scenario=arguments.scenario,
@@ -67,5 +70,6 @@ def _run(arguments: argparse.Namespace) -> int:
         config=arguments.config,
         is_quiet=arguments.quiet,
         confirmed=frozenset(arguments.confirm),
+        has_console=arguments.console,
     )
     return run_scenario(request, Console())

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from rocsafe_orchestrator.mission.situation import Crew
-from rocsafe_orchestrator.processes import node_parameters as parameters
-from rocsafe_orchestrator.processes.air_parameters import (
+from rocsafe_orchestrator.parameters import node_parameters as parameters
+from rocsafe_orchestrator.parameters.air_parameters import (
     ESTIMATOR,
     air_parameters,
     estimator_parameters,
 )
-from rocsafe_orchestrator.processes.field_parameters import field_parameters
-from rocsafe_orchestrator.processes.node_parameters import AIR, BRIDGE, FLEET
+from rocsafe_orchestrator.parameters.field_parameters import field_parameters
+from rocsafe_orchestrator.parameters.node_parameters import AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a recorded run has for the nodes that are replayed, and what they made of it then."""
+"""Recorded inputs of the nodes that are replayed, and their recorded results."""
 
 import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
-from mcap_ros2.decoder import DecoderFactory
 
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.errors import OrchestratorError
@@ -17,7 +17,7 @@ from rocsafe_orchestrator.recording.segments import stamp_ns
 from rocsafe_orchestrator.replay.feed import RecordedReading, StoredShot
 from rocsafe_orchestrator.run_directory import RunDirectory
 
-_REGION, _READINGS, _SOURCES = '/region', '/radiation', '/hazard/sources'
+_REGION, _READINGS = '/region', '/radiation'
 
 
 class ReplayError(OrchestratorError):
@@ -35,7 +35,8 @@ class RecordedInputs:
     readings, shots
         All readings, and the photographs of the image store.
     sources
-        Position and strength of each source of the last estimate: degrees, degrees, uSv/h at 1 m.
+        Position and strength of each source among the products: degrees, degrees, uSv/h at 1 m.
+        The last estimate of the localizer in flight may lack the last readings.
     photographs
         Records of the photographs by shot id.
     """
@@ -45,11 +46,6 @@ class RecordedInputs:
     shots: tuple[StoredShot, ...]
     sources: tuple[tuple[float, float, float], ...]
     photographs: dict[str, Photograph]
-
-    @property
-    def newest_ns(self) -> int:
-        """Time of the last reading, 0 without any."""
-        return max((reading.time_ns for reading in self.readings), default=0)
 
 
 def read_inputs(run: RunDirectory) -> RecordedInputs:
@@ -64,8 +60,6 @@ def read_inputs(run: RunDirectory) -> RecordedInputs:
     try:
         with run.recording.open('rb') as stream:
             region, readings = _messages(stream)
-            stream.seek(0)
-            sources = _last_sources(stream)
     except (McapError, OSError) as error:
         raise ReplayError(f'{run.recording}: cannot be read: {error}') from error
     return RecordedInputs(
@@ -75,7 +69,7 @@ def read_inputs(run: RunDirectory) -> RecordedInputs:
             StoredShot(time_ns=shot.time_ns, vehicle=shot.vehicle, shot_id=shot.shot_id)
             for shot in photographs.values()
         ),
-        sources=sources,
+        sources=_sources(run.path / 'sources.json'),
         photographs=photographs,
     )
 
@@ -94,12 +88,22 @@ def _messages(stream: Any) -> tuple[bytes | None, list[RecordedReading]]:
     return region, readings
 
 
-def _last_sources(stream: Any) -> tuple[tuple[float, float, float], ...]:
-    last: Any = None
-    reader = make_reader(stream, decoder_factories=[DecoderFactory()])
-    for found in reader.iter_decoded_messages(topics=[_SOURCES], log_time_order=False):
-        last = found.decoded_message
-    return sources_of(last) if last is not None else ()
+def _sources(path: Path) -> tuple[tuple[float, float, float], ...]:
+    """Return the sources of a product, none without the file."""
+    if not path.is_file():
+        return ()
+    try:
+        rows = json.loads(path.read_text(encoding='utf-8'))['sources']
+        return tuple(
+            (
+                float(row['place']['latitude_deg']),
+                float(row['place']['longitude_deg']),
+                float(row['dose_rate_at_1m_usvh']),
+            )
+            for row in rows
+        )
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ReplayError(f'{path}: cannot be read: {error!r}') from error
 
 
 def sources_of(message: Any) -> tuple[tuple[float, float, float], ...]:

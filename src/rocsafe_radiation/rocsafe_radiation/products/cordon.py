@@ -117,20 +117,20 @@ def cordon_geojson(
         for cordon in found
         if not cordon.area.is_empty
     ]
-    return {'type': 'FeatureCollection', 'features': features}
+    return {'type': 'FeatureCollection', 'features': features, 'doubts': list(doubts)}
 
 
-def cordon_kml(found: Sequence[Cordon], frame: LocalFrame) -> str:
-    """Return the cordons as KML 2.2, clamped to the ground."""
+def cordon_kml(found: Sequence[Cordon], frame: LocalFrame, doubts: Sequence[str] = ()) -> str:
+    """Return the cordons as KML 2.2, clamped to the ground; `doubts` stand in each description."""
     levels = sorted({cordon.level_usvh for cordon in found})
     areas = (
         MarkedArea(
             area=cordon.area,
             name=f'{cordon.level_usvh:g} µSv/h, {CONFIDENCE_MEANINGS[cordon.confidence]}',
-            description=cordon.description(),
+            description='; '.join([cordon.description(), *doubts]),
             colour=KML_COLOURS[levels.index(cordon.level_usvh) % len(KML_COLOURS)],
             width=2 if cordon.confidence == MEAN else 1,
         )
         for cordon in found
     )
-    return areas_kml(areas, frame)
+    return areas_kml(areas, frame, '; '.join(doubts))

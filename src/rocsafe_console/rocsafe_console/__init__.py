@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Page of the operator: see, decide, answer for it."""

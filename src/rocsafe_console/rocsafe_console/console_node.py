@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node of the console: hears a mission into the picture, and sends orders to vehicles.
+
+It publishes nothing. It is not part of a mission: it finds the vehicles of its ROS domain by their
+topic `state`, and goes on when a mission ends and another one begins.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from nav_msgs.msg import OccupancyGrid
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from rocsafe_console import conversions
+from rocsafe_console.evidence.desk import Desk, Event
+from rocsafe_console.orders.order_book import Order
+from rocsafe_console.orders_node import Finish, Orders
+from rocsafe_console.picture.alarms import ERROR, WARN
+from rocsafe_console.picture.dose_image import corners_of, png_of
+from rocsafe_console.picture.live import Live
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_interfaces.msg import (
+    AccumulatedDose,
+    Decision,
+    DoseAlarm,
+    MissionState,
+    Mosaic,
+    ShotReceipt,
+    VehicleEvent,
+    VehicleState,
+    WindReading,
+)
+from rocsafe_ros import topics
+
+STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
+LOOK_S = 0.5
+POSTED_S = 0.02
+
+
+class ConsoleNode(Node):
+    """Hears the mission of this ROS domain.
+
+    Parameters
+    ----------
+    live
+        Written here, under its lock.
+    desk
+        Takes what the evidence log keeps.
+    """
+
+    def __init__(self, live: Live, desk: Desk, **node_options: Any) -> None:
+        super().__init__('console', start_parameter_services=False, **node_options)
+        self._live = live
+        self._desk = desk
+        self._frame: LocalFrame | None = None
+        self._grid: OccupancyGrid | None = None
+        self._cordons: MarkerArray | None = None
+        self._vehicles: set[str] = set()
+        self._posted: deque[Callable[[], None]] = deque()
+        self.orders = Orders(self)
+        for spec, heard in (
+            (topics.MISSION_STATE, self._on_mission),
+            (topics.DECISIONS, self._on_decision),
+            (topics.HAZARD_SOURCES, self._on_section('sources', conversions.sources_of)),
+            (topics.REGION, self._on_section('region', conversions.region_of)),
+            (topics.PLAN, self._on_section('plan', conversions.plan_of)),
+            (topics.DOSE_MAP, self._on_dose_map),
+            (topics.CORDONS, self._on_cordons),
+            (topics.MOSAIC, self._on_mosaic),
+            (topics.RECEIPTS, self._on_receipt),
+            (topics.TF_STATIC, self._on_frames),
+        ):
+            topics.create_subscription(self, spec, heard)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(LOOK_S, self._look, clock=steady)
+        self.create_timer(POSTED_S, self._do_posted, clock=steady)
+
+    def post(self, task: Callable[[], None]) -> None:
+        """Do `task` in the thread of this node, soon; may be called from any thread."""
+        self._posted.append(task)
+
+    def send_order(self, order: Order, names: tuple[str, ...], finish: Finish) -> None:
+        """Send an order, and give `finish` one result of each vehicle; from any thread."""
+        self.post(lambda: self.orders.send(order, names, finish))
+
+    def _do_posted(self) -> None:
+        while self._posted:
+            self._posted.popleft()()
+
+    # Vehicles.
+
+    def _look(self) -> None:
+        """Subscribe to vehicles that are new in the domain."""
+        for full, types in self.get_topic_names_and_types():
+            name = full.strip('/').removesuffix('/state')
+            if STATE_TYPE in types and '/' not in name and name not in self._vehicles:
+                self._vehicles.add(name)
+                self._watch(name)
+
+    def _watch(self, name: str) -> None:
+        self.orders.add(name)
+        for spec, heard in (
+            (topics.STATE, self._on_state),
+            (topics.FIX, self._on_fix),
+            (topics.RADIATION, self._on_radiation),
+            (topics.ACCUMULATED_DOSE, self._on_dose),
+            (topics.DOSE_ALARM, self._on_alarm),
+            (topics.EVENTS, self._on_event),
+            (topics.CONTROL, self._on_control),
+            (topics.HOME, self._on_home),
+            (topics.ANEMOMETER, self._on_wind),
+        ):
+            topics.create_subscription(self, spec, partial(heard, name), name)
+
+    def _on_state(self, _name: str, message: VehicleState) -> None:
+        with self._live.lock:
+            self._live.picture.on_report(conversions.report_of(message), time.time())
+
+    def _on_fix(self, name: str, message: Any) -> None:
+        place = (message.latitude, message.longitude, message.altitude)
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        with self._live.lock:
+            self._live.picture.on_fix(name, place, stamp_s, time.time())
+
+    def _on_radiation(self, name: str, message: Any) -> None:
+        with self._live.lock:
+            self._live.picture.on_reading(conversions.reading_of(name, message), time.time())
+
+    def _on_dose(self, name: str, message: AccumulatedDose) -> None:
+        with self._live.lock:
+            self._live.picture.on_dose(
+                name, message.dose_usv, is_lower_limit=message.is_lower_limit
+            )
+
+    def _on_alarm(self, name: str, message: DoseAlarm) -> None:
+        if message.triggered:
+            severity = ERROR if message.turns_back else WARN
+            self._alarm(severity, name, conversions.alarm_text(name, message))
+
+    def _on_event(self, name: str, message: VehicleEvent) -> None:
+        if message.severity >= VehicleEvent.WARN:
+            severity = ERROR if message.severity == VehicleEvent.ERROR else WARN
+            self._alarm(severity, name, f'{name}: {message.text}')
+
+    def _alarm(self, severity: str, name: str, text: str) -> None:
+        with self._live.lock:
+            alarm = self._live.picture.alarm(time.time(), severity, name, text)
+        if alarm is not None:
+            self._tell('alarm', name, severity=severity, text=text)
+
+    def _on_control(self, name: str, message: Any) -> None:
+        with self._live.lock:
+            self._live.picture.on_holder(name, conversions.holder_of(message), time.time())
+        if message.text:
+            self._tell('lease', name, holder=message.holder, text=message.text)
+
+    def _on_home(self, name: str, message: Any) -> None:
+        with self._live.lock:
+            self._live.picture.on_home(name, conversions.home_of(message))
+
+    def _on_wind(self, name: str, message: WindReading) -> None:
+        self._put('wind', conversions.wind_of(name, message))
+
+    # The mission.
+
+    def _on_mission(self, message: MissionState) -> None:
+        mission = conversions.mission_of(message)
+        with self._live.lock:
+            before = self._live.picture.mission
+            if before is not None and before.mission_id != mission.mission_id:
+                self._live.begin()
+            self._live.picture.on_mission(mission, time.time())
+        if before is None or (before.mission_id, before.phase) != (
+            mission.mission_id,
+            mission.phase,
+        ):
+            self._desk.on_mission(mission.mission_id)
+            self._tell('phase', 'orchestrator', phase=mission.phase, text=mission.text)
+
+    def _on_decision(self, message: Decision) -> None:
+        decision = conversions.decision_of(message)
+        with self._live.lock:
+            self._live.picture.on_decision(decision, time.time())
+        self._tell('decision', decision.pop('by'), **decision)
+
+    def _on_section(self, name: str, convert: Callable[[Any], Any]) -> Callable[[Any], None]:
+        def on_message(message: Any) -> None:
+            self._put(name, convert(message))
+
+        return on_message
+
+    def _put(self, name: str, value: Any) -> None:
+        with self._live.lock:
+            self._live.picture.sections.put(name, value)
+
+    def _on_receipt(self, message: ShotReceipt) -> None:
+        if message.status == ShotReceipt.REJECTED:
+            text = f'{message.vehicle}: photograph {message.shot_id} rejected: {message.reason}'
+            self._alarm(WARN, message.vehicle, text)
+            return
+        with self._live.lock:
+            self._live.note_photograph(message.shot_id, Path(message.path))
+            stamp_s = conversions.seconds_of(message.header.stamp)
+            newest = {'shot_id': message.shot_id, 'vehicle': message.vehicle, 'stamp_s': stamp_s}
+            self._live.picture.sections.put('photograph', {**newest, 'heard_s': time.time()})
+        if message.status == ShotReceipt.STORED:
+            what = {'shot_id': message.shot_id, 'sha256': message.sha256}
+            self._tell('photograph', message.vehicle, **what)
+
+    def _on_mosaic(self, message: Mosaic) -> None:
+        with self._live.lock:
+            self._live.images['mosaic'] = bytes(message.preview.data)
+            value = {**conversions.mosaic_of(message), 'heard_s': time.time()}
+            self._live.picture.sections.put('mosaic', value)
+
+    def _on_frames(self, message: TFMessage) -> None:
+        frame = conversions.frame_of(message)
+        if frame is not None:
+            self._frame = frame
+            if self._grid is not None:
+                self._on_dose_map(self._grid)
+            if self._cordons is not None:
+                self._on_cordons(self._cordons)
+
+    def _on_dose_map(self, message: OccupancyGrid) -> None:
+        self._grid = message
+        if self._frame is None or not message.data:
+            return
+        grid = conversions.grid_of(message)
+        corners, picture = corners_of(grid, self._frame), png_of(grid)
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        with self._live.lock:
+            self._live.images['dose_map'] = picture
+            value = {'stamp_s': stamp_s, 'corners': corners, 'heard_s': time.time()}
+            self._live.picture.sections.put('dose_map', value)
+
+    def _on_cordons(self, message: MarkerArray) -> None:
+        self._cordons = message
+        if self._frame is not None:
+            self._put('cordons', conversions.cordons_of(message, self._frame))
+
+    def _tell(self, kind: str, by: str, **what: Any) -> None:
+        self._desk.add(Event(time_s=time.time(), kind=kind, by=by, what=what))

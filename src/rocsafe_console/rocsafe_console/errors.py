@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Errors of the console."""
+
+
+class ConsoleError(Exception):
+    """The console cannot do what was asked; the text is for people."""
+
+
+class RefusedError(ConsoleError):
+    """A request is refused: it names who may not, or what has changed."""
+
+
+class EvidenceError(ConsoleError):
+    """The evidence of a run has been changed, or cannot be read."""

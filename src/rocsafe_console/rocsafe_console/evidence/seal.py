@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The seal of a run: hashes of all its files and of its log, signed with Ed25519.
+
+``seal-0001.json`` in the folder of the run has the SHA-256 and size of each file, the state of the
+evidence log, who sealed it and when, the seal before, and if there is a key the signature and the
+public key. Raw evidence never changes after its first seal. Products that are made again
+(`PRODUCTS`) may: they become a new seal beside the old ones.
+"""
+
+import base64
+import hashlib
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from cryptography.exceptions import InvalidSignature
+from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
+
+from rocsafe_console.errors import EvidenceError
+from rocsafe_console.evidence.chain import LOG_NAME, line_of, read_log
+from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
+
+FORMAT = 'rocsafe-seal-1'
+# Files that `rocsafe report` and `rocsafe map` make again from the raw evidence.
+PRODUCTS = ('report.html', 'summary.json', 'readings.csv', 'map/', 'mosaic')
+_PIECE_BYTES = 2**20
+
+
+def make_key(path: Path) -> str:
+    """Make a new signing key in a file that only its owner can read; return its public key.
+
+    Raises
+    ------
+    EvidenceError
+        If the file is there already, or cannot be written.
+    """
+    key = Ed25519PrivateKey.generate()
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with path.open('xb') as file:
+            path.chmod(0o600)
+            file.write(base64.b64encode(key.private_bytes_raw()) + b'\n')
+    except OSError as error:
+        raise EvidenceError(f'{path}: {error.strerror}') from error
+    return _public_text(key)
+
+
+def read_key(path: Path) -> Ed25519PrivateKey:
+    """Return the signing key in a file; raises `EvidenceError` naming the file."""
+    try:
+        return Ed25519PrivateKey.from_private_bytes(base64.b64decode(read_secret(path)))
+    except SecretFileError as error:
+        raise EvidenceError(str(error)) from error
+    except ValueError as error:
+        raise EvidenceError(f'{path} holds no signing key: make one by seal --make-key') from error
+
+
+def public_key_of(path: Path) -> str:
+    """Return the public key of the signing key in a file, as text; raises `EvidenceError`."""
+    return _public_text(read_key(path))
+
+
+def seal_run(
+    run: Path, time_s: float, by: str, version: str, key: Ed25519PrivateKey | None = None
+) -> Path:
+    """Seal a run and return the file of the seal.
+
+    Parameters
+    ----------
+    time_s
+        By the clock on the wall, seconds since 1970.
+    by, version
+        Who seals it, and with which version of the code.
+    key
+        Signs the seal; None: it is not signed.
+
+    Raises
+    ------
+    EvidenceError
+        If raw evidence differs from an earlier seal, or the log is no whole chain.
+    """
+    before = seals_of(run)
+    files = {str(path.relative_to(run)): _fingerprint(path) for path in _files(run)}
+    if before:
+        faults = [line for line in _differences(_content(before[-1]), files) if line[0] == 'raw']
+        if faults:
+            raise EvidenceError('; '.join(text for _, text in faults))
+    entries = read_log(run / LOG_NAME)
+    content: dict[str, Any] = {
+        'format': FORMAT,
+        'run': run.name,
+        'time_s': time_s,
+        'by': by,
+        'version': version,
+        'before': hashlib.sha256(before[-1].read_bytes()).hexdigest() if before else None,
+        'log': {'lines': len(entries), 'last': entries[-1]['hash'] if entries else None},
+        'files': files,
+    }
+    signed: dict[str, Any] = {'seal': content}
+    if key is not None:
+        signed['public_key'] = _public_text(key)
+        signed['signature'] = base64.b64encode(key.sign(line_of(content))).decode()
+    path = run / f'seal-{len(before) + 1:04d}.json'
+    write_whole(path, json.dumps(signed, sort_keys=True, indent=1).encode() + b'\n')
+    return path
+
+
+def seals_of(run: Path) -> list[Path]:
+    """Return the seals of a run, the first one first."""
+    return sorted(run.glob('seal-[0-9][0-9][0-9][0-9].json'))
+
+
+def verify_run(run: Path, public_key: str = '') -> list[str]:
+    """Return what is wrong with a run, one line each; none: every byte is as it was sealed.
+
+    Parameters
+    ----------
+    public_key
+        That must have signed it; empty: any, named by the seal.
+    """
+    seals = seals_of(run)
+    if not seals:
+        return [f'{run} is not sealed']
+    lines: list[str] = []
+    before = None
+    try:
+        for path in seals:
+            content = _content(path, public_key)
+            if content['before'] != before:
+                lines.append(f'{path.name}: does not follow the seal before')
+            before = hashlib.sha256(path.read_bytes()).hexdigest()
+        lines += _log_faults(run, content)
+    except EvidenceError as error:
+        return [str(error)]
+    files = {str(path.relative_to(run)): _fingerprint(path) for path in _files(run)}
+    return lines + [text for _, text in _differences(content, files)]
+
+
+def signer_of(seal: Path) -> str:
+    """Return the public key that signed a seal, empty if none did."""
+    return str(json.loads(seal.read_bytes()).get('public_key', ''))
+
+
+def _log_faults(run: Path, content: dict[str, Any]) -> list[str]:
+    """Return what is wrong with the log: lines may have been added since the seal."""
+    entries, sealed = read_log(run / LOG_NAME), content['log']
+    if len(entries) < sealed['lines']:
+        return [f'{LOG_NAME}: has {len(entries)} lines, {sealed["lines"]} were sealed']
+    if sealed['lines'] and entries[sealed['lines'] - 1]['hash'] != sealed['last']:
+        return [f'{LOG_NAME}: is not the log that was sealed']
+    return []
+
+
+def _content(path: Path, public_key: str = '') -> dict[str, Any]:
+    """Return the content of a seal whose signature is right; raises `EvidenceError`."""
+    try:
+        signed = json.loads(path.read_bytes())
+        content: dict[str, Any] = signed['seal']
+        if content['format'] != FORMAT:
+            raise EvidenceError(f'{path.name}: its format is {content["format"]!r}')
+        signer = signed.get('public_key', '')
+        if public_key and signer != public_key:
+            raise EvidenceError(f'{path.name}: is not signed with the key {public_key}')
+        if signer:
+            key = Ed25519PublicKey.from_public_bytes(base64.b64decode(signer))
+            key.verify(base64.b64decode(signed['signature']), line_of(content))
+    except InvalidSignature as error:
+        raise EvidenceError(f'{path.name}: the signature is not right') from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise EvidenceError(f'{path.name}: is no seal') from error
+    return content
+
+
+def _differences(
+    content: dict[str, Any], files: dict[str, dict[str, Any]]
+) -> Iterator[tuple[str, str]]:
+    """Yield kind (raw or product) and text of each file that is not as it was sealed."""
+    sealed = content['files']
+    for name in sorted(sealed.keys() | files.keys()):
+        kind = 'product' if name.startswith(PRODUCTS) else 'raw'
+        if name not in files:
+            yield kind, f'{name}: is gone'
+        elif name not in sealed:
+            yield 'added', f'{name}: is not in the seal'
+        elif files[name] != sealed[name]:
+            yield kind, f'{name}: has been changed'
+
+
+def _files(run: Path) -> Iterator[Path]:
+    """Yield what a seal covers: every file but the log, which grows, and seals."""
+    seals = set(seals_of(run))
+    for path in sorted(run.rglob('*')):
+        if path.is_file() and path not in seals and path != run / LOG_NAME:
+            yield path
+
+
+def _fingerprint(path: Path) -> dict[str, Any]:
+    digest, size = hashlib.sha256(), 0
+    with path.open('rb') as file:
+        while piece := file.read(_PIECE_BYTES):
+            digest.update(piece)
+            size += len(piece)
+    return {'sha256': digest.hexdigest(), 'bytes': size}
+
+
+def _public_text(key: Ed25519PrivateKey) -> str:
+    return base64.b64encode(key.public_key().public_bytes_raw()).decode()

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cursor on Target events (MITRE MTR 04W0000010, version 2.0), which ATAK and WinTAK show.
+
+Heights are above the WGS84 ellipsoid, as all altitudes of the project, so that nothing is
+converted.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from xml.etree import ElementTree as Xml
+
+from rocsafe_console.picture.picture import Picture
+from rocsafe_view import formats
+
+# What the standard has for an unknown error or height.
+UNKNOWN_M = 9_999_999.0
+ROTARY_UAV, SPOT, SHAPE = 'a-f-A-M-H-Q', 'b-m-p-s-m', 'u-d-f'
+PERIOD_S = 1.0
+# Three periods without an event: the receiver shows it as old.
+STALE_S = 3.0 * PERIOD_S
+LASTING_STALE_S = 60.0
+# A datagram is not to be cut into pieces.
+MOST_POINTS = 24
+MULTICAST = ('239.2.3.1', 6969)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """One event: who, what, where, until when."""
+
+    uid: str
+    kind: str
+    callsign: str
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float = math.nan
+    circular_error_m: float = math.nan
+    stale_s: float = STALE_S
+    remarks: str = ''
+    ring: tuple[tuple[float, float], ...] = field(default=())
+
+    def to_xml(self, now_s: float) -> bytes:
+        """Return the event as it is at `now_s`, seconds since 1970."""
+        times = {'time': _time(now_s), 'start': _time(now_s), 'stale': _time(now_s + self.stale_s)}
+        named = {'version': '2.0', 'uid': self.uid, 'type': self.kind, 'how': 'm-g'}
+        event = Xml.Element('event', {**named, **times})
+        Xml.SubElement(
+            event,
+            'point',
+            lat=f'{self.latitude_deg:.7f}',
+            lon=f'{self.longitude_deg:.7f}',
+            hae=f'{_known(self.altitude_m):.1f}',
+            ce=f'{_known(self.circular_error_m):.1f}',
+            le=f'{UNKNOWN_M:.1f}',
+        )
+        detail = Xml.SubElement(event, 'detail')
+        Xml.SubElement(detail, 'contact', callsign=self.callsign)
+        if self.remarks:
+            Xml.SubElement(detail, 'remarks').text = self.remarks
+        for latitude, longitude in self.ring:
+            Xml.SubElement(detail, 'link', point=f'{latitude:.7f},{longitude:.7f}')
+        return bytes(Xml.tostring(event, encoding='utf-8', xml_declaration=True))
+
+
+def events_of(picture: Picture, now_s: float) -> list[Event]:
+    """Return an event of each vehicle that is alive, each source, cordon and mark."""
+    mission = picture.mission.mission_id if picture.mission else 'none'
+    prefix = f'rocsafe.{mission}'
+    return [
+        *_vehicles(picture, prefix, now_s),
+        *_sources(picture, prefix),
+        *_cordons(picture, prefix),
+        *_marks(picture, prefix),
+    ]
+
+
+def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
+    for vehicle in picture.vehicles.values():
+        # Nothing old is sent: the receiver would take it for new.
+        if now_s - vehicle.heard_s <= STALE_S and math.isfinite(vehicle.latitude_deg):
+            rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_usvh))
+            yield Event(
+                uid=f'{prefix}.{vehicle.name}',
+                kind=ROTARY_UAV,
+                callsign=vehicle.name,
+                latitude_deg=vehicle.latitude_deg,
+                longitude_deg=vehicle.longitude_deg,
+                altitude_m=vehicle.altitude_m,
+                remarks=f'{vehicle.report.state_name}, {rate}',
+            )
+
+
+def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
+    for one in (picture.sections.value('sources') or {}).get('sources', []):
+        strength = formats.spaced(formats.dose_rate(one['dose_rate_at_1m_usvh']))
+        yield Event(
+            uid=f'{prefix}.source.{one["id"]}',
+            kind=SPOT,
+            callsign=f'source {one["id"]}',
+            latitude_deg=one['place'][0],
+            longitude_deg=one['place'][1],
+            circular_error_m=max(one['half_axes_m']),
+            stale_s=LASTING_STALE_S,
+            remarks=f'{strength} at 1 m, evidence {one["evidence"]}; estimated',
+        )
+
+
+def _cordons(picture: Picture, prefix: str) -> Iterator[Event]:
+    for number, one in enumerate(picture.sections.value('cordons') or [], 1):
+        if one['is_mean'] or len(one['ring']) < 3:
+            continue
+        step = math.ceil(len(one['ring']) / MOST_POINTS)
+        ring = tuple((place[0], place[1]) for place in (*one['ring'][::step], one['ring'][-1]))
+        level = formats.spaced(formats.dose_rate(one['level_usvh']))
+        yield Event(
+            uid=f'{prefix}.cordon.{number}',
+            kind=SHAPE,
+            callsign=f'cordon {level}',
+            latitude_deg=ring[0][0],
+            longitude_deg=ring[0][1],
+            stale_s=LASTING_STALE_S,
+            remarks='upper 95 % of the dose rate',
+            ring=ring,
+        )
+
+
+def _marks(picture: Picture, prefix: str) -> Iterator[Event]:
+    for number, one in enumerate(picture.sections.value('marks') or [], 1):
+        yield Event(
+            uid=f'{prefix}.mark.{number}',
+            kind=SPOT,
+            callsign=one['text'][:40],
+            latitude_deg=one['latitude_deg'],
+            longitude_deg=one['longitude_deg'],
+            stale_s=LASTING_STALE_S,
+            remarks=f'{one["text"]} ({one["by"]})',
+        )
+
+
+def _known(value: float) -> float:
+    return value if math.isfinite(value) else UNKNOWN_M
+
+
+def _time(seconds: float) -> str:
+    at = datetime.fromtimestamp(seconds, tz=timezone.utc)
+    return f'{at:%Y-%m-%dT%H:%M:%S}.{at.microsecond // 1000:03d}Z'

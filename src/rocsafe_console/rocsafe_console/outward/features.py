@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture as GeoJSON, in the collections of OGC API - Features (OGC 17-069r4)."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from rocsafe_console.picture.picture import Picture
+
+Feature = dict[str, Any]
+CONFORMANCE = (
+    'http://www.opengis.net/spec/ogcapi-features-1/1.0/conf/core',
+    'http://www.opengis.net/spec/ogcapi-features-1/1.0/conf/geojson',
+)
+GEOJSON = 'application/geo+json'
+MOST_ITEMS = 10_000
+
+
+def landing_of(base: str) -> dict[str, Any]:
+    """Return the landing page; `base` is its address without a slash at the end."""
+    return {
+        'title': 'ROCSAFE',
+        'description': 'The mission as it is now; WGS84 longitude and latitude.',
+        'links': [
+            _link(base, 'self', 'application/json'),
+            _link(f'{base}/conformance', 'conformance', 'application/json'),
+            _link(f'{base}/collections', 'data', 'application/json'),
+        ],
+    }
+
+
+def collections_of(base: str) -> dict[str, Any]:
+    """Return the list of collections."""
+    return {
+        'links': [_link(f'{base}/collections', 'self', 'application/json')],
+        'collections': [collection_of(base, name) for name in COLLECTIONS],
+    }
+
+
+def collection_of(base: str, name: str) -> dict[str, Any]:
+    """Return one collection; raises `KeyError` if there is none of this name."""
+    title, _ = COLLECTIONS[name]
+    return {
+        'id': name,
+        'title': title,
+        'itemType': 'feature',
+        'crs': ['http://www.opengis.net/def/crs/OGC/1.3/CRS84'],
+        'links': [_link(f'{base}/collections/{name}/items', 'items', GEOJSON)],
+    }
+
+
+def items_of(base: str, name: str, picture: Picture, now_s: float, limit: int) -> dict[str, Any]:
+    """Return the features of a collection as it is now.
+
+    Raises
+    ------
+    KeyError
+        If there is no collection of this name.
+    ValueError
+        If `limit` is not within 1 and 10000.
+    """
+    if not 1 <= limit <= MOST_ITEMS:
+        raise ValueError(f'limit = {limit}: must be within 1 and {MOST_ITEMS}')
+    _, make = COLLECTIONS[name]
+    features = [{'type': 'Feature', 'id': n, **f} for n, f in enumerate(make(picture, now_s), 1)]
+    return {
+        'type': 'FeatureCollection',
+        'features': features[:limit],
+        'numberMatched': len(features),
+        'numberReturned': min(len(features), limit),
+        'links': [_link(f'{base}/collections/{name}/items', 'self', GEOJSON)],
+    }
+
+
+def _vehicles(picture: Picture, now_s: float) -> Iterator[Feature]:
+    for vehicle in picture.vehicles.values():
+        if math.isfinite(vehicle.latitude_deg):
+            place = [vehicle.longitude_deg, vehicle.latitude_deg]
+            altitude = [vehicle.altitude_m] if math.isfinite(vehicle.altitude_m) else []
+            age_s = now_s - vehicle.heard_s
+            yield _feature(
+                'Point',
+                [*place, *altitude],
+                vehicle=vehicle.name,
+                state=vehicle.report.state_name,
+                battery_fraction=vehicle.report.battery_fraction,
+                dose_rate_usvh=vehicle.dose_rate_usvh,
+                dose_usv=vehicle.dose_usv,
+                led_by=vehicle.holder.holder,
+                age_s=age_s,
+                is_stale=not age_s <= 3.0,
+            )
+
+
+def _tracks(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    for name, points in picture.tracks().items():
+        if len(points) > 1:
+            yield _feature('LineString', [[p[1], p[0]] for p in points], vehicle=name)
+
+
+def _region(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    region = picture.sections.value('region')
+    if region:
+        yield _feature('Polygon', _rings(region['rings']), name=region['name'])
+
+
+def _routes(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    plan = picture.sections.value('plan') or {}
+    for name, route in plan.get('routes', {}).items():
+        line = [place[::-1] for place in route['line']]
+        yield _feature('LineString', line, vehicle=name, plan_id=plan['plan_id'])
+
+
+def _exclusions(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    for rings in (picture.sections.value('plan') or {}).get('exclusions', []):
+        yield _feature('Polygon', _rings(rings))
+
+
+def _cordons(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    for one in picture.sections.value('cordons') or []:
+        line = [place[::-1] for place in one['ring']]
+        bound = 'mean' if one['is_mean'] else 'upper 95 %'
+        yield _feature('LineString', line, level_usvh=one['level_usvh'], confidence=bound)
+
+
+def _sources(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    for one in (picture.sections.value('sources') or {}).get('sources', []):
+        known = {key: value for key, value in one.items() if key not in ('place', 'half_axes_m')}
+        longer, shorter = one['half_axes_m']
+        known |= {'half_axis_95_m': longer, 'shorter_half_axis_95_m': shorter}
+        yield _feature('Point', one['place'][::-1], **known)
+
+
+def _marks(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    for one in picture.sections.value('marks') or []:
+        place = [one['longitude_deg'], one['latitude_deg']]
+        yield _feature('Point', place, text=one['text'], by=one['by'], time_s=one['time_s'])
+
+
+COLLECTIONS: Mapping[str, tuple[str, Callable[[Picture, float], Iterator[Feature]]]] = {
+    'vehicles': ('Vehicles', _vehicles),
+    'tracks': ('Flown tracks', _tracks),
+    'region': ('Region', _region),
+    'routes': ('Planned routes', _routes),
+    'exclusions': ('Exclusions', _exclusions),
+    'cordons': ('Cordons', _cordons),
+    'sources': ('Estimated sources', _sources),
+    'marks': ('Marks', _marks),
+}
+
+
+def _feature(kind: str, coordinates: list[Any], **properties: Any) -> Feature:
+    return {'geometry': {'type': kind, 'coordinates': coordinates}, 'properties': properties}
+
+
+def _rings(rings: list[list[list[float]]]) -> list[list[list[float]]]:
+    """Return rings of longitude and latitude, closed."""
+    return [[place[::-1] for place in (*ring, ring[0])] for ring in rings]
+
+
+def _link(address: str, relation: str, kind: str) -> dict[str, str]:
+    return {'href': address, 'rel': relation, 'type': kind}

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Who may do what: three roles, and one table."""
+
+from enum import Enum
+
+from rocsafe_console.errors import RefusedError
+
+
+class Role(Enum):
+    """A viewer looks, an operator commands vehicles, a commander also decides what flies."""
+
+    VIEWER = 'viewer'
+    OPERATOR = 'operator'
+    COMMANDER = 'commander'
+
+
+class Action(Enum):
+    """What somebody can ask of the console; values are the words of requests and of the log."""
+
+    SEE = 'see'
+    ACKNOWLEDGE = 'acknowledge'
+    MARK = 'mark'
+    HOLD = 'hold'
+    RESUME = 'resume'
+    RETURN = 'return'
+    LAND = 'land'
+    TAKE = 'take'
+    RELEASE = 'release'
+    GO_TO = 'go_to'
+    DRAFT = 'draft'
+    LAUNCH = 'launch'
+    SEAL = 'seal'
+    REVOKE = 'revoke'
+
+
+# Orders to vehicles; all else is to the console or to a mission.
+VERBS = frozenset(
+    {
+        Action.HOLD, Action.RESUME, Action.RETURN, Action.LAND, Action.TAKE, Action.RELEASE,
+        Action.GO_TO,
+    }
+)  # fmt: skip
+_OPERATOR = VERBS | {Action.SEE, Action.ACKNOWLEDGE, Action.MARK, Action.DRAFT}
+MAY = {
+    Role.VIEWER: frozenset({Action.SEE}),
+    Role.OPERATOR: _OPERATOR,
+    Role.COMMANDER: _OPERATOR | {Action.LAUNCH, Action.SEAL, Action.REVOKE},
+}
+
+
+def require(role: Role, action: Action) -> None:
+    """Refuse an action that a role may not do; raises `RefusedError`."""
+    if action not in MAY[role]:
+        raise RefusedError(f'a {role.value} may not {action.value.replace("_", " ")}')

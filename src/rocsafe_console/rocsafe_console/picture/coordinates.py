@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A position in the forms that responders use: decimal degrees, DMS, UTM and MGRS.
+
+MGRS after NGA.STND.0037 (2014): the letters of a 100 km square follow from the UTM coordinates;
+near the poles, where UPS would be used, there are no UTM and MGRS.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+from pyproj import Transformer
+
+from rocsafe_geo.position import GeoPosition
+
+_BANDS = 'CDEFGHJKLMNPQRSTUVWX'
+_COLUMNS = ('ABCDEFGH', 'JKLMNPQR', 'STUVWXYZ')
+_ROWS = ('ABCDEFGHJKLMNPQRSTUV', 'FGHJKLMNPQRSTUVABCDE')
+_SOUTHERN_LIMIT_DEG, _NORTHERN_LIMIT_DEG = -80.0, 84.0
+_SQUARE_M = 100_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Coordinates:
+    """One position in all forms; `utm` and `mgrs` are empty near the poles."""
+
+    decimal: str
+    dms: str
+    utm: str
+    mgrs: str
+
+
+def coordinates_of(latitude_deg: float, longitude_deg: float) -> Coordinates:
+    """Return a WGS84 position in all forms, each to a metre or finer.
+
+    Raises
+    ------
+    ValueError
+        If the position is not on the earth.
+    """
+    if not (-90.0 <= latitude_deg <= 90.0 and -180.0 <= longitude_deg <= 180.0):
+        raise ValueError(
+            f'latitude {latitude_deg}, longitude {longitude_deg}: must be within -90 and 90, '
+            '-180 and 180 degrees'
+        )
+    utm, mgrs = _grid(latitude_deg, longitude_deg)
+    return Coordinates(
+        decimal=f'{latitude_deg:.6f}, {longitude_deg:.6f}',
+        dms=f'{_dms(latitude_deg, "NS")} {_dms(longitude_deg, "EW")}',
+        utm=utm,
+        mgrs=mgrs,
+    )
+
+
+def position_of_ecef(x_m: float, y_m: float, z_m: float) -> GeoPosition:
+    """Return the WGS84 position of earth-centred coordinates in metres."""
+    longitude, latitude, altitude = _from_ecef().transform(x_m, y_m, z_m)
+    return GeoPosition(latitude, longitude, altitude)
+
+
+def _dms(value_deg: float, letters: str) -> str:
+    """Return degrees, minutes and seconds to a hundredth, never 60 of them."""
+    hundredths = round(abs(value_deg) * 360_000)
+    degrees, rest = divmod(hundredths, 360_000)
+    minutes, rest = divmod(rest, 6_000)
+    return f'{degrees}°{minutes:02d}\u2032{rest / 100:05.2f}\u2033{letters[value_deg < 0.0]}'
+
+
+def zone_of(latitude_deg: float, longitude_deg: float) -> int:
+    """Return the UTM zone, with the exceptions of Norway and Svalbard."""
+    zone = min(int((longitude_deg + 180.0) // 6.0) + 1, 60)
+    if 56.0 <= latitude_deg < 64.0 and 3.0 <= longitude_deg < 12.0:
+        return 32
+    if latitude_deg >= 72.0 and 0.0 <= longitude_deg < 42.0:
+        return next(z for z, east in ((31, 9.0), (33, 21.0), (35, 33.0), (37, 42.0))
+                    if longitude_deg < east)  # fmt: skip
+    return zone
+
+
+def _grid(latitude_deg: float, longitude_deg: float) -> tuple[str, str]:
+    if not _SOUTHERN_LIMIT_DEG <= latitude_deg <= _NORTHERN_LIMIT_DEG:
+        return '', ''
+    zone = zone_of(latitude_deg, longitude_deg)
+    band = _BANDS[min(int((latitude_deg + 80.0) // 8.0), len(_BANDS) - 1)]
+    east, north = _to_utm(zone, latitude_deg < 0.0).transform(longitude_deg, latitude_deg)
+    # Truncated and not rounded, as MGRS demands: a square keeps its points.
+    east_m, north_m = math.floor(east), math.floor(north)
+    column = _COLUMNS[(zone - 1) % 3][east_m // _SQUARE_M - 1]
+    row = _ROWS[(zone - 1) % 2][north_m // _SQUARE_M % 20]
+    square = f'{east_m % _SQUARE_M:05d} {north_m % _SQUARE_M:05d}'
+    return f'{zone}{band} {east_m} {north_m}', f'{zone}{band} {column}{row} {square}'
+
+
+@lru_cache(maxsize=8)
+def _to_utm(zone: int, is_south: bool) -> Transformer:
+    code = (32700 if is_south else 32600) + zone
+    return Transformer.from_crs('EPSG:4326', f'EPSG:{code}', always_xy=True)
+
+
+@lru_cache(maxsize=1)
+def _from_ecef() -> Transformer:
+    return Transformer.from_crs('EPSG:4978', 'EPSG:4979', always_xy=True)

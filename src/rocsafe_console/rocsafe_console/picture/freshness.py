@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""When something was heard: what is old never looks new, also after a restart.
+
+A message that DDS keeps for late subscribers arrives at once after a restart, however old it is.
+Its stamp is a time of the mission, which may stand still or pass a hundred times as fast as that
+on the wall. So the times of the wall at which the mission's clock was heard are kept, and a stamp
+is as old as the newest mark of the clock that it had not passed.
+"""
+
+import math
+from bisect import bisect_left
+from collections import deque
+
+MARKS_KEPT = 120
+STALE_S = 3.0
+
+
+class MissionClock:
+    """Tells at which time of the wall a stamp of the mission was made, or earlier."""
+
+    def __init__(self) -> None:
+        self._stamps_s: deque[float] = deque(maxlen=MARKS_KEPT)
+        self._walls_s: deque[float] = deque(maxlen=MARKS_KEPT)
+
+    @property
+    def newest_s(self) -> float:
+        """Newest stamp of the clock, seconds; NaN before the first."""
+        return self._stamps_s[-1] if self._stamps_s else math.nan
+
+    def mark(self, stamp_s: float, wall_s: float) -> None:
+        """Note that the mission's clock was `stamp_s` at `wall_s`, both seconds.
+
+        A clock that goes backwards is that of another mission: earlier marks are forgotten.
+        """
+        if self._stamps_s and stamp_s < self._stamps_s[-1]:
+            self._stamps_s.clear()
+            self._walls_s.clear()
+        if not self._stamps_s or stamp_s > self._stamps_s[-1]:
+            self._stamps_s.append(stamp_s)
+            self._walls_s.append(wall_s)
+
+    def wall_of(self, stamp_s: float, now_s: float) -> float:
+        """Return when `stamp_s` was made at the latest, seconds; -infinity: before all marks.
+
+        Parameters
+        ----------
+        stamp_s
+            Time of the mission, seconds.
+        now_s
+            Time of the wall at which it was received, seconds.
+        """
+        place = bisect_left(self._stamps_s, stamp_s)
+        if place == len(self._stamps_s):
+            return now_s if self._stamps_s else -math.inf
+        is_first = place == 0 and stamp_s < self._stamps_s[0]
+        return -math.inf if is_first else min(now_s, self._walls_s[place])

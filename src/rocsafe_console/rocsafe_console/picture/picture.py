@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The picture: everything that the page shows of a running mission. Time is an argument.
+
+Times `now_s` are of the wall, seconds since 1970; stamps are of the mission's clock.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from rocsafe_console.picture.alarms import ERROR, WARN, Alarm, Alarms
+from rocsafe_console.picture.dose_image import colour_scale
+from rocsafe_console.picture.frame_bytes import VehicleFrame
+from rocsafe_console.picture.freshness import MissionClock
+from rocsafe_console.picture.sections import Sections
+from rocsafe_console.picture.vehicle import CRASHED, LOST, Holder, Vehicle, VehicleReport
+
+MOST_VEHICLES = 1000
+DECISIONS_KEPT = 500
+PHASES = (
+    'starting', 'planning', 'flying', 'collecting', 'mapping', 'reporting', 'complete', 'failed',
+    'cancelled',
+)  # fmt: skip
+_FAILED = PHASES.index('failed')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MissionNow:
+    """The state of the mission; the names are those of MissionState."""
+
+    mission_id: str
+    phase: int
+    stamp_s: float
+    text: str = ''
+    images_stored: int = 0
+    images_expected: int = 0
+    mission_time_s: float = math.nan
+    wall_time_s: float = math.nan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reading:
+    """A dose rate of a vehicle, microsievert per hour."""
+
+    vehicle: str
+    stamp_s: float
+    dose_rate_usvh: float
+    std_usvh: float
+    latitude_deg: float
+    longitude_deg: float
+    detector: str
+    is_saturated: bool = False
+
+
+class Picture:
+    """The present state of one mission, as it was heard.
+
+    Parameters
+    ----------
+    first_revision
+        Revisions of vehicles begin here: an order that names one of an earlier process is refused.
+    sections
+        Emptied ones of the picture before.
+    """
+
+    def __init__(self, first_revision: int = 0, sections: Sections | None = None) -> None:
+        self.sections = Sections() if sections is None else sections
+        self.alarms = Alarms()
+        self.vehicles: dict[str, Vehicle] = {}
+        self.clock = MissionClock()
+        self.mission: MissionNow | None = None
+        self.mission_heard_s = -math.inf
+        self.worst: Reading | None = None
+        self.newest: Reading | None = None
+        self._newest_heard_s = -math.inf
+        self._worst_heard_s = -math.inf
+        self._first_revision = first_revision
+        self._decisions: list[dict[str, Any]] = []
+        self.sections.put('scale', colour_scale())
+
+    def next_one(self) -> 'Picture':
+        """Return an empty picture of another mission; numbers of changes and revisions rise on."""
+        self.sections.drop(list(self.sections.after(0)))
+        revisions = (vehicle.revision + 1 for vehicle in self.vehicles.values())
+        return Picture(max(revisions, default=self._first_revision), self.sections)
+
+    def on_mission(self, mission: MissionNow, now_s: float) -> None:
+        """Take over the state of the mission."""
+        failed_now = mission.phase == _FAILED and (
+            self.mission is None or self.mission.phase != _FAILED
+        )
+        self.mission = mission
+        self.clock.mark(mission.stamp_s, now_s)
+        self.mission_heard_s = now_s
+        if failed_now:
+            self.alarm(now_s, ERROR, '', f'the mission has failed: {mission.text}')
+        phase = PHASES[mission.phase] if mission.phase < len(PHASES) else 'unknown'
+        self.sections.put(
+            'mission', {'id': mission.mission_id, 'phase': phase, 'text': mission.text}
+        )
+
+    def on_report(self, report: VehicleReport, now_s: float) -> None:
+        """Take over the state of a vehicle, with the alarms that follow from it."""
+        vehicle = self._vehicle(report)
+        before, vehicle.report = vehicle.report, report
+        if math.isfinite(report.speed_mps):
+            vehicle.fastest_mps = max(vehicle.fastest_mps, report.speed_mps)
+        # Before its first fix a vehicle does not know the time.
+        if vehicle.is_aloft and report.stamp_s > 0.0:
+            vehicle.drain.note(report.stamp_s, report.battery_fraction)
+        if math.isnan(vehicle.latitude_deg):
+            self._place(vehicle, report.latitude_deg, report.longitude_deg, report.altitude_m)
+        self._heard(vehicle, report.stamp_s, now_s)
+        if (before.state, before.taken_by) != (report.state, report.taken_by):
+            vehicle.revision += 1
+            self._judge(before, report, now_s)
+        self._tell(vehicle)
+
+    def on_fix(
+        self, name: str, place: tuple[float, float, float], stamp_s: float, now_s: float
+    ) -> None:
+        """Take over latitude and longitude in degrees, and altitude in metres."""
+        vehicle = self.vehicles.get(name)
+        if vehicle is not None:
+            self._place(vehicle, *place)
+            self._heard(vehicle, stamp_s, now_s)
+
+    def on_reading(self, reading: Reading, now_s: float) -> None:
+        """Take over a dose rate."""
+        vehicle = self.vehicles.get(reading.vehicle)
+        if vehicle is None:
+            return
+        vehicle.dose_rate_usvh = reading.dose_rate_usvh
+        vehicle.trend.note(reading.stamp_s, reading.dose_rate_usvh)
+        heard_s = self.clock.wall_of(reading.stamp_s, now_s)
+        if self.newest is None or reading.stamp_s >= self.newest.stamp_s:
+            self.newest, self._newest_heard_s = reading, heard_s
+        if self.worst is None or reading.dose_rate_usvh > self.worst.dose_rate_usvh:
+            self.worst, self._worst_heard_s = reading, heard_s
+
+    def on_dose(self, name: str, dose_usv: float, *, is_lower_limit: bool) -> None:
+        """Take over the dose that a vehicle has taken, microsievert."""
+        vehicle = self.vehicles.get(name)
+        if vehicle is not None:
+            vehicle.dose_usv, vehicle.dose_is_lower_limit = dose_usv, is_lower_limit
+
+    def on_holder(self, name: str, holder: Holder, now_s: float) -> None:
+        """Take over who leads a vehicle."""
+        vehicle = self._vehicle(VehicleReport(name=name, state=0, stamp_s=-math.inf))
+        before, vehicle.holder = vehicle.holder, holder
+        if (before.epoch, before.lease) != (holder.epoch, holder.lease):
+            vehicle.revision += 1
+            if before.lease and 'taken over' in holder.text:
+                self.alarm(now_s, WARN, name, holder.text)
+        self._tell(vehicle)
+
+    def on_home(self, name: str, home: tuple[float, float, float]) -> None:
+        """Take over where a vehicle returns to: latitude, longitude in degrees, altitude in m."""
+        vehicle = self.vehicles.get(name)
+        if vehicle is not None:
+            vehicle.home = home
+            self._tell(vehicle)
+
+    def on_decision(self, decision: Mapping[str, Any], now_s: float) -> None:
+        """Add a decision; one of at least ``warning`` is an alarm."""
+        self._decisions = [*self._decisions, dict(decision)][-DECISIONS_KEPT:]
+        self.sections.put('decisions', self._decisions)
+        if decision['severity'] in (WARN, ERROR):
+            vehicles = decision['vehicles']
+            name = vehicles[0] if len(vehicles) == 1 else ''
+            text = ': '.join(filter(None, (decision['text'], decision['reason'])))
+            self.alarm(now_s, decision['severity'], name, text)
+
+    def alarm(self, now_s: float, severity: str, vehicle: str, text: str) -> Alarm | None:
+        """Raise an alarm, unless nobody has seen the same one yet."""
+        alarm = self.alarms.raise_one(now_s, severity, vehicle, text)
+        if alarm is not None:
+            self.sections.put('alarms', self.alarms.to_plain())
+        return alarm
+
+    def acknowledge(self, number: int, who: str, now_s: float) -> Alarm:
+        """Note that somebody has seen an alarm; raises `ValueError` if there is none."""
+        alarm = self.alarms.acknowledge(number, who, now_s)
+        self.sections.put('alarms', self.alarms.to_plain())
+        return alarm
+
+    def frames(self, now_s: float) -> list[VehicleFrame]:
+        """Return the frames of all vehicles."""
+        return [vehicle.frame(now_s) for vehicle in self.vehicles.values()]
+
+    def tracks(self) -> dict[str, list[tuple[float, float, float]]]:
+        """Return the flown track of each vehicle."""
+        return {name: vehicle.track.points for name, vehicle in self.vehicles.items()}
+
+    def refresh(self) -> None:
+        """Renew the sections that change by the second."""
+        mission = self.mission
+        if mission is not None:
+            self.sections.put(
+                'progress',
+                {
+                    'images_stored': mission.images_stored,
+                    'images_expected': mission.images_expected,
+                    'mission_time_s': mission.mission_time_s,
+                    'wall_time_s': mission.wall_time_s,
+                },
+            )
+        self.sections.put('mission_heard_s', self.mission_heard_s)
+        worst, newest = self.worst, self.newest
+        self.sections.put(
+            'dose',
+            {
+                'worst': worst and {**asdict(worst), 'heard_s': self._worst_heard_s},
+                'newest': newest and {**asdict(newest), 'heard_s': self._newest_heard_s},
+                'trend': self.vehicles[newest.vehicle].trend.word if newest else '',
+            },
+        )
+        slow = {name: vehicle.slow_facts() for name, vehicle in self.vehicles.items()}
+        self.sections.put('vehicle_facts', slow)
+
+    def _vehicle(self, report: VehicleReport) -> Vehicle:
+        if report.name not in self.vehicles:
+            if len(self.vehicles) >= MOST_VEHICLES:
+                raise ValueError(f'{report.name}: more than {MOST_VEHICLES} vehicles')
+            self.vehicles[report.name] = Vehicle(
+                number=len(self.vehicles),
+                name=report.name,
+                revision=self._first_revision,
+                report=report,
+            )
+        return self.vehicles[report.name]
+
+    def _heard(self, vehicle: Vehicle, stamp_s: float, now_s: float) -> None:
+        vehicle.heard_s = max(vehicle.heard_s, self.clock.wall_of(stamp_s, now_s))
+
+    def _place(
+        self, vehicle: Vehicle, latitude_deg: float, longitude_deg: float, altitude_m: float
+    ) -> None:
+        if not math.isfinite(latitude_deg + longitude_deg):
+            return
+        vehicle.latitude_deg, vehicle.longitude_deg = latitude_deg, longitude_deg
+        vehicle.altitude_m = altitude_m
+        vehicle.track.note(latitude_deg, longitude_deg, vehicle.dose_rate_usvh)
+
+    def _judge(self, before: VehicleReport, report: VehicleReport, now_s: float) -> None:
+        """Raise the alarms of a change of state."""
+        name = report.name
+        if report.state in (LOST, CRASHED) and before.state != report.state:
+            words = f'{name} is {report.state_name}'
+            self.alarm(now_s, ERROR, name, f'{words}: {report.text}' if report.text else words)
+        if report.taken_by and not before.taken_by:
+            self.alarm(now_s, WARN, name, f'{name} is taken by its {report.taken_by}')
+
+    def _tell(self, vehicle: Vehicle) -> None:
+        self.sections.put(f'vehicle/{vehicle.name}', vehicle.to_plain())

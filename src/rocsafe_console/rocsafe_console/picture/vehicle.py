@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of one vehicle now."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from rocsafe_console.picture.estimates import BatteryDrain, Trend, way_home_s
+from rocsafe_console.picture.frame_bytes import SIMULATED, TAKEN, VehicleFrame
+from rocsafe_console.picture.track import Track
+from rocsafe_geo.position import GeoPosition, distance_m
+
+STATE_NAMES = (
+    'unknown', 'disarmed', 'armed', 'taking off', 'flying', 'holding', 'returning', 'landing',
+    'landed', 'lost', 'crashed', 'waiting',
+)  # fmt: skip
+LOST, CRASHED = 9, 10
+ON_GROUND = frozenset({1, 2, 8, 11})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VehicleReport:
+    """A vehicle's state as it tells it; the names are those of VehicleState."""
+
+    name: str
+    state: int
+    stamp_s: float
+    is_simulated: bool = False
+    viewpoint_count: int = 0
+    viewpoints_visited: int = 0
+    shots_taken: int = 0
+    shots_pending: int = 0
+    battery_fraction: float = math.nan
+    text: str = ''
+    advice: str = ''
+    latitude_deg: float = math.nan
+    longitude_deg: float = math.nan
+    altitude_m: float = math.nan
+    speed_mps: float = math.nan
+    taken_by: str = ''
+
+    @property
+    def state_name(self) -> str:
+        """State in words."""
+        return STATE_NAMES[self.state] if self.state < len(STATE_NAMES) else 'unknown'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Holder:
+    """Who leads a vehicle, as it tells by its topic `control`."""
+
+    holder: str = ''
+    mission: str = ''
+    lease: str = ''
+    epoch: int = 0
+    expires_s: float = 0.0
+    text: str = ''
+
+
+@dataclass(slots=True)
+class Vehicle:
+    """What is known of a vehicle; it is changed by the picture only.
+
+    Attributes
+    ----------
+    number
+        Its number in frames.
+    revision
+        Rises when its state, its holder or who has taken it changes: an order names the revision
+        that the operator saw.
+    heard_s
+        When it was last heard alive, seconds of the wall; -infinity: never.
+    """
+
+    number: int
+    name: str
+    revision: int
+    report: VehicleReport
+    holder: Holder = field(default_factory=Holder)
+    home: tuple[float, float, float] | None = None
+    heard_s: float = -math.inf
+    latitude_deg: float = math.nan
+    longitude_deg: float = math.nan
+    altitude_m: float = math.nan
+    dose_rate_usvh: float = math.nan
+    dose_usv: float = math.nan
+    dose_is_lower_limit: bool = False
+    fastest_mps: float = 0.0
+    drain: BatteryDrain = field(default_factory=BatteryDrain)
+    trend: Trend = field(default_factory=Trend)
+    track: Track = field(default_factory=Track)
+
+    @property
+    def is_aloft(self) -> bool:
+        """Whether it is in the air, as far as it tells."""
+        return self.report.state not in ON_GROUND | {0, LOST, CRASHED}
+
+    @property
+    def way_home_s(self) -> float:
+        """Estimated time to fly home, seconds; NaN if home or place is unknown."""
+        if self.home is None or not math.isfinite(self.latitude_deg + self.longitude_deg):
+            return math.nan
+        here = GeoPosition(self.latitude_deg, self.longitude_deg)
+        return way_home_s(distance_m(here, GeoPosition(*self.home[:2])), self.fastest_mps)
+
+    def frame(self, now_s: float) -> VehicleFrame:
+        """Return what a frame tells of it."""
+        report = self.report
+        flags = SIMULATED * report.is_simulated | TAKEN * bool(report.taken_by)
+        below_m = self.home[2] if self.home is not None and math.isfinite(self.home[2]) else 0.0
+        return VehicleFrame(
+            number=self.number,
+            state=report.state,
+            flags=flags,
+            latitude_deg=self.latitude_deg,
+            longitude_deg=self.longitude_deg,
+            height_m=self.altitude_m - below_m,
+            speed_mps=report.speed_mps,
+            battery_fraction=report.battery_fraction,
+            visited_fraction=(
+                report.viewpoints_visited / report.viewpoint_count
+                if report.viewpoint_count
+                else math.nan
+            ),
+            age_s=now_s - self.heard_s,
+            dose_rate_usvh=self.dose_rate_usvh,
+        )
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return what changes rarely, fit for JSON."""
+        report, holder = self.report, self.holder
+        return {
+            'number': self.number,
+            'name': self.name,
+            'revision': self.revision,
+            'state': report.state,
+            'state_name': report.state_name,
+            'is_simulated': report.is_simulated,
+            'text': report.text,
+            'advice': report.advice,
+            'taken_by': report.taken_by,
+            'holder': holder.holder,
+            'mission': holder.mission,
+            'viewpoint_count': report.viewpoint_count,
+            'home': self.home,
+        }
+
+    def slow_facts(self) -> dict[str, Any]:
+        """Return what changes by the second, fit for JSON."""
+        return {
+            'visited': self.report.viewpoints_visited,
+            'shots_taken': self.report.shots_taken,
+            'shots_pending': self.report.shots_pending,
+            'dose_usv': self.dose_usv,
+            'dose_is_lower_limit': self.dose_is_lower_limit,
+            'trend': self.trend.word,
+            'way_home_s': round(self.way_home_s) if math.isfinite(self.way_home_s) else None,
+            'battery_left_s': round(self.drain.left_s)
+            if math.isfinite(self.drain.left_s)
+            else None,
+            'holder_expires_s': self.holder.expires_s,
+        }

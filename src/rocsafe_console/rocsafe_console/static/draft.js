@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+// A new mission: drawn or imported, checked, planned, approved and launched.
+import { t } from './texts.js';
+import { figures, make } from './format.js';
+import { ask } from './link.js';
+
+const L = window.L;
+const M_PER_DEG = 111320;
+
+// Area of a ring on a plane, which is right for some kilometres.
+export function areaOf(ring) {
+  const scale = M_PER_DEG * Math.cos(((ring[0]?.[0] ?? 0) * Math.PI) / 180);
+  const points = ring.map(([latitude, longitude]) => [(longitude - ring[0][1]) * scale, (latitude - ring[0][0]) * M_PER_DEG]);
+  return Math.abs(points.reduce((sum, [x, y], index) => { const [u, v] = points[(index + 1) % points.length]; return sum + x * v - u * y; }, 0)) / 2;
+}
+
+export class Draft {
+  constructor(panel, map, link) {
+    this.panel = panel;
+    this.map = map;
+    this.link = link;
+    this.drawn = { region: [], exclusions: [], homes: {} };
+    this.pen = null;
+    this.layer = L.layerGroup();
+  }
+
+  get isDrawing() { return this.pen !== null; }
+
+  async show() {
+    this.layer.addTo(this.map.map);
+    if (this.isMade) return;
+    this.isMade = true;
+    const { scenarios, drafts } = await ask('/api/drafts');
+    const option = (kind) => (name) => make('option', { value: `${kind}/${name}`, text: kind === 'drafts' ? `${name} *` : name });
+    this.template = make('select', { id: 'draft-start', onchange: () => this.load() }, ...scenarios.map(option('scenarios')), ...drafts.map(option('drafts')));
+    this.name = make('input', { id: 'draft-name', value: 'mission', maxlength: 60, pattern: '[A-Za-z0-9][A-Za-z0-9_-]*' });
+    this.text = make('textarea', { id: 'draft-text', spellcheck: 'false', oninput: () => this.changed() });
+    this.word = make('p', { class: 'note', role: 'status' });
+    this.output = make('pre', { class: 'draft-output', tabindex: 0, role: 'status', 'aria-live': 'polite', hidden: true });
+    const button = (key, action, id) => make('button', { type: 'button', class: 'small', id, text: t(key), onclick: action });
+    this.homes = make('div', { class: 'draft-row' });
+    this.file = make('input', { type: 'file', accept: '.geojson,.json', id: 'draft-file', onchange: () => this.read() });
+    this.approve = make('input', { type: 'checkbox', id: 'draft-approve', disabled: true, onchange: () => { this.launch.disabled = !this.approve.checked; } });
+    this.launch = make('button', { type: 'button', class: 'order order-confirm', id: 'draft-launch', disabled: true, text: t('draft_launch'), onclick: () => this.start() });
+    this.panel.replaceChildren(
+      make('h2', { text: t('draft_title') }),
+      make('label', { for: 'draft-start', text: t('draft_start') }), this.template,
+      make('label', { for: 'draft-name', text: t('draft_name') }), this.name,
+      make('div', { class: 'draft-row' },
+        button('draft_region', () => this.draw('region'), 'draw-region'), button('draft_exclusion', () => this.draw('exclusion'), 'draw-exclusion'),
+        button('draft_undo', () => this.undo()), button('draft_done', () => this.close(), 'draw-done')),
+      this.homes,
+      make('label', { for: 'draft-file', text: t('draft_import') }), this.file,
+      this.word,
+      make('details', {}, make('summary', { text: t('draft_text') }), this.text),
+      make('div', { class: 'draft-row' },
+        button('draft_save', () => this.step('save'), 'draft-check'), button('draft_plan', () => this.step('plan'), 'draft-plan'), button('draft_preflight', () => this.step('preflight'))),
+      this.output,
+      make('label', { class: 'draft-row', for: 'draft-approve' }, this.approve, make('span', { text: t('draft_approve') })),
+      this.launch);
+    this.text.setAttribute('aria-label', t('draft_text'));
+    await this.load();
+  }
+
+  async load() {
+    const { text } = await ask(`/api/drafts/${this.template.value}`);
+    this.text.value = text;
+    const fleet = /^vehicles:\n((?:[ #-].*\n|\n)*)/m.exec(text)?.[1] ?? '';
+    const names = [...fleet.matchAll(/^\s*- name:\s*([A-Za-z0-9_-]+)/gm)].map((match) => match[1]);
+    this.homes.replaceChildren(...names.slice(0, 12).map((name) => make('button', { type: 'button', class: 'small', text: `${t('draft_home')}: ${name}`, onclick: () => this.draw('home', name) })));
+    this.changed();
+  }
+
+  // A change makes what was approved void.
+  changed() {
+    this.approved = '';
+    this.approve.checked = false;
+    this.approve.disabled = true;
+    this.launch.disabled = true;
+  }
+
+  draw(kind, name) {
+    this.close();
+    this.pen = { kind, name, ring: [] };
+    this.map.map.getContainer().style.cursor = 'crosshair';
+  }
+
+  onPlace({ lat, lng }) {
+    const place = [Number(lat.toFixed(8)), Number(lng.toFixed(8))];
+    if (this.pen.kind === 'home') { this.drawn.homes[this.pen.name] = place; this.pen = null; this.changed(); } else this.pen.ring.push(place);
+    this.paint();
+  }
+
+  undo() {
+    if (this.pen?.ring.length) this.pen.ring.pop(); else if (this.drawn.exclusions.length) this.drawn.exclusions.pop(); else this.drawn.region = [];
+    this.changed();
+    this.paint();
+  }
+
+  close() {
+    const { kind, ring } = this.pen ?? {};
+    if (ring?.length >= 3) {
+      if (kind === 'region') this.drawn.region = ring; else this.drawn.exclusions.push(ring);
+      this.changed();
+    }
+    this.pen = null;
+    this.map.map.getContainer().style.cursor = '';
+    this.paint();
+  }
+
+  async read() {
+    const [file] = this.file.files;
+    if (!file) return;
+    try {
+      const content = JSON.parse(await file.text());
+      const features = content.features ?? [content];
+      for (const one of features) {
+        const geometry = one.geometry ?? one;
+        if (geometry.type !== 'Polygon') continue;
+        const ring = geometry.coordinates[0].slice(0, -1).map(([longitude, latitude]) => [latitude, longitude]);
+        if (!this.drawn.region.length && one.properties?.kind !== 'exclusion') this.drawn.region = ring; else this.drawn.exclusions.push(ring);
+      }
+      this.changed();
+      this.paint();
+      if (this.drawn.region.length) this.map.map.fitBounds(L.latLngBounds(this.drawn.region).pad(0.4), { animate: false });
+    } catch (error) { this.tell(error.message, false); }
+  }
+
+  paint() {
+    this.layer.clearLayers();
+    const { region, exclusions, homes } = this.drawn;
+    const ring = this.pen?.ring ?? [];
+    if (region.length) this.layer.addLayer(L.polygon(region, { color: '#ffd400', weight: 3, fillOpacity: 0.08, interactive: false }));
+    for (const one of exclusions) this.layer.addLayer(L.polygon(one, { color: '#d03030', weight: 2, fillColor: '#d03030', fillOpacity: 0.3, interactive: false }));
+    if (ring.length) this.layer.addLayer(L.polyline(ring, { color: '#ffd400', weight: 3, dashArray: '6 4', interactive: false }));
+    // Corners can be moved.
+    for (const points of [region, ...exclusions, ring]) {
+      points.forEach((place, index) => {
+        const icon = L.divIcon({ className: 'corner', iconSize: [16, 16] });
+        const corner = L.marker(place, { icon, draggable: true, keyboard: false }).on('dragend', () => { const { lat, lng } = corner.getLatLng(); points[index] = [lat, lng]; this.changed(); this.paint(); });
+        this.layer.addLayer(corner);
+      });
+    }
+    for (const [name, place] of Object.entries(homes)) this.layer.addLayer(L.circleMarker(place, { radius: 7, color: '#ffd400', weight: 3, fillOpacity: 0.5, interactive: false }).bindTooltip(name, { permanent: true }));
+    if (this.plan) this.layer.addLayer(L.geoJSON(this.plan, { interactive: false, filter: (one) => one.geometry.type === 'LineString', style: { color: '#ffffff', weight: 2 } }));
+    const shown = ring.length ? ring : region;
+    this.word.textContent = shown.length ? t('draft_area', { area: figures(areaOf(shown)), count: shown.length }) : '';
+  }
+
+  async step(kind) {
+    this.close();
+    this.tell(t('draft_running'), true);
+    const name = encodeURIComponent(this.name.value);
+    try {
+      const saved = await ask('/api/drafts', { name: this.name.value, text: this.text.value, drawn: this.drawn });
+      this.text.value = saved.scenario;
+      if (kind === 'save' || !saved.is_done) { this.tell(saved.text, saved.is_done); return; }
+      const answer = await ask(`/api/drafts/${name}/${kind}`, {});
+      this.tell(answer.text, answer.is_done);
+      if (kind === 'plan' && answer.is_done) {
+        this.plan = answer.plan;
+        this.approved = answer.approve;
+        this.approve.disabled = !(this.link.sections.session?.may ?? []).includes('launch');
+        this.paint();
+        const points = (answer.plan?.features ?? []).filter((one) => one.geometry.type === 'LineString').flatMap((one) => one.geometry.coordinates.map(([longitude, latitude]) => [latitude, longitude]));
+        if (points.length) this.map.map.fitBounds(L.latLngBounds(points).pad(0.1), { animate: false });
+      }
+    } catch (error) { this.tell(error.message, false); }
+  }
+
+  async start() {
+    this.launch.disabled = true;
+    try {
+      const answer = await ask(`/api/drafts/${encodeURIComponent(this.name.value)}/launch`, { approved: this.approved });
+      this.tell(answer.text, answer.is_done);
+      if (answer.is_done) { this.layer.remove(); document.querySelector('[data-view="live"]').click(); }
+    } catch (error) { this.tell(error.message, false); }
+  }
+
+  tell(text, isGood) {
+    this.output.hidden = false;
+    this.output.textContent = `${isGood ? '' : '✕ '}${text}`;
+    this.output.classList.toggle('warn', !isGood);
+  }
+}

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ten facts that an incident commander asks for, in their order.
+import { t } from './texts.js';
+import { age, dose, doseRate, duration, figures, isNumber, make, missionClock, percent } from './format.js';
+import { VEHICLE_COLOURS, worldOf } from './map.js';
+import { STALE_S } from './link.js';
+
+const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
+const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
+const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
+const ROWS_AT_ONCE = 30;
+const M_PER_WORLD = 40075016;
+
+// Replaces children only if the text differs, so that nothing flickers and focus stays.
+export function fill(element, ...children) {
+  const next = children.flat().filter(Boolean);
+  const text = next.map((child) => (child.outerHTML ?? child)).join('');
+  if (element.dataset.made === text) return;
+  element.dataset.made = text;
+  element.replaceChildren(...next);
+}
+
+export class Facts {
+  constructor(element, link, actions) {
+    this.link = link;
+    this.actions = actions;
+    this.boxes = {};
+    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'alarms', 'vehicles', 'decisions']) {
+      const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
+      const body = make('div', { class: 'fact-body' });
+      this.boxes[name] = body;
+      const box = make('section', { class: `fact fact-${name}`, 'aria-labelledby': `fact-${name}` }, make('h2', { id: `fact-${name}`, text: title }), body);
+      element.append(box);
+    }
+    this.rows = new Map();
+    // Alarms at once, all else twice a second: 300 vehicles are told as often as that.
+    link.addEventListener('sections', ({ detail }) => { if (detail.isHello) this.draw(); else if (detail.names.includes('alarms')) this.drawAlarms(link.sections.alarms ?? []); });
+    setInterval(() => this.draw(), 500);
+    // Only the rows that can be seen are drawn.
+    this.watch = new IntersectionObserver((entries) => { for (const entry of entries) entry.target.isSeen = entry.isIntersecting; });
+  }
+
+  draw() {
+    const { sections } = this.link;
+    this.drawWorst(sections.dose);
+    this.drawSources(sections.sources);
+    this.drawZones(sections.cordons, sections.wind);
+    this.drawCoverage(sections.progress, sections.plan);
+    this.drawPicture(sections.photograph, sections.mosaic, sections.mission);
+    this.drawAlarms(sections.alarms ?? []);
+    this.drawVehicles(sections.vehicle_facts ?? {});
+    this.drawDecisions(sections.decisions ?? []);
+  }
+
+  // Age by the clock of the server; what is old is grey, and says so.
+  ageMark(heard, limit = STALE_S) {
+    const seconds = isNumber(heard) ? this.link.now - heard : Infinity;
+    const isOld = !this.link.isLive || !(seconds <= limit);
+    const text = isNumber(seconds) && seconds < 1e9 ? t('ago', { age: age(Math.max(seconds, 0)) }) : t('stale');
+    return [make('span', { class: isOld ? 'age old' : 'age', text }), isOld];
+  }
+
+  drawWorst(value) {
+    const { worst, newest, trend } = value ?? {};
+    if (!worst) { fill(this.boxes.worst, make('p', { class: 'none', text: t('no_reading') })); return; }
+    const [mark, isOld] = this.ageMark(newest.heard_s);
+    const now = make('p', { class: isOld ? 'line grey' : 'line' }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
+    const place = make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(worst.latitude_deg, worst.longitude_deg), text: `${worst.latitude_deg.toFixed(5)}, ${worst.longitude_deg.toFixed(5)}` });
+    const [worstMark] = this.ageMark(worst.heard_s, Infinity);
+    fill(this.boxes.worst,
+      make('p', { class: 'big', text: doseRate(worst.dose_rate_usvh) }),
+      make('p', { class: 'line' }, `${t('by_at', { vehicle: worst.vehicle, detector: worst.detector })} `, isNumber(worst.latitude_deg) ? place : '', ' ', worstMark, worst.is_saturated ? make('span', { class: 'warn', text: ` ${t('saturated')}` }) : ''),
+      make('h3', { text: t('fact_now') }), now);
+  }
+
+  drawSources(value) {
+    const list = (value?.sources ?? []).map((source) => {
+      const size = figures(Math.max(...source.half_axes_m), 2);
+      return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, evidence: source.evidence })}${source.nuclide ? `, ${source.nuclide}` : ''}`);
+    });
+    const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text }));
+    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note', text: value.verdict }) : '');
+  }
+
+  drawZones(cordons, wind) {
+    const zones = new Map();
+    for (const one of cordons ?? []) {
+      const key = `${one.level_usvh} ${one.is_mean}`;
+      const before = zones.get(key);
+      const radius = radiusOf(one.ring);
+      if (!before || before.radius < radius) zones.set(key, { ...one, radius });
+    }
+    const rows = [...zones.values()].filter((one) => !one.is_mean).sort((a, b) => b.level_usvh - a.level_usvh)
+      .map((one) => make('li', { text: t('zone_line', { level: doseRate(one.level_usvh), radius: figures(one.radius, 2) }) }));
+    const list = rows.length ? make('ul', {}, ...rows, make('li', { class: 'note', text: t('zone_upper') })) : make('p', { class: 'none', text: t('no_zone') });
+    let line = make('p', { class: 'none', text: t('no_wind') });
+    if (wind) {
+      const arrow = make('span', { class: 'wind-arrow', text: '↓', 'aria-hidden': 'true' });
+      arrow.style.transform = `rotate(${wind.from_deg}deg)`;
+      const from = `${Math.round(wind.from_deg)}`;
+      line = make('p', { class: 'line' }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${COMPASS[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })}`);
+    }
+    fill(this.boxes.zones, list, make('h3', { text: t('fact_wind') }), line);
+  }
+
+  drawCoverage(progress, plan) {
+    const fraction = progress?.images_expected ? progress.images_stored / progress.images_expected : NaN;
+    const left = plan && isNumber(progress?.mission_time_s) ? Math.max(plan.makespan_s - progress.mission_time_s, 0) : NaN;
+    const meter = make('div', { class: 'meter', role: 'img', 'aria-label': percent(fraction) }, make('span'));
+    meter.firstChild.style.width = `${isNumber(fraction) ? 100 * Math.min(fraction, 1) : 0}%`;
+    const planned = plan ? t('time_line', { planned: duration(plan.makespan_s), bound: duration(plan.lower_bound_s) }) : t('no_plan');
+    fill(this.boxes.coverage,
+      make('p', { class: 'big', text: percent(fraction) }), meter,
+      make('p', { class: 'line', text: progress ? t('coverage_line', { stored: progress.images_stored, expected: progress.images_expected }) : t('no_mission') }),
+      make('h3', { text: t('fact_time') }),
+      make('p', { class: 'line' }, make('strong', { text: duration(left) }), ` ${planned}`));
+  }
+
+  drawPicture(photograph, mosaic, mission) {
+    const parts = [];
+    if (photograph) {
+      const url = `/api/photograph/${encodeURIComponent(photograph.shot_id)}`;
+      if (this.pictureUrl !== url) { this.pictureUrl = url; this.picture = make('img', { src: url, alt: photograph.shot_id, class: 'newest', loading: 'lazy' }); }
+      const [mark] = this.ageMark(photograph.heard_s, 30);
+      parts.push(this.picture, make('p', { class: 'line' }, `${photograph.shot_id} `, mark));
+    } else parts.push(make('p', { class: 'none', text: t('no_picture') }));
+    if (mosaic) {
+      const [mark] = this.ageMark(mosaic.heard_s, 60);
+      const size = isNumber(mosaic.ground_resolution_m) && mosaic.ground_resolution_m > 0 ? figures(mosaic.ground_resolution_m, 2) : '–';
+      parts.push(make('p', { class: 'line' }, `${t('fact_mosaic')}: ${t('mosaic_line', { count: mosaic.images_placed, resolution: size })}, ${t(mosaic.is_final ? 'mosaic_final' : 'mosaic_draft')} `, mark));
+    }
+    if (mission && ['complete', 'failed', 'cancelled'].includes(mission.phase)) parts.push(make('p', {}, make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') })));
+    fill(this.boxes.picture, ...parts);
+  }
+
+  drawAlarms(alarms) {
+    const open = alarms.filter((alarm) => !alarm.seen_by).reverse();
+    const seen = alarms.filter((alarm) => alarm.seen_by).reverse().slice(0, 5);
+    const row = (alarm) => make('li', { class: `alarm ${alarm.severity}${alarm.seen_by ? ' seen' : ''}` },
+      make('span', { class: 'sign', text: alarm.severity === 'critical' ? '▲' : '●', 'aria-hidden': 'true' }),
+      make('span', { class: 'alarm-text' }, make('strong', { text: `${t(alarm.severity)}: ` }), alarm.text, ' ', this.ageMark(alarm.time_s, Infinity)[0]),
+      alarm.seen_by ? make('span', { class: 'note', text: t('seen_by', { who: alarm.seen_by }) }) : make('button', { type: 'button', class: 'small', 'data-alarm': alarm.number, text: t('acknowledge'), onclick: () => this.actions.acknowledge(alarm.number) }));
+    // Ages change each second: the list is made again only if the alarms differ, or once in five.
+    const key = `${open.map((one) => one.number)}|${seen.map((one) => one.number)}|${Math.floor(this.link.now / 5)}`;
+    if (this.alarmKey === key) return;
+    this.alarmKey = key;
+    const focused = document.activeElement?.dataset?.alarm;
+    this.boxes.alarms.replaceChildren(open.length + seen.length ? make('ul', { class: 'alarms' }, ...open.map(row), ...seen.map(row)) : make('p', { class: 'none', text: t('no_alarm') }));
+    if (focused) this.boxes.alarms.querySelector(`[data-alarm="${CSS.escape(focused)}"]`)?.focus();
+    document.getElementById('fact-alarms').dataset.open = open.length;
+  }
+
+  drawVehicles(facts) {
+    const box = this.boxes.vehicles;
+    if (!this.link.vehicles.size) { fill(box, make('p', { class: 'none', text: t('no_vehicle') })); this.rows.clear(); return; }
+    if (!this.rows.size) { delete box.dataset.made; box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
+    for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
+    // A large fleet is listed some at a time, so that the page can be used at once.
+    let room = ROWS_AT_ONCE;
+    for (const vehicle of this.link.vehicles.values()) {
+      let row = this.rows.get(vehicle.name);
+      if (!row && !room) break;
+      if (!row) { room -= 1; row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.append(row); this.watch.observe(row); }
+      row.classList.toggle('grey', this.link.isStale(vehicle));
+      if (row.isSeen !== false) this.drawRow(row, vehicle, facts[vehicle.name] ?? {});
+    }
+  }
+
+  makeRow(vehicle) {
+    const box = make('input', { type: 'checkbox', id: `pick-${vehicle.name}`, onchange: () => this.actions.select(vehicle.name, box.checked) });
+    const stripe = make('span', { class: 'stripe', 'aria-hidden': 'true' });
+    stripe.style.background = VEHICLE_COLOURS[vehicle.facts.number % VEHICLE_COLOURS.length];
+    const name = make('label', { class: 'vehicle-name', for: `pick-${vehicle.name}`, text: vehicle.name });
+    return make('li', { class: 'vehicle' }, stripe, make('div', { class: 'vehicle-head' }, box, name, make('span', { class: 'state' })), make('div', { class: 'vehicle-facts' }), make('div', { class: 'vehicle-text' }));
+  }
+
+  drawRow(row, vehicle, facts) {
+    const frame = vehicle.frame;
+    const isStale = this.link.isStale(vehicle);
+    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), Object.values(facts)].join();
+    if (row.told === told) return;
+    row.told = told;
+    const state = STATES[frame?.state ?? vehicle.facts.state] ?? 'unknown';
+    row.classList.toggle('bad', state === 'lost' || state === 'crashed');
+    row.querySelector('input').checked = this.actions.isSelected(vehicle.name);
+    const heard = this.link.ageOf(vehicle);
+    const seconds = heard === Infinity ? t('never') : age(Math.round(heard));
+    fill(row.querySelector('.state'), `${SHAPES[state] ?? '○'} ${t(`state_${state}`)}`, vehicle.facts.taken_by ? make('strong', { class: 'warn', text: ` ${t('taken_by', { who: vehicle.facts.taken_by })}` }) : '', isStale ? make('strong', { class: 'old', text: ` ${t('stale')}` }) : '');
+    const pair = (name, text) => make('span', { class: 'pair' }, make('span', { class: 'key', text: `${name} ` }), make('b', { text }));
+    fill(row.querySelector('.vehicle-facts'),
+      pair(t('battery'), percent(frame?.battery)), isNumber(facts.battery_left_s) ? pair(t('battery_left'), duration(facts.battery_left_s)) : '',
+      pair(t('way_home'), duration(facts.way_home_s)), pair(t('link'), seconds),
+      pair(t('dose'), `${facts.dose_is_lower_limit ? '≥ ' : ''}${dose(facts.dose_usv)}`), pair('', t('visited', { done: facts.visited ?? 0, all: vehicle.facts.viewpoint_count })));
+    const holder = vehicle.facts.holder ? t('led_by', { holder: vehicle.facts.holder }) : t('led_by_nobody');
+    fill(row.querySelector('.vehicle-text'), [holder, vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
+  }
+
+  drawDecisions(decisions) {
+    const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), `${one.text}${one.reason ? `: ${one.reason}` : ''}`));
+    fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions' }, ...rows) : make('p', { class: 'none', text: '–' }));
+  }
+}
+
+function radiusOf(ring) {
+  const points = ring.map(([latitude, longitude]) => worldOf(latitude, longitude));
+  const xs = points.map((p) => p[0]);
+  const ys = points.map((p) => p[1]);
+  const scale = M_PER_WORLD * Math.cos(((ring[0]?.[0] ?? 0) * Math.PI) / 180);
+  const [x, y] = [(Math.min(...xs) + Math.max(...xs)) / 2, (Math.min(...ys) + Math.max(...ys)) / 2];
+  return scale * Math.max(...points.map((p) => Math.hypot(p[0] - x, p[1] - y)));
+}

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page: log-in, views, keys, theme, alarms, and the word whether it is live.
+import { fillTexts, t } from './texts.js';
+import { age, clockText, isNumber, make, missionClock } from './format.js';
+import { Link, ask } from './link.js';
+import { MissionMap } from './map.js';
+import { Facts } from './facts.js';
+import { Orders } from './orders.js';
+import { Runs } from './runs.js';
+import { Draft } from './draft.js';
+
+const REVOKED = 4401;
+const MISSION_SILENT_S = 3;
+const $ = (selector) => document.querySelector(selector);
+const root = document.documentElement;
+
+// Theme: the system's until somebody chooses.
+const systemDark = matchMedia('(prefers-color-scheme: dark)');
+const isDark = () => (root.dataset.theme || (systemDark.matches ? 'dark' : 'light')) === 'dark';
+const nameTheme = () => { $('#theme').textContent = t(isDark() ? 'theme_light' : 'theme_dark'); };
+function turnTheme() {
+  root.dataset.theme = isDark() ? 'light' : 'dark';
+  try { localStorage.rocsafeTheme = root.dataset.theme; } catch { /* storage refused */ }
+  nameTheme();
+}
+try { if (localStorage.rocsafeTheme) root.dataset.theme = localStorage.rocsafeTheme; } catch { /* storage refused */ }
+
+fillTexts();
+nameTheme();
+const link = new Link();
+const map = new MissionMap($('#map'), link);
+const selection = map.selected;
+const orders = new Orders($('#orders'), link, selection);
+const facts = new Facts($('#facts'), link, {
+  look: (latitude, longitude) => map.map.setView([latitude, longitude], Math.max(map.map.getZoom(), 19), { animate: false }),
+  acknowledge: (number) => ask(`/api/alarms/${number}/acknowledge`, {}).catch((error) => orders.tell([], t('refused', { why: error.message }))),
+  select, isSelected: (name) => selection.has(name),
+});
+const runs = new Runs($('#runs'), $('#replay'), map);
+const draft = new Draft($('#draft'), map, link);
+window.rocsafe = { link, map, orders, facts };
+
+function select(name, isChosen) {
+  if (isChosen) selection.add(name); else selection.delete(name);
+  orders.draw();
+  map.schedule();
+  facts.draw();
+}
+map.onVehicle = (name) => select(name, !selection.has(name));
+map.onPlace = (place) => (draft.isDrawing ? draft.onPlace(place) : showPlace(place));
+
+// A place: its coordinates in all forms, a mark, and go to for one chosen vehicle.
+async function showPlace({ lat, lng }) {
+  const box = $('#place');
+  const forms = await ask(`/api/coordinates?latitude=${lat}&longitude=${lng}`).catch(() => null);
+  if (!forms) { box.hidden = true; return; }
+  const rows = Object.values(forms).filter(Boolean).map((text) => make('li', {}, make('code', { text }), make('button', { type: 'button', class: 'small', text: t('copy'), onclick: () => navigator.clipboard?.writeText(text) })));
+  const parts = [make('ul', {}, ...rows)];
+  const may = link.sections.session?.may ?? [];
+  const chosen = [...selection];
+  if (may.includes('go_to') && chosen.length === 1) {
+    const height = make('input', { type: 'number', min: 5, max: 500, value: 50, 'aria-label': t('place_height') });
+    parts.push(make('p', { class: 'place-row' }, height, make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
+  }
+  if (may.includes('mark')) {
+    const text = make('input', { type: 'text', maxlength: 500, placeholder: t('mark_text'), 'aria-label': t('mark_text') });
+    const save = async (event) => {
+      event.preventDefault();
+      await ask('/api/marks', { latitude_deg: lat, longitude_deg: lng, text: text.value }).then(() => { box.hidden = true; }, (error) => orders.tell([], t('refused', { why: error.message })));
+    };
+    parts.push(make('form', { class: 'place-row', onsubmit: save }, text, make('button', { class: 'small', text: t('mark_save') })));
+  }
+  parts.push(make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { box.hidden = true; } }));
+  box.replaceChildren(...parts);
+  box.hidden = false;
+}
+
+// Views.
+function show(view) {
+  for (const button of document.querySelectorAll('[data-view]')) button.setAttribute('aria-pressed', String(button.dataset.view === view));
+  $('#facts').hidden = view !== 'live';
+  $('#runs').hidden = view !== 'runs';
+  $('#draft').hidden = view !== 'draft';
+  root.dataset.view = view;
+  if (view === 'runs') runs.show().catch((error) => orders.tell([], error.message));
+  if (view === 'draft') draft.show().catch((error) => orders.tell([], error.message));
+  if (view === 'live' && map.source) runs.stop();
+  $('#panel').scrollTop = 0;
+}
+for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
+
+// Alarms are heard as well as seen.
+let sound = null;
+let isLoud = true;
+let lastAlarm = 0;
+function beep(isCritical) {
+  if (!isLoud) return;
+  sound ??= new AudioContext();
+  const now = sound.currentTime;
+  for (const start of isCritical ? [0, 0.25, 0.5] : [0]) {
+    const tone = sound.createOscillator();
+    const gain = sound.createGain();
+    tone.frequency.value = isCritical ? 880 : 520;
+    gain.gain.setValueAtTime(0.25, now + start);
+    gain.gain.linearRampToValueAtTime(0, now + start + 0.2);
+    tone.connect(gain).connect(sound.destination);
+    tone.start(now + start);
+    tone.stop(now + start + 0.2);
+  }
+}
+$('#sound').addEventListener('click', () => {
+  isLoud = !isLoud;
+  $('#sound').setAttribute('aria-pressed', String(isLoud));
+  $('#sound').textContent = t(isLoud ? 'sound_on' : 'sound_off');
+});
+
+link.addEventListener('sections', ({ detail }) => {
+  orders.draw();
+  const { mission, session, alarms } = link.sections;
+  $('#mission').replaceChildren(...(mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: mission.phase })] : [t('no_mission')]));
+  const who = $('#who');
+  who.hidden = !session;
+  if (session) who.textContent = t('who', { user: session.user, role: session.role });
+  if (alarms && (detail.isHello || detail.names.includes('alarms'))) {
+    const newest = Math.max(0, ...alarms.map((one) => one.number));
+    const fresh = alarms.filter((one) => one.number > lastAlarm && !one.seen_by);
+    if (!detail.isHello && fresh.length) beep(fresh.some((one) => one.severity === 'critical'));
+    lastAlarm = newest;
+  }
+});
+
+// Whether it is live, told by the word and the colour, twice a second.
+setInterval(() => {
+  link.watch();
+  const isLive = link.isLive;
+  root.classList.toggle('not-live', !isLive);
+  const missionAge = link.now - (link.sections.mission_heard_s ?? -Infinity);
+  const isOver = ['complete', 'failed', 'cancelled'].includes(link.sections.mission?.phase);
+  const isMissionOld = isLive && link.sections.mission && !isOver && missionAge > MISSION_SILENT_S;
+  const pulse = $('#pulse');
+  const word = t(isLive ? 'live' : 'not_live');
+  if (pulse.textContent !== word) pulse.textContent = word;
+  const banner = $('#banner');
+  banner.hidden = isLive && !isMissionOld;
+  const text = !isLive ? t('banner_lost', { age: isNumber(link.silence) ? age(link.silence) : '–' }) : isMissionOld ? t('banner_mission', { age: isNumber(missionAge) ? age(missionAge) : '–' }) : '';
+  if (banner.textContent !== text) banner.textContent = text;
+  if (isNumber(link.now)) {
+    const [local, utc] = clockText(link.now);
+    $('#clock').textContent = `${local} · ${utc} · T+${missionClock(link.sections.progress?.mission_time_s)}`;
+  }
+  if (!isLive) map.schedule();
+}, 500);
+
+// Log-in.
+const login = $('#login');
+login.addEventListener('cancel', (event) => event.preventDefault());
+function askLogin(needs, word = '') {
+  const message = make('p', { class: 'warn', role: 'alert', text: word });
+  if (needs === 'token') {
+    login.replaceChildren(make('h2', { id: 'login-title', text: t('login_title') }), make('p', { text: t('login_token') }), message);
+  } else {
+    const name = make('input', { name: 'name', autocomplete: 'username', required: true, id: 'login-name' });
+    const password = make('input', { name: 'password', type: 'password', autocomplete: 'current-password', required: true, id: 'login-password' });
+    const submit = async (event) => {
+      event.preventDefault();
+      try { await ask('/api/login', { name: name.value, password: password.value }); begin(); } catch (error) { message.textContent = error.message; password.value = ''; }
+    };
+    login.replaceChildren(make('h2', { id: 'login-title', text: t('login_title') }), make('form', { onsubmit: submit }, make('label', { for: 'login-name', text: t('login_name') }), name, make('label', { for: 'login-password', text: t('login_password') }), password, make('button', { class: 'order', text: t('login_go') })), message);
+  }
+  if (!login.open) login.showModal();
+}
+$('#who').addEventListener('click', async () => {
+  await ask('/api/logout', {}).catch(() => {});
+  location.reload();
+});
+
+function begin() {
+  if (login.open) login.close();
+  link.open();
+}
+link.addEventListener('closed', async ({ detail }) => {
+  const answer = detail === REVOKED ? { user: null } : await ask('/api/hello').catch(() => null);
+  if (answer && !answer.user) { link.close(); askLogin(answer.needs ?? (await ask('/api/hello')).needs, t('revoked')); }
+});
+
+async function start() {
+  $('#layer-list').replaceChildren(...map.switches());
+  $('#theme').addEventListener('click', turnTheme);
+  const token = new URLSearchParams(location.hash.slice(1)).get('token');
+  // The token leaves the address, so that it is in no history and on no screen.
+  if (token) {
+    history.replaceState(null, '', location.pathname);
+    await ask('/api/token', { token }).catch(() => {});
+  }
+  const answer = await ask('/api/hello');
+  if (answer.user) begin(); else askLogin(answer.needs);
+}
+
+document.addEventListener('keydown', (event) => {
+  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) || login.open) return;
+  const key = event.key;
+  if (key === 't') turnTheme();
+  else if (key === 'f') map.fit();
+  else if (key === 'a') document.querySelector('#facts [data-alarm]')?.click();
+  else if ('123'.includes(key)) show(['live', 'runs', 'draft'][Number(key) - 1]);
+  else if (key === '?') showHelp();
+  else if (!orders.onKey(key)) return;
+  event.preventDefault();
+});
+function showHelp() {
+  const help = $('#help');
+  help.replaceChildren(make('h2', { id: 'help-title', text: t('help_title') }), make('p', { text: t('help') }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => help.close() }));
+  help.showModal();
+}
+
+start();

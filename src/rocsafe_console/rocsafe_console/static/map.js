@@ -1,0 +1,400 @@
+// SPDX-License-Identifier: Apache-2.0
+// The map: Leaflet without its icons; vehicles and tracks on canvases of their own.
+import { t } from './texts.js';
+import { make, isNumber } from './format.js';
+
+const L = window.L;
+export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a'];
+const GREY = '#8b938f';
+const M_PER_DEG = 111320;
+const MOST_LABELS = 40;
+const MOST_TRACK = 4000;
+// Numbers of VehicleState.
+const [HOLDING, RETURNING, LANDING, LOST, CRASHED] = [5, 6, 7, 9, 10];
+const ON_GROUND = new Set([1, 2, 8, 11]);
+const LAYERS = {
+  base: true, mosaic: true, dose: true, footprints: false, tracks: true, routes: true, region: true, exclusions: true,
+  cordons: true, sources: true, homes: true, marks: true, grid: true,
+};
+
+// A canvas over the map that is drawn by `draw(context, toPixel)` with points in world units.
+const CanvasLayer = L.Layer.extend({
+  initialize(draw, options) { this.drawing = draw; L.setOptions(this, options); },
+  onAdd(map) {
+    this.canvas = L.DomUtil.create('canvas', 'over-map', map.getPane(this.options.pane ?? 'overlayPane'));
+    this.canvas.setAttribute('aria-hidden', 'true');
+    map.on('moveend zoomend resize viewreset', this.redraw, this);
+    this.redraw();
+  },
+  onRemove(map) { map.off('moveend zoomend resize viewreset', this.redraw, this); this.canvas.remove(); },
+  redraw() {
+    const map = this._map;
+    if (!map) return;
+    const size = map.getSize();
+    const pad = size.multiplyBy(0.15).round();
+    const whole = size.add(pad.multiplyBy(2));
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    if (this.canvas.width !== Math.round(whole.x * ratio) || this.canvas.height !== Math.round(whole.y * ratio)) {
+      this.canvas.width = Math.round(whole.x * ratio);
+      this.canvas.height = Math.round(whole.y * ratio);
+      this.canvas.style.width = `${whole.x}px`;
+      this.canvas.style.height = `${whole.y}px`;
+    }
+    L.DomUtil.setPosition(this.canvas, map.containerPointToLayerPoint(pad.multiplyBy(-1)));
+    const context = this.canvas.getContext('2d');
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, whole.x, whole.y);
+    const scale = map.options.crs.scale(map.getZoom());
+    const origin = map.getPixelBounds().min.subtract(pad);
+    this.toPixel = (world) => [world[0] * scale - origin.x, world[1] * scale - origin.y];
+    this.drawing(context, this.toPixel, whole, false);
+  },
+  // Draws on what is there: for what has only grown.
+  extend() { if (this.toPixel && this._map) this.drawing(this.canvas.getContext('2d'), this.toPixel, null, true); },
+});
+
+// Web Mercator with the world from 0 to 1, so that a zoom is one multiplication.
+export function worldOf(latitude, longitude) {
+  const sine = Math.sin((Math.min(Math.max(latitude, -85), 85) * Math.PI) / 180);
+  return [longitude / 360 + 0.5, 0.5 - Math.log((1 + sine) / (1 - sine)) / (4 * Math.PI)];
+}
+
+export class MissionMap {
+  constructor(element, link) {
+    this.link = link;
+    this.selected = new Set();
+    this.shown = { ...LAYERS };
+    try { Object.assign(this.shown, JSON.parse(localStorage.rocsafeLayers ?? '{}')); } catch { /* storage refused */ }
+    this.map = L.map(element, {
+      preferCanvas: true, zoomAnimation: false, fadeAnimation: false, markerZoomAnimation: false,
+      attributionControl: false, zoomControl: false, minZoom: 2, maxZoom: 24, zoomSnap: 0.25, inertia: false,
+    }).setView([20, 0], 3);
+    L.control.zoom({ position: 'topleft', zoomInTitle: 'Zoom in', zoomOutTitle: 'Zoom out' }).addTo(this.map);
+    L.control.scale({ position: 'bottomleft', imperial: false }).addTo(this.map);
+    this.map.createPane('images').style.zIndex = 250;
+    this.map.createPane('tracks').style.zIndex = 420;
+    this.map.createPane('vehicles').style.zIndex = 640;
+    this.groups = Object.fromEntries(Object.keys(LAYERS).map((name) => [name, L.layerGroup()]));
+    this.images = {};
+    this.tracks = new Map();
+    this.stops = [];
+    this.isFitted = false;
+    this.groups.grid.addLayer(new CanvasLayer((...all) => this.drawGrid(...all), { pane: 'images' }));
+    this.trackLayer = new CanvasLayer((...all) => this.drawTracks(...all), { pane: 'tracks' });
+    this.groups.tracks.addLayer(this.trackLayer);
+    this.vehicleLayer = new CanvasLayer((...all) => this.drawVehicles(...all), { pane: 'vehicles' }).addTo(this.map);
+    for (const [name, group] of Object.entries(this.groups)) if (this.shown[name]) group.addTo(this.map);
+    new ResizeObserver(() => this.map.invalidateSize({ animate: false })).observe(element);
+    this.map.on('click', (event) => this.onClick(event));
+    this.map.on('zoomend', () => this.drawCordons(this.sections.cordons ?? []));
+    link.addEventListener('sections', (event) => this.onSections(event.detail));
+    link.addEventListener('frame', () => this.onFrame());
+    this.source = null;
+  }
+
+  drawLegend() {
+    const box = document.getElementById('legend');
+    const bar = make('div', { class: 'legend-bar' }, ...this.stops.map(([, colour]) => { const part = make('span'); part.style.background = colour; return part; }));
+    const ticks = make('div', { class: 'legend-ticks' }, ...this.stops.map(([rate]) => make('span', { text: rate >= 1000 ? `${rate / 1000}k` : `${rate}` })));
+    box.setAttribute('aria-label', `${t('legend')}: ${this.stops.map(([rate]) => rate).join(', ')}`);
+    box.replaceChildren(make('b', { text: t('legend') }), bar, ticks);
+  }
+
+  // What is shown is live, or a replay with sections and vehicles of its own.
+  get sections() { return this.source?.sections ?? this.link.sections; }
+  get vehicles() { return this.source?.vehicles ?? this.link.vehicles; }
+  isStale(vehicle) { return this.source ? false : this.link.isStale(vehicle); }
+
+  switches() {
+    return Object.keys(LAYERS).map((name) => {
+      const box = make('input', { type: 'checkbox', id: `layer-${name}`, onchange: () => this.show(name, box.checked) });
+      box.checked = this.shown[name];
+      return make('label', { class: 'switch', for: `layer-${name}` }, box, make('span', { text: t(`layer_${name}`) }));
+    });
+  }
+
+  show(name, isShown) {
+    this.shown[name] = isShown;
+    if (isShown) this.groups[name].addTo(this.map); else this.groups[name].remove();
+    try { localStorage.rocsafeLayers = JSON.stringify(this.shown); } catch { /* storage refused */ }
+  }
+
+  onSections({ names, isHello }) {
+    if (this.source) return;
+    if (isHello) this.readTracks(this.link.sections.tracks ?? {});
+    if (isHello || names.includes('mission')) { this.isFitted = false; if (isHello) this.images = {}; }
+    this.drawSections(isHello ? null : new Set(names));
+  }
+
+  drawSections(names) {
+    const has = (...all) => !names || all.some((name) => names.has(name));
+    const sections = this.sections;
+    this.stops = sections.scale ?? this.link.sections.scale ?? this.stops;
+    if (has('scale')) this.drawLegend();
+    if (has('region', 'plan')) this.drawPlan(sections);
+    if (has('cordons')) this.drawCordons(sections.cordons ?? []);
+    if (has('sources')) this.drawSources(sections.sources?.sources ?? []);
+    if (has('marks')) this.drawMarks(sections.marks ?? []);
+    if (has('mosaic')) this.drawImage('mosaic', sections.mosaic, 1);
+    if (has('dose_map')) this.drawImage('dose', sections.dose_map, 1, 'dose_map');
+    if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.drawHomes();
+    if (!this.isFitted && (sections.region || sections.plan)) this.fit(false);
+  }
+
+  // First the ground that is surveyed, as the report does; `f` shows all.
+  fit(isAll = true) {
+    const ground = (this.sections.region?.rings ?? []).flat();
+    if (!isAll && ground.length) { this.map.fitBounds(L.latLngBounds(ground).pad(0.35), { animate: false }); this.isFitted = true; return; }
+    const points = [...(this.sections.region?.rings ?? []).flat(), ...Object.values(this.sections.plan?.routes ?? {}).flatMap((route) => route.line)];
+    for (const vehicle of this.vehicles.values()) if (isNumber(vehicle.frame?.latitude)) points.push([vehicle.frame.latitude, vehicle.frame.longitude]);
+    if (points.length) { this.map.fitBounds(L.latLngBounds(points).pad(0.06), { animate: false }); this.isFitted = true; }
+  }
+
+  drawPlan({ region, plan }) {
+    for (const name of ['region', 'routes', 'exclusions', 'footprints']) this.groups[name].clearLayers();
+    if (region) {
+      this.groups.region.addLayer(L.polygon(region.rings, { color: '#0b100e', weight: 5, opacity: 0.6, fill: false, interactive: false }));
+      this.groups.region.addLayer(L.polygon(region.rings, { color: '#ffffff', weight: 2, fill: false, interactive: false }));
+    }
+    for (const rings of plan?.exclusions ?? []) this.groups.exclusions.addLayer(L.polygon(rings, { color: '#d03030', weight: 2, fillColor: '#d03030', fillOpacity: 0.25, interactive: false }));
+    Object.entries(plan?.routes ?? {}).forEach(([name, route], index) => {
+      const colour = VEHICLE_COLOURS[index % VEHICLE_COLOURS.length];
+      this.groups.routes.addLayer(L.polyline(route.line, { color: '#0b100e', weight: 4, opacity: 0.5, interactive: false }));
+      this.groups.routes.addLayer(L.polyline(route.line, { color: '#ffffff', weight: 1.6, dashArray: '6 5', opacity: 0.9, interactive: false }));
+      if (plan.footprint_m) for (const viewpoint of route.viewpoints) this.groups.footprints.addLayer(L.polygon(footprint(viewpoint, plan.footprint_m), { color: colour, weight: 1, fillOpacity: 0.12, interactive: false }));
+    });
+  }
+
+  drawCordons(cordons) {
+    this.groups.cordons.clearLayers();
+    let before = null;
+    const sorted = [...cordons].sort((a, b) => a.level_usvh - b.level_usvh);
+    for (const cordon of sorted) {
+      this.groups.cordons.addLayer(L.polyline(cordon.ring, { color: '#0b100e', weight: 4, opacity: 0.55, interactive: false }));
+      const line = L.polyline(cordon.ring, { color: '#ff5c5c', weight: cordon.is_mean ? 2.4 : 1.6, dashArray: cordon.is_mean ? null : '7 5', interactive: false });
+      this.groups.cordons.addLayer(line);
+      if (!cordon.is_mean && cordon.ring.length) {
+        const top = cordon.ring.reduce((a, b) => (b[0] > a[0] ? b : a));
+        const pixel = this.map.latLngToLayerPoint(top);
+        // A label over another one can be read by nobody.
+        if (!before || Math.abs(pixel.y - before.y) > 16) { before = pixel; this.groups.cordons.addLayer(label(top, `${cordon.level_usvh} µSv/h`, 'map-label')); }
+      }
+    }
+  }
+
+  drawSources(sources) {
+    this.groups.sources.clearLayers();
+    for (const source of sources) {
+      const ring = ellipse(source.place, source.half_axes_m, source.angle_deg);
+      this.groups.sources.addLayer(L.polygon(ring, { color: '#00e5ff', weight: 2, fillOpacity: 0.14, interactive: false }));
+      this.groups.sources.addLayer(L.circleMarker(source.place, { radius: 7, color: '#14130a', weight: 1.5, fillColor: '#ffd400', fillOpacity: 1, interactive: false }));
+      this.groups.sources.addLayer(label(source.place, t('source_name', { id: source.id }), 'map-label map-label-source'));
+    }
+  }
+
+  drawMarks(marks) {
+    this.groups.marks.clearLayers();
+    for (const mark of marks) {
+      const place = [mark.latitude_deg, mark.longitude_deg];
+      this.groups.marks.addLayer(L.circleMarker(place, { radius: 6, color: '#0b100e', weight: 2, fillColor: '#ffffff', fillOpacity: 1, interactive: false }));
+      this.groups.marks.addLayer(label(place, mark.text, 'map-label'));
+    }
+  }
+
+  drawHomes() {
+    this.groups.homes.clearLayers();
+    for (const vehicle of this.vehicles.values()) {
+      const home = vehicle.facts?.home;
+      if (home) this.groups.homes.addLayer(L.circleMarker([home[0], home[1]], { radius: 6, color: this.colourOf(vehicle), weight: 3, fillColor: '#ffffff', fillOpacity: 0.9, interactive: false }));
+    }
+  }
+
+  drawImage(name, value, opacity, image = name) {
+    if (!value?.corners || value.corners.flat().some((part) => !isNumber(part))) {
+      if (this.images[name]) { this.groups[name].removeLayer(this.images[name]); delete this.images[name]; }
+      return;
+    }
+    const url = value.url ?? `/api/image/${image}?at=${encodeURIComponent(`${value.stamp_s}-${value.heard_s}`)}`;
+    const old = this.images[name];
+    const picture = L.imageOverlay(url, value.corners, { pane: 'images', opacity, className: `image-${name}`, interactive: false, alt: '' });
+    this.images[name] = picture;
+    picture.on('load error', () => old && this.groups[name].removeLayer(old));
+    this.groups[name].addLayer(picture);
+  }
+
+  readTracks(tracks) {
+    this.tracks.clear();
+    for (const [name, points] of Object.entries(tracks)) this.tracks.set(name, points.map(([lat, lon, rate]) => [...worldOf(lat, lon), rate ?? NaN]));
+    this.trackLayer.redraw();
+  }
+
+  onFrame() {
+    if (this.source) return;
+    let hasNew = false;
+    for (const vehicle of this.link.vehicles.values()) {
+      const frame = vehicle.frame;
+      if (!frame || !isNumber(frame.latitude)) continue;
+      vehicle.world = worldOf(frame.latitude, frame.longitude);
+      const track = this.tracks.get(vehicle.name) ?? [];
+      const last = track.at(-1);
+      if (!last || Math.hypot(vehicle.world[0] - last[0], vehicle.world[1] - last[1]) > 4e-8) {
+        track.push([...vehicle.world, frame.doseRate]);
+        if (track.length > MOST_TRACK) { track.splice(0, MOST_TRACK / 4); this.drawn?.delete(vehicle.name); }
+        this.tracks.set(vehicle.name, track);
+        hasNew = true;
+      }
+    }
+    this.isTrackNew ||= hasNew;
+    this.schedule();
+  }
+
+  // One drawing a frame of the screen, however many messages came; tracks once a second.
+  schedule() {
+    if (this.isScheduled) return;
+    this.isScheduled = true;
+    requestAnimationFrame((time) => {
+      this.isScheduled = false;
+      this.vehicleLayer.redraw();
+      if (this.isTrackNew && time - (this.trackDrawn ?? 0) > 1000) {
+        this.trackDrawn = time;
+        this.isTrackNew = false;
+        this.trackLayer.extend();
+      }
+    });
+  }
+
+  colourOf(vehicle) { return VEHICLE_COLOURS[(vehicle.facts?.number ?? 0) % VEHICLE_COLOURS.length]; }
+
+  doseColour(rate) {
+    if (!isNumber(rate) || !this.stops.length) return null;
+    const stop = [...this.stops].reverse().find(([least]) => rate >= least);
+    return stop ? stop[1] : this.stops[0][1];
+  }
+
+  drawGrid(context, toPixel, size) {
+    const metres = 40075016 * Math.cos((this.map.getCenter().lat * Math.PI) / 180) / this.map.options.crs.scale(this.map.getZoom());
+    const power = 10 ** Math.ceil(Math.log10(metres * 60));
+    const step = power / metres;
+    const [x0, y0] = toPixel([0.5, 0.5]);
+    context.strokeStyle = 'rgb(255 255 255 / 9%)';
+    context.lineWidth = 1;
+    context.beginPath();
+    for (let x = ((x0 % step) + step) % step; x < size.x; x += step) { context.moveTo(x, 0); context.lineTo(x, size.y); }
+    for (let y = ((y0 % step) + step) % step; y < size.y; y += step) { context.moveTo(0, y); context.lineTo(size.x, y); }
+    context.stroke();
+  }
+
+  drawTracks(context, toPixel, _size, isMore) {
+    this.drawn ??= new Map();
+    if (!isMore) this.drawn.clear();
+    context.lineJoin = 'round';
+    context.lineCap = 'round';
+    for (const [name, track] of this.tracks) {
+      const from = Math.max((this.drawn.get(name) ?? 1) - 1, 0);
+      this.drawn.set(name, track.length);
+      if (track.length - from < 2) continue;
+      const pixels = track.slice(from).map(toPixel);
+      context.strokeStyle = 'rgb(11 16 14 / 55%)';
+      context.lineWidth = 7;
+      context.beginPath();
+      pixels.forEach(([x, y], index) => (index ? context.lineTo(x, y) : context.moveTo(x, y)));
+      context.stroke();
+      context.lineWidth = 4;
+      let colour = null;
+      pixels.forEach(([x, y], index) => {
+        const next = this.doseColour(track[from + index][2]) ?? '#dfe6e2';
+        if (next !== colour) {
+          if (colour) { context.lineTo(x, y); context.stroke(); }
+          context.beginPath();
+          context.moveTo(x, y);
+          context.strokeStyle = next;
+          colour = next;
+        } else context.lineTo(x, y);
+      });
+      if (colour) context.stroke();
+    }
+  }
+
+  drawVehicles(context, toPixel) {
+    const isLabelled = this.vehicles.size <= MOST_LABELS;
+    context.font = '650 12px system-ui, "Liberation Sans", sans-serif';
+    context.textBaseline = 'middle';
+    for (const vehicle of this.vehicles.values()) {
+      if (!vehicle.world) continue;
+      const [x, y] = toPixel(vehicle.world);
+      const isStale = this.isStale(vehicle);
+      const isChosen = this.selected.has(vehicle.name);
+      drawVehicle(context, x, y, vehicle.frame.state, isStale ? GREY : this.colourOf(vehicle), isStale);
+      if (isChosen) { context.strokeStyle = '#ffd400'; context.lineWidth = 3; context.beginPath(); context.arc(x, y, 15, 0, 7); context.stroke(); }
+      if (isLabelled || isChosen) {
+        context.lineWidth = 3.5;
+        context.strokeStyle = 'rgb(11 16 14 / 90%)';
+        context.fillStyle = isStale ? '#c9cfcc' : '#ffffff';
+        const text = isStale ? `${vehicle.name} (${t('stale')})` : vehicle.name;
+        context.strokeText(text, x + 13, y);
+        context.fillText(text, x + 13, y);
+      }
+    }
+  }
+
+  onClick(event) {
+    const near = this.vehicleAt(event.containerPoint);
+    if (near) this.onVehicle?.(near, event.originalEvent);
+    else this.onPlace?.(event.latlng);
+  }
+
+  vehicleAt(point) {
+    const scale = this.map.options.crs.scale(this.map.getZoom());
+    const origin = this.map.getPixelBounds().min;
+    let best = null;
+    let least = 18;
+    for (const vehicle of this.vehicles.values()) {
+      if (!vehicle.world) continue;
+      const distance = Math.hypot(vehicle.world[0] * scale - origin.x - point.x, vehicle.world[1] * scale - origin.y - point.y);
+      if (distance < least) { least = distance; best = vehicle.name; }
+    }
+    return best;
+  }
+}
+
+// The state is told by the shape as well: no colour alone means anything.
+function drawVehicle(context, x, y, state, colour, isStale) {
+  context.lineWidth = 2.5;
+  context.strokeStyle = isStale ? '#e4e8e6' : '#ffffff';
+  context.fillStyle = colour;
+  context.beginPath();
+  if (state === HOLDING) context.rect(x - 7, y - 7, 14, 14);
+  else if (state === RETURNING || state === LANDING) { context.moveTo(x, y + 9); context.lineTo(x - 8, y - 6); context.lineTo(x + 8, y - 6); context.closePath(); }
+  else if (state === LOST || state === CRASHED) { context.moveTo(x - 8, y - 8); context.lineTo(x + 8, y + 8); context.moveTo(x + 8, y - 8); context.lineTo(x - 8, y + 8); context.strokeStyle = isStale ? GREY : '#ff5c5c'; context.lineWidth = 4.5; }
+  else context.arc(x, y, ON_GROUND.has(state) ? 5 : 7.5, 0, 7);
+  if (isStale) context.setLineDash([3, 3]); else context.fill();
+  context.stroke();
+  context.setLineDash([]);
+}
+
+function label(place, text, className) {
+  const icon = L.divIcon({ className: 'label-anchor', html: make('span', { class: className, text }), iconSize: [0, 0] });
+  return L.marker(place, { icon, interactive: false, keyboard: false });
+}
+
+function footprint([latitude, longitude, yaw], [across, along]) {
+  const [ahead, side] = [along / 2, across / 2];
+  return [[ahead, side], [ahead, -side], [-ahead, -side], [-ahead, side]].map(([forward, left]) => {
+    const east = forward * Math.cos(yaw) - left * Math.sin(yaw);
+    const north = forward * Math.sin(yaw) + left * Math.cos(yaw);
+    return offset(latitude, longitude, east, north);
+  });
+}
+
+export function offset(latitude, longitude, east, north) {
+  return [latitude + north / M_PER_DEG, longitude + east / (M_PER_DEG * Math.cos((latitude * Math.PI) / 180))];
+}
+
+function ellipse([latitude, longitude], [a, b], degrees) {
+  const turn = (degrees * Math.PI) / 180;
+  return Array.from({ length: 48 }, (_, index) => {
+    const angle = (index * Math.PI) / 24;
+    const [u, v] = [a * Math.cos(angle), b * Math.sin(angle)];
+    return offset(latitude, longitude, u * Math.cos(turn) - v * Math.sin(turn), u * Math.sin(turn) + v * Math.cos(turn));
+  });
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Orders in two steps: a button arms the order, a second press within some seconds sends it.
+import { t } from './texts.js';
+import { make } from './format.js';
+import { ask } from './link.js';
+
+const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], ['take', ''], ['release', '']];
+const TOUCH_S = 0.6;
+
+export const newId = () => [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
+
+export class Orders {
+  constructor(element, link, selection) {
+    this.element = element;
+    this.link = link;
+    this.selection = selection;
+    this.armed = null;
+    this.report = make('div', { class: 'results', role: 'status', 'aria-live': 'assertive', hidden: true });
+    this.bar = make('div', { class: 'order-bar' });
+    element.append(this.report, this.bar);
+    this.draw();
+  }
+
+  names() {
+    const chosen = [...this.selection].filter((name) => this.link.vehicles.has(name));
+    return chosen.length ? chosen : [...this.link.vehicles.keys()];
+  }
+
+  what(names) {
+    if (!names.length) return t('orders_none');
+    return names.length === this.link.vehicles.size && names.length > 1 ? t('orders_all', { count: names.length }) : names.length > 3 ? `${names.length}` : names.join(', ');
+  }
+
+  may(verb) { return (this.link.sections.session?.may ?? []).includes(verb); }
+
+  draw() {
+    if (this.armed) return;
+    const names = this.names();
+    const key = `${names}|${(this.link.sections.session?.may ?? []).join()}`;
+    if (this.drawn === key) return;
+    this.drawn = key;
+    const buttons = VERBS.filter(([verb]) => this.may(verb)).map(([verb, letter]) => make('button', {
+      type: 'button', class: `order order-${verb}`, 'data-verb': verb, 'aria-keyshortcuts': letter || undefined, disabled: !names.length, text: t(`verb_${verb}`), onclick: () => this.arm(verb),
+    }));
+    this.bar.replaceChildren(make('span', { class: 'order-for', text: t('orders_for', { what: this.what(names) }) }), ...buttons);
+  }
+
+  async arm(verb, names = this.names(), target = null) {
+    if (!names.length || !this.may(verb) || this.armed) return;
+    // The revisions are those that are on the screen now: the server refuses what has moved on.
+    const revisions = Object.fromEntries(names.map((name) => [name, this.link.vehicles.get(name).facts.revision]));
+    const id = newId();
+    const armed = this.armed = { id, verb, names };
+    try {
+      const { until_s: until } = await ask('/api/orders', { request_id: id, verb, revisions, ...(target ? { target } : {}) });
+      if (this.armed === armed) this.offer(armed, until);
+    } catch (error) { this.disarm(); this.tell([], t('refused', { why: error.message })); }
+  }
+
+  offer(armed, until) {
+    const words = { verb: t(`verb_${armed.verb}`), what: this.what(armed.names) };
+    const confirm = make('button', { type: 'button', class: 'order order-confirm', text: t('confirm', words) });
+    const left = make('span', { class: 'order-left' });
+    const cancel = make('button', { type: 'button', class: 'order', text: t('cancel'), onclick: () => this.disarm() });
+    let pressed = null;
+    const send = () => { clearTimeout(pressed); this.send(armed); };
+    // On glass a brush of a sleeve is no confirmation: the button is kept pressed.
+    confirm.addEventListener('pointerdown', (event) => {
+      if (event.pointerType !== 'touch') return;
+      confirm.dataset.touch = '1';
+      confirm.classList.add('pressing');
+      pressed = setTimeout(send, TOUCH_S * 1000);
+    });
+    for (const name of ['pointerup', 'pointercancel', 'pointerleave']) confirm.addEventListener(name, () => { clearTimeout(pressed); confirm.classList.remove('pressing'); });
+    confirm.addEventListener('contextmenu', (event) => event.preventDefault());
+    confirm.addEventListener('click', () => { if (confirm.dataset.touch) { delete confirm.dataset.touch; confirm.textContent = t('confirm_touch', words); } else send(); });
+    this.bar.replaceChildren(confirm, cancel, left);
+    confirm.focus();
+    const count = () => {
+      if (this.armed !== armed || armed.isSent) return;
+      const seconds = until - this.link.now;
+      if (seconds <= 0) { this.disarm(); return; }
+      left.textContent = t('confirm_left', { seconds: Math.ceil(seconds) });
+      setTimeout(count, 200);
+    };
+    count();
+  }
+
+  async send(armed) {
+    if (armed.isSent) return;
+    armed.isSent = true;
+    this.bar.replaceChildren(make('span', { class: 'order-for', text: t('sending') }));
+    try {
+      const { results } = await ask(`/api/orders/${armed.id}/confirm`, {});
+      const done = results.filter((one) => one.outcome === 'done').length;
+      this.tell(results, t('sent', { verb: t(`verb_${armed.verb}`), done, all: results.length }));
+    } catch (error) { this.tell([], t('refused', { why: error.message })); }
+    this.disarm();
+  }
+
+  disarm() {
+    const verb = this.armed?.verb;
+    this.armed = null;
+    this.drawn = null;
+    this.draw();
+    if (verb) this.bar.querySelector(`[data-verb="${verb}"]`)?.focus();
+  }
+
+  tell(results, title) {
+    const bad = results.filter((one) => one.outcome !== 'done');
+    const good = results.filter((one) => one.outcome === 'done');
+    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? one.outcome : `${one.outcome}: ${one.text}`));
+    this.report.replaceChildren(make('div', { class: 'results-head' }, make('b', { text: title }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { this.report.hidden = true; } })), make('ul', {}, ...rows));
+    this.report.hidden = false;
+  }
+
+  onKey(key) {
+    if (key === 'Escape' && this.armed && !this.armed.isSent) { this.disarm(); return true; }
+    if (key === 'Escape') this.report.hidden = true;
+    const verb = VERBS.find(([, letter]) => letter === key)?.[0];
+    if (verb) this.arm(verb);
+    return Boolean(verb);
+  }
+}

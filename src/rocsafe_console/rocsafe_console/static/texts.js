@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every text of the page, in one catalogue. A translation replaces the values; {name} is filled in.
+export const TEXTS = {
+  skip: 'To the facts', view_live: 'Live', view_runs: 'Runs', view_draft: 'New mission',
+  sound_on: 'Sound on', sound_off: 'Sound off', theme: 'Theme', theme_dark: 'Night', theme_light: 'Day',
+  map: 'Map', layers: 'Layers', no_mission: 'No mission is heard',
+  live: 'live', not_live: 'not live', stale: 'stale', ago: '{age} ago', never: 'not heard yet',
+  banner_lost: 'Not live: no word from the server for {age}. What you see is old.',
+  banner_mission: 'No word from the mission for {age}. Grey is old.',
+  fact_worst: 'Worst reading', fact_now: 'Newest reading', fact_sources: 'Sources', fact_zones: 'Zones', fact_wind: 'Wind',
+  fact_coverage: 'Coverage', fact_time: 'Time left', fact_picture: 'Newest picture', fact_vehicles: 'Vehicles',
+  fact_alarms: 'Alarms', fact_mosaic: 'Mosaic', fact_report: 'Incident report',
+  no_reading: 'no reading yet', no_source: 'no source is supported by the readings', no_zone: 'no ground above a level',
+  no_wind: 'no wind measured', no_picture: 'no photograph yet', no_plan: 'no plan yet', no_alarm: 'no alarm', no_vehicle: 'no vehicle is heard',
+  by_at: '{vehicle}, {detector}', trend_rising: 'rising', trend_falling: 'falling', trend_steady: 'steady',
+  saturated: 'at least: the detector is saturated',
+  source_line: '{strength} at 1 m, ±{size} m, evidence {evidence}', source_name: 'Source {id}',
+  zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %',
+  wind_line: 'from {from}° at {speed} m/s', wind_by: 'measured by {vehicle}',
+  coverage_line: '{stored} of {expected} photographs stored', time_line: 'planned {planned}, at least {bound}',
+  mosaic_line: '{count} photographs placed, {resolution} m a pixel', mosaic_draft: 'growing', mosaic_final: 'final',
+  battery: 'battery', way_home: 'home in', battery_left: 'left for', dose: 'dose', link: 'link', led_by: 'led by {holder}', led_by_nobody: 'led by nobody',
+  taken_by: 'taken by its {who}', visited: '{done} of {all}', select: 'Select {name}', acknowledge: 'Seen', seen_by: 'seen by {who}',
+  simulated: 'simulated', advice: 'advice: {advice}', unknown: '–',
+  verb_hold: 'Hold', verb_resume: 'Resume', verb_return: 'Return', verb_land: 'Land', verb_take: 'Take over', verb_release: 'Give back', verb_go_to: 'Go here',
+  verb_mark: 'Mark', orders_for: 'For {what}', orders_all: 'all {count} vehicles', orders_none: 'no vehicle',
+  confirm: 'Confirm: {verb} {what}', confirm_touch: 'Keep pressed: {verb} {what}', cancel: 'Cancel', confirm_left: '{seconds} s',
+  sending: 'sending …', sent: '{verb}: {done} of {all} done', results: 'Results', close: 'Close',
+  login_name: 'Name', login_password: 'Password', login_go: 'Log in', login_token: 'Open the address that the console printed: it has the token.',
+  login_title: 'ROCSAFE console', who: '{user}, {role}', revoked: 'Your session has ended.',
+  copy: 'Copy', mark_text: 'What is here?', mark_save: 'Mark as evidence', place_go_to: 'Send {vehicle} here', place_height: 'Height, m',
+  runs_title: 'Runs', runs_none: 'no run in this folder', run_replay: 'Replay', run_report: 'Report', run_sealed: 'sealed', replay_stop: 'Back to live', replay_play: 'Play', replay_pause: 'Pause', replay_time: 'Time of the replay',
+  layer_mosaic: 'Mosaic', layer_dose: 'Dose map', layer_cordons: 'Cordons', layer_routes: 'Planned routes', layer_tracks: 'Flown tracks', layer_footprints: 'Footprints', layer_region: 'Region', layer_exclusions: 'Exclusions', layer_sources: 'Sources, 95 %', layer_homes: 'Homes', layer_marks: 'Marks', layer_grid: 'Grid', layer_base: 'Base map',
+  legend: 'Dose rate, µSv/h', decisions: 'What was decided',
+  help_title: 'Keys', help: 'h Hold · r Resume · b Return · l Land · Enter Confirm · Esc Cancel · a Seen · t Theme · 1 2 3 Views · f Show all · ? Keys',
+  link_make: 'Address for QGIS', draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import GeoJSON',
+  draft_save: 'Check', draft_plan: 'Plan', draft_preflight: 'Preflight', draft_approve: 'I approve this plan', draft_launch: 'Launch', draft_area: '{area} m², {count} corners', draft_running: 'working …', draft_name: 'Name', draft_text: 'Scenario',
+  state_unknown: 'unknown', state_disarmed: 'disarmed', state_armed: 'armed', state_taking_off: 'taking off', state_flying: 'flying', state_holding: 'holding', state_returning: 'returning', state_landing: 'landing', state_landed: 'landed', state_lost: 'lost', state_crashed: 'crashed', state_waiting: 'waiting',
+  critical: 'critical', warning: 'warning', refused: 'Refused: {why}',
+};
+
+export function t(key, values = {}) {
+  const text = TEXTS[key];
+  if (text === undefined) throw new Error(`no text: ${key}`);
+  return text.replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ''));
+}
+
+// Fills the elements that name their text.
+export function fillTexts(within = document) {
+  for (const element of within.querySelectorAll('[data-text]')) element.textContent = t(element.dataset.text);
+}

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the handlers of requests work with."""
+
+import contextlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+from aiohttp import web
+
+from rocsafe_console.evidence.desk import Desk, Event
+from rocsafe_console.orders.order_book import Order, OrderBook, Result
+from rocsafe_console.people.roles import Action, Role, require
+from rocsafe_console.people.session_file import save_sessions
+from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
+from rocsafe_console.people.users import Users
+from rocsafe_console.picture.live import Live
+
+# Orders of one session; a person cannot click faster.
+ORDERS, ORDERS_S = 30, 10.0
+
+
+class Fleet(Protocol):
+    """Sends orders to vehicles."""
+
+    def send_order(
+        self,
+        order: Order,
+        names: tuple[str, ...],
+        finish: Callable[[tuple[Result, ...]], None],
+    ) -> None:
+        """Send an order to `names`; `finish` gets a result of each, from any thread."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WebOptions:
+    """How the page is served.
+
+    Attributes
+    ----------
+    host, port
+        Address to listen at.
+    certificate, key
+        Files of TLS; None: not encrypted, loopback only.
+    names
+        Further host names under which the page is reached.
+    runs
+        Folder of the runs.
+    scenarios
+        Folder of scenarios to begin a new mission with.
+    cursor_on_target
+        Host and port that events are sent to; None: nowhere.
+    token
+        Opens a session of `token_user` without users; empty: users log in.
+    """
+
+    host: str = '127.0.0.1'
+    port: int = 8600
+    certificate: Path | None = None
+    key: Path | None = None
+    names: tuple[str, ...] = ()
+    runs: Path = Path('runs')
+    scenarios: Path = Path('config/scenarios')
+    cursor_on_target: tuple[str, int] | None = None
+    token: str = ''
+    token_user: str = ''
+
+    @property
+    def scheme(self) -> str:
+        """Scheme of the address."""
+        return 'https' if self.certificate else 'http'
+
+    @property
+    def cookie(self) -> str:
+        """Name of the cookie of a session."""
+        return '__Host-rocsafe' if self.certificate else f'rocsafe-{self.port}'
+
+
+@dataclass(slots=True, kw_only=True)
+class Context:
+    """Parts of the server.
+
+    Attributes
+    ----------
+    clock
+        Returns the time on the wall, seconds since 1970.
+    environment
+        Of the commands that are run for the page.
+    fleet
+        None until ROS has started.
+    """
+
+    options: WebOptions
+    live: Live
+    desk: Desk
+    users: Users
+    clock: Callable[[], float]
+    environment: Mapping[str, str] = field(default_factory=dict)
+    fleet: Fleet | None = None
+    sessions: Sessions = field(default_factory=Sessions)
+    orders: OrderBook = field(default_factory=OrderBook)
+    logins: AttemptLimit = field(default_factory=AttemptLimit)
+    order_rate: AttemptLimit = field(default_factory=lambda: AttemptLimit(ORDERS, ORDERS_S))
+
+    def save_sessions(self) -> None:
+        """Keep the sessions for the next process; what hinders it costs a log-in, no more."""
+        with contextlib.suppress(OSError):
+            save_sessions(self.options.runs, self.sessions)
+
+    def write(self, kind: str, by: str, **what: object) -> None:
+        """Write to the evidence log: safely on disk on return."""
+        self.desk.write(Event(time_s=self.clock(), kind=kind, by=by, what=what))
+
+
+CONTEXT: web.AppKey[Context] = web.AppKey('context', Context)
+SESSION: web.RequestKey[Session] = web.RequestKey('session', Session)
+
+
+def context_of(request: web.Request) -> Context:
+    """Return the parts of the server."""
+    return request.app[CONTEXT]
+
+
+def session_of(request: web.Request, action: Action) -> Session:
+    """Return the session of a request whose user may do `action`; raises `RefusedError`."""
+    session = request[SESSION]
+    require(session.role, action)
+    return session
+
+
+def local_session(context: Context, address: str) -> tuple[str, Session]:
+    """Begin the session of whoever has the token: a commander on this machine."""
+    return context.sessions.begin(
+        context.options.token_user, Role.COMMANDER, address, context.clock()
+    )

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Handlers of new missions: draw, check, plan, approve, launch."""
+
+import asyncio
+from dataclasses import asdict
+
+from aiohttp import web
+
+from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.people.roles import Action
+from rocsafe_console.runs.drafts import Drafts
+from rocsafe_console.web.context import context_of, session_of
+from rocsafe_console.web.guards import body_of
+
+DRAFTS: web.AppKey[Drafts] = web.AppKey('drafts', Drafts)
+
+
+async def list_drafts(request: web.Request) -> web.Response:
+    """List the scenarios to begin with, and the drafts."""
+    session_of(request, Action.DRAFT)
+    return web.json_response(request.app[DRAFTS].names())
+
+
+async def draft_text(request: web.Request) -> web.Response:
+    """Send the text of a scenario or draft."""
+    session_of(request, Action.DRAFT)
+    text = request.app[DRAFTS].text_of(request.match_info['kind'], request.match_info['name'])
+    return web.json_response({'text': text})
+
+
+async def save_draft(request: web.Request) -> web.Response:
+    """Write a draft and check it."""
+    context, body = context_of(request), await body_of(request)
+    session = session_of(request, Action.DRAFT)
+    drafts, name = request.app[DRAFTS], str(body['name'])
+    text = drafts.save(name, str(body['text']), dict(body.get('drawn') or {}))
+    context.write('draft', session.user, name=name)
+    step = await asyncio.to_thread(drafts.check, name)
+    return web.json_response({**asdict(step), 'scenario': text})
+
+
+async def plan_draft(request: web.Request) -> web.Response:
+    """Plan a draft; the answer has what is to be approved."""
+    session_of(request, Action.DRAFT)
+    drafts, name = request.app[DRAFTS], request.match_info['name']
+    step, plan, digest = await asyncio.to_thread(drafts.plan, name)
+    return web.json_response({**asdict(step), 'plan': plan, 'approve': digest})
+
+
+async def preflight_draft(request: web.Request) -> web.Response:
+    """Look at the real vehicles of a draft; nothing is commanded."""
+    session_of(request, Action.DRAFT)
+    step = await asyncio.to_thread(request.app[DRAFTS].preflight, request.match_info['name'])
+    return web.json_response(asdict(step))
+
+
+async def launch_draft(request: web.Request) -> web.Response:
+    """Launch exactly what was approved; it is written to the evidence log first."""
+    context, body = context_of(request), await body_of(request)
+    session = session_of(request, Action.LAUNCH)
+    name, approved = request.match_info['name'], str(body.get('approved', ''))
+    confirmed = [str(one) for one in body.get('confirm', [])]
+    try:
+        context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
+    except (OSError, ConsoleError) as error:
+        raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
+    step = await asyncio.to_thread(request.app[DRAFTS].launch, name, approved, confirmed)
+    context.write('outcome', session.user, name=name, **asdict(step))
+    return web.json_response(asdict(step))

@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Handlers of requests: log-in, orders, alarms, marks, pictures and runs."""
+
+import asyncio
+import hmac
+import math
+from dataclasses import asdict
+from typing import Any
+
+from aiohttp import web
+
+from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.orders.order_book import Order, Result, Target, stale
+from rocsafe_console.people.roles import MAY, Action
+from rocsafe_console.people.sessions import Session
+from rocsafe_console.picture.coordinates import coordinates_of
+from rocsafe_console.runs.run_folder import (
+    EMPTY_TILE,
+    file_of,
+    is_tile,
+    replay_of,
+    run_in,
+    runs_in,
+)
+from rocsafe_console.web.context import Context, context_of, local_session, session_of
+from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
+
+ORDER_S = 7.0
+MOST_TEXT = 500
+
+
+async def hello(request: web.Request) -> web.Response:
+    """Tell whether users log in or a token opens the page, and who is logged in."""
+    context = context_of(request)
+    secret = request.cookies.get(context.options.cookie, '')
+    session = context.sessions.of_secret(secret, context.clock())
+    return web.json_response(
+        {'needs': 'token' if context.options.token else 'login', **_session_plain(session)}
+    )
+
+
+async def log_in(request: web.Request) -> web.Response:
+    """Begin a session by name and password; attempts are limited by name and by address."""
+    context, body = context_of(request), await body_of(request)
+    name, password = str(body.get('name', '')), str(body.get('password', ''))
+    address, now_s = request.remote or '', context.clock()
+    wait_s = max(context.logins.wait_s(key, now_s) for key in (f'n {name}', f'a {address}'))
+    if wait_s:
+        return refused(429, f'too many attempts: wait {math.ceil(wait_s)} s')
+    for key in (f'n {name}', f'a {address}'):
+        context.logins.note(key, now_s)
+    # Argon2 takes a tenth of a second and 64 MiB; the loop must not wait for it.
+    user = await asyncio.to_thread(context.users.log_in, name, password)
+    if user is None:
+        context.write('login', name[:64], address=address, outcome='refused')
+        return refused(401, 'the name or the password is not right')
+    context.logins.forgive(f'n {name}')
+    context.write('login', user.name, address=address, outcome='done', role=user.role.value)
+    begun = context.sessions.begin(user.name, user.role, address, context.clock())
+    return _with_cookie(context, *begun)
+
+
+async def use_token(request: web.Request) -> web.Response:
+    """Begin the session of whoever started the console, by its token."""
+    context, body = context_of(request), await body_of(request)
+    address, now_s = request.remote or '', context.clock()
+    if context.logins.wait_s(f'a {address}', now_s):
+        return refused(429, 'too many attempts')
+    token = context.options.token
+    if not token or not hmac.compare_digest(str(body.get('token', '')).encode(), token.encode()):
+        context.logins.note(f'a {address}', now_s)
+        return refused(
+            401, 'the token is not right: take the address that the console has printed'
+        )
+    context.write('login', context.options.token_user, address=address, outcome='done')
+    return _with_cookie(context, *local_session(context, address))
+
+
+async def log_out(request: web.Request) -> web.Response:
+    """End the session."""
+    context, session = context_of(request), session_of(request, Action.SEE)
+    context.sessions.end(session.public_id)
+    context.save_sessions()
+    context.write('logout', session.user)
+    answer = web.json_response({})
+    answer.del_cookie(context.options.cookie)
+    return answer
+
+
+async def list_sessions(request: web.Request) -> web.Response:
+    """List who is logged in."""
+    context = context_of(request)
+    session_of(request, Action.REVOKE)
+    plain = [
+        {**asdict(one), 'role': one.role.value} for one in context.sessions.all(context.clock())
+    ]
+    return web.json_response({'sessions': plain})
+
+
+async def revoke(request: web.Request) -> web.Response:
+    """End somebody's session."""
+    context, session = context_of(request), session_of(request, Action.REVOKE)
+    public_id = request.match_info['id']
+    context.write('revoke', session.user, session=public_id)
+    if not context.sessions.end(public_id):
+        raise ConsoleError(f'session {public_id}: there is none')
+    context.save_sessions()
+    return web.json_response({})
+
+
+async def prepare_order(request: web.Request) -> web.Response:
+    """First step of an order: it waits for its confirmation."""
+    context, body = context_of(request), await body_of(request)
+    verb = Action(body['verb'])
+    session = session_of(request, verb)
+    now_s = context.clock()
+    if wait_s := context.order_rate.wait_s(session.public_id, now_s):
+        return refused(429, f'too many orders: wait {math.ceil(wait_s)} s')
+    context.order_rate.note(session.public_id, now_s)
+    target = body.get('target')
+    order = Order(
+        request_id=str(body['request_id']),
+        session=session.public_id,
+        user=session.user,
+        verb=verb,
+        revisions={str(name): int(seen) for name, seen in dict(body['revisions']).items()},
+        target=Target(**{key: float(target[key]) for key in target}) if target else None,
+    )
+    with context.live.lock:
+        unknown = sorted(order.revisions.keys() - context.live.picture.vehicles.keys())
+    if unknown:
+        raise ValueError(f'vehicle {unknown[0]}: there is none')
+    return web.json_response({'until_s': context.orders.prepare(order, now_s)}, status=201)
+
+
+async def confirm_order(request: web.Request) -> web.Response:
+    """Second step of an order: it is written to the evidence log, and sent."""
+    context = context_of(request)
+    session = session_of(request, Action.SEE)
+    request_id = request.match_info['id']
+    order = context.orders.confirm(request_id, session.public_id, context.clock())
+    if order is None:
+        return await _results(context, request_id)
+    session_of(request, order.verb)
+    with context.live.lock:
+        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
+    left_out = stale(order, revisions)
+    names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
+    try:
+        context.write('order', order.user, **_order_plain(order, names))
+    except (OSError, ConsoleError) as error:
+        context.orders.finish(request_id, ())
+        raise RefusedError(
+            f'nothing was sent: the evidence log cannot be written: {error}'
+        ) from error
+    results = (*left_out, *(await _sent(context, order, names) if names else ()))
+    plain = [_result_plain(result) for result in results]
+    context.orders.finish(request_id, results)
+    context.write('outcome', order.user, request_id=request_id, results=plain)
+    return web.json_response({'results': plain})
+
+
+async def acknowledge(request: web.Request) -> web.Response:
+    """Note that somebody has seen an alarm."""
+    context, session = context_of(request), session_of(request, Action.ACKNOWLEDGE)
+    number = int(request.match_info['number'])
+    with context.live.lock:
+        alarm = context.live.picture.acknowledge(number, session.user, context.clock())
+    context.write('acknowledge', session.user, alarm=alarm.text, number=number)
+    return web.json_response({})
+
+
+async def mark(request: web.Request) -> web.Response:
+    """Mark a place as evidence, with a note."""
+    context, body = context_of(request), await body_of(request)
+    session = session_of(request, Action.MARK)
+    latitude_deg, longitude_deg = float(body['latitude_deg']), float(body['longitude_deg'])
+    forms, text = coordinates_of(latitude_deg, longitude_deg), str(body.get('text', ''))
+    if not text.strip() or len(text) > MOST_TEXT:
+        raise ValueError(f'text has {len(text)} letters: must have 1 to {MOST_TEXT}')
+    place = {'latitude_deg': latitude_deg, 'longitude_deg': longitude_deg, 'datum': 'WGS84'}
+    context.write('mark', session.user, **place, mgrs=forms.mgrs, text=text)
+    with context.live.lock:
+        sections = context.live.picture.sections
+        marks = sections.value('marks') or []
+        one = {**place, 'text': text, 'by': session.user, 'time_s': context.clock()}
+        sections.put('marks', [*marks, one])
+    return web.json_response({}, status=201)
+
+
+async def coordinates(request: web.Request) -> web.Response:
+    """Tell a place in all forms."""
+    session_of(request, Action.SEE)
+    forms = coordinates_of(float(request.query['latitude']), float(request.query['longitude']))
+    return web.json_response(asdict(forms))
+
+
+async def image(request: web.Request) -> web.Response:
+    """Send the dose map or the mosaic as it is now."""
+    session_of(request, Action.SEE)
+    live = context_of(request).live
+    with live.lock:
+        data = live.images.get(request.match_info['name'])
+    if data is None:
+        raise ConsoleError('there is none yet')
+    return web.Response(body=data, content_type='image/png')
+
+
+async def photograph(request: web.Request) -> web.StreamResponse:
+    """Send a stored photograph."""
+    session_of(request, Action.SEE)
+    live = context_of(request).live
+    with live.lock:
+        path = live.photographs.get(request.match_info['shot'])
+    if path is None or path.suffix.lower() not in ('.jpg', '.jpeg') or not path.is_file():
+        raise ConsoleError('this photograph is not on this machine')
+    return web.FileResponse(path)
+
+
+async def list_runs(request: web.Request) -> web.Response:
+    """List the runs in the folder."""
+    session_of(request, Action.SEE)
+    folder = context_of(request).options.runs
+    return web.json_response({'runs': await asyncio.to_thread(runs_in, folder)})
+
+
+async def replay(request: web.Request) -> web.Response:
+    """Send what the page needs to replay a run."""
+    session_of(request, Action.SEE)
+    run = run_in(context_of(request).options.runs, request.match_info['run'])
+    return web.json_response(await asyncio.to_thread(replay_of, run))
+
+
+async def run_file(request: web.Request) -> web.StreamResponse:
+    """Send a file of a run."""
+    session_of(request, Action.SEE)
+    run = run_in(context_of(request).options.runs, request.match_info['run'])
+    name = request.match_info['path']
+    if is_tile(name) and not (run / name).is_file():
+        return web.Response(body=EMPTY_TILE, content_type='image/png')
+    path = file_of(run, name)
+    answer = web.FileResponse(path)
+    if path.name == 'report.html':
+        answer.headers['Content-Security-Policy'] = REPORT_POLICY
+    return answer
+
+
+async def _sent(context: Context, order: Order, names: tuple[str, ...]) -> tuple[Result, ...]:
+    """Send an order and return the results of all vehicles."""
+    if context.fleet is None:
+        raise RefusedError('ROS has not started yet')
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[tuple[Result, ...]] = loop.create_future()
+
+    def settle(results: tuple[Result, ...]) -> None:
+        if not future.done():
+            future.set_result(results)
+
+    def finish(results: tuple[Result, ...]) -> None:
+        loop.call_soon_threadsafe(settle, results)
+
+    context.fleet.send_order(order, names, finish)
+    return await asyncio.wait_for(future, ORDER_S)
+
+
+async def _results(context: Context, request_id: str) -> web.Response:
+    """Return the results of an order that was confirmed before."""
+    results = context.orders.results(request_id)
+    if results is None:
+        return web.json_response({'results': None}, status=202)
+    return web.json_response({'results': [_result_plain(result) for result in results]})
+
+
+def _order_plain(order: Order, names: tuple[str, ...]) -> dict[str, Any]:
+    target = asdict(order.target) if order.target else None
+    return {
+        'request_id': order.request_id,
+        'verb': order.verb.value,
+        'vehicles': sorted(names),
+        'revisions': dict(order.revisions),
+        'target': target,
+    }
+
+
+def _result_plain(result: Result) -> dict[str, str]:
+    return {'vehicle': result.vehicle, 'outcome': result.outcome.value, 'text': result.text}
+
+
+def _session_plain(session: Session | None) -> dict[str, Any]:
+    if session is None:
+        return {'user': None}
+    may = sorted(action.value for action in MAY[session.role])
+    return {'user': session.user, 'role': session.role.value, 'may': may}
+
+
+def _with_cookie(context: Context, secret: str, session: Session) -> web.Response:
+    context.save_sessions()
+    answer = web.json_response(_session_plain(session))
+    answer.set_cookie(
+        context.options.cookie,
+        secret,
+        path='/',
+        httponly=True,
+        samesite='Strict',
+        secure=context.options.certificate is not None,
+    )
+    return answer

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What other systems read: OGC API Features by a link, Cursor on Target by datagrams."""
+
+import asyncio
+import json
+import socket
+from collections.abc import Callable
+
+from aiohttp import web
+
+from rocsafe_console.errors import ConsoleError
+from rocsafe_console.outward import features
+from rocsafe_console.outward.cursor_on_target import PERIOD_S, events_of
+from rocsafe_console.people.roles import Action, Role
+from rocsafe_console.web.context import Context, context_of, session_of
+from rocsafe_geo.storage.json_values import finite
+
+MULTICAST_HOPS = 1
+
+
+async def make_link(request: web.Request) -> web.Response:
+    """Make an address that QGIS opens: whoever has it sees, for as long as a session."""
+    context, session = context_of(request), session_of(request, Action.SEE)
+    secret, link = context.sessions.begin(
+        f'link of {session.user}', Role.VIEWER, request.remote or '', context.clock()
+    )
+    context.write('link', session.user, session=link.public_id)
+    return web.json_response({'url': f'{context.options.scheme}://{request.host}/ogc/{secret}'})
+
+
+async def landing(request: web.Request) -> web.Response:
+    """Send the landing page."""
+    return web.json_response(features.landing_of(_base(request)))
+
+
+async def conformance(request: web.Request) -> web.Response:
+    """Send what is conformed to."""
+    session_of(request, Action.SEE)
+    return web.json_response({'conformsTo': list(features.CONFORMANCE)})
+
+
+async def collections(request: web.Request) -> web.Response:
+    """Send the collections."""
+    return web.json_response(features.collections_of(_base(request)))
+
+
+async def collection(request: web.Request) -> web.Response:
+    """Send one collection."""
+    name = _name(request)
+    return web.json_response(features.collection_of(_base(request), name))
+
+
+async def items(request: web.Request) -> web.Response:
+    """Send the features of a collection as it is now."""
+    context, base, name = context_of(request), _base(request), _name(request)
+    limit = int(request.query.get('limit', features.MOST_ITEMS))
+    with context.live.lock:
+        picture, now_s = context.live.picture, context.clock()
+        content = features.items_of(base, name, picture, now_s, limit)
+    return web.json_response(content, content_type=features.GEOJSON, dumps=_dumps)
+
+
+async def send_events(context: Context, say: Callable[[str], None]) -> None:
+    """Send Cursor on Target events once a second until cancelled; a fault is told once."""
+    target = context.options.cursor_on_target
+    if target is None:
+        return
+    told = ''
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.setblocking(False)
+        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, MULTICAST_HOPS)
+        while True:
+            await asyncio.sleep(PERIOD_S)
+            now_s = context.clock()
+            with context.live.lock:
+                events = events_of(context.live.picture, now_s)
+            try:
+                for event in events:
+                    sender.sendto(event.to_xml(now_s), target)
+                told = ''
+            except OSError as error:
+                if str(error) != told:
+                    say(f'Cursor on Target to {target[0]}:{target[1]}: {error}')
+                told = str(error)
+
+
+def _base(request: web.Request) -> str:
+    session_of(request, Action.SEE)
+    secret = request.match_info['secret']
+    return f'{context_of(request).options.scheme}://{request.host}/ogc/{secret}'
+
+
+def _name(request: web.Request) -> str:
+    session_of(request, Action.SEE)
+    name = request.match_info['name']
+    if name not in features.COLLECTIONS:
+        raise ConsoleError(f'collection {name!r}: there is none')
+    return name
+
+
+def _dumps(content: object) -> str:
+    return json.dumps(finite(content), separators=(',', ':'), allow_nan=False)

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sends the picture to all pages, ten times a second.
+
+What all of them get is encoded once. A page that does not keep up gets less often, and then all
+vehicles at once; it never slows others, nor ROS. Sections are never lost: each page gets those
+that changed after the last ones it has.
+"""
+
+import asyncio
+import contextlib
+import json
+from dataclasses import dataclass, field
+from functools import partial
+
+from aiohttp import WSMsgType, web
+
+from rocsafe_console.people.roles import MAY, Action
+from rocsafe_console.people.sessions import Session
+from rocsafe_console.picture.frame_bytes import VEHICLE, VehicleFrame, frame_of
+from rocsafe_console.picture.sections import message_of
+from rocsafe_console.web.context import Context, session_of
+
+TICK_S = 0.1
+REFRESH_TICKS = 5
+FULL_TICKS = 10
+SEND_S = 5.0
+MOST_CLIENTS = 100
+PING_S = 5.0
+REVOKED = 4401
+# Bytes of a vehicle before and after its age, which alone is no news.
+_AGE = slice(18, 20)
+
+
+@dataclass(slots=True, eq=False)
+class Client:
+    """A page that is connected."""
+
+    socket: web.WebSocketResponse
+    session: Session
+    transport: asyncio.Transport | None
+    change: int = 0
+    missed: bool = True
+    wake: asyncio.Event = field(default_factory=asyncio.Event)
+    parcel: list[str | bytes] = field(default_factory=list)
+
+
+class Pusher:
+    """Sends the picture to the pages that are connected."""
+
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._clients: set[Client] = set()
+        self._sequence = 0
+        self._before: dict[int, bytes] = {}
+
+    async def run(self) -> None:
+        """Send until cancelled."""
+        ticks = 0
+        while True:
+            await asyncio.sleep(TICK_S)
+            ticks += 1
+            self._tick(is_full=ticks % FULL_TICKS == 0, is_refresh=ticks % REFRESH_TICKS == 0)
+
+    async def serve(self, request: web.Request) -> web.WebSocketResponse:
+        """Serve one page until it goes."""
+        session = session_of(request, Action.SEE)
+        socket = web.WebSocketResponse(heartbeat=PING_S, compress=False, max_msg_size=4096)
+        await socket.prepare(request)
+        if len(self._clients) >= MOST_CLIENTS:
+            await socket.close(code=1013, message=b'too many pages are open')
+            return socket
+        client = Client(socket, session, request.transport)
+        await socket.send_str(self._hello(client))
+        self._clients.add(client)
+        sender = asyncio.create_task(self._send(client))
+        try:
+            async for message in socket:
+                if message.type is not WSMsgType.TEXT:
+                    break
+        finally:
+            self._clients.discard(client)
+            sender.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await sender
+        return socket
+
+    async def close(self) -> None:
+        """Close all pages' connections."""
+        for client in list(self._clients):
+            await client.socket.close(code=1001)
+
+    def _hello(self, client: Client) -> str:
+        """Return everything that a page needs to begin."""
+        live, session = self._context.live, client.session
+        with live.lock:
+            picture = live.picture
+            picture.refresh()
+            client.change = picture.sections.newest
+            texts = dict(picture.sections.after(0))
+            tracks = picture.tracks()
+            texts['tracks'] = json.dumps(
+                {name: [_point(p) for p in points] for name, points in tracks.items()}
+            )
+        may = sorted(action.value for action in MAY[session.role])
+        texts['session'] = json.dumps(
+            {'user': session.user, 'role': session.role.value, 'may': may}
+        )
+        return message_of(texts, 'hello')
+
+    def _tick(self, *, is_full: bool, is_refresh: bool) -> None:
+        if not self._clients:
+            return
+        now_s = self._context.clock()
+        live = self._context.live
+        with live.lock:
+            if is_refresh:
+                live.picture.refresh()
+            frames = live.picture.frames(now_s)
+            mission_s = live.picture.clock.newest_s
+            sections = live.picture.sections
+            newest = sections.newest
+            behind = {client.change for client in self._clients if client.change < newest}
+            texts = {change: message_of(sections.after(change)) for change in behind}
+        whole, delta = self._encoded(frames, now_s, mission_s, is_full=is_full)
+        for client in list(self._clients):
+            if not self._context.sessions.is_alive(client.session, now_s):
+                self._clients.discard(client)
+                asyncio.ensure_future(client.socket.close(code=REVOKED))  # noqa: RUF006
+            elif client.parcel:
+                client.missed = True
+            else:
+                if client.change in texts:
+                    client.parcel.append(texts[client.change])
+                    client.change = newest
+                client.parcel.append(whole if client.missed else delta)
+                client.missed = False
+                client.wake.set()
+
+    def _encoded(
+        self, frames: list[VehicleFrame], now_s: float, mission_s: float, *, is_full: bool
+    ) -> tuple[bytes, bytes]:
+        """Return the frame of all vehicles, and that of those that have news."""
+        self._sequence += 1
+        packed = {frame.number: frame.pack() for frame in frames}
+        news = [
+            data
+            for number, data in packed.items()
+            if is_full or not _is_same(self._before.get(number, b''), data)
+        ]
+        self._before = packed
+        head = partial(frame_of, sequence=self._sequence, wall_s=now_s, mission_s=mission_s)
+        return head(list(packed.values())), head(news)
+
+    async def _send(self, client: Client) -> None:
+        """Send what is put into the parcel of a client."""
+        while True:
+            await client.wake.wait()
+            client.wake.clear()
+            try:
+                for part in client.parcel:
+                    await asyncio.wait_for(_sent(client.socket, part), SEND_S)
+            except (asyncio.TimeoutError, ConnectionError):
+                self._clients.discard(client)
+                if client.transport is not None:
+                    client.transport.abort()
+                return
+            client.parcel.clear()
+
+
+async def _sent(socket: web.WebSocketResponse, part: str | bytes) -> None:
+    if isinstance(part, str):
+        await socket.send_str(part)
+    else:
+        await socket.send_bytes(part)
+
+
+def _point(point: tuple[float, float, float]) -> list[float | None]:
+    latitude, longitude, rate = point
+    return [round(latitude, 7), round(longitude, 7), rate if rate == rate else None]
+
+
+def _is_same(before: bytes, data: bytes) -> bool:
+    if len(before) != VEHICLE.size:
+        return False
+    return before[: _AGE.start] == data[: _AGE.start] and before[_AGE.stop :] == data[_AGE.stop :]
+
+
+async def live(request: web.Request) -> web.StreamResponse:
+    """Serve the live picture to a page."""
+    return await request.app[PUSHER].serve(request)
+
+
+PUSHER: web.AppKey[Pusher] = web.AppKey('pusher', Pusher)

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server of the page: routes, TLS, start and end."""
+
+import asyncio
+import ipaddress
+import ssl
+from collections.abc import Callable, Coroutine
+from importlib import resources
+from pathlib import Path
+from threading import Event as Flag
+from threading import Thread
+
+from aiohttp import web
+
+from rocsafe_console.errors import ConsoleError
+from rocsafe_console.runs.drafts import Drafts
+from rocsafe_console.web import draft_handlers, handlers, outward_handlers
+from rocsafe_console.web.context import CONTEXT, Context, WebOptions
+from rocsafe_console.web.guards import PORT, guard
+from rocsafe_console.web.push import PUSHER, Pusher, live
+
+MOST_BODY_BYTES = 2**20
+DRAIN_S = 0.5
+STOP_S = 2.0
+STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
+VIEW = Path(str(resources.files('rocsafe_view').joinpath('static')))
+TYPES = {
+    '.js': 'text/javascript', '.css': 'text/css', '.html': 'text/html', '.svg': 'image/svg+xml',
+    '.png': 'image/png', '.json': 'application/json', '.txt': 'text/plain',
+}  # fmt: skip
+
+
+def require_safe(options: WebOptions, user_count: int) -> None:
+    """Refuse to be reached from other machines without TLS and users.
+
+    Raises
+    ------
+    ConsoleError
+        Naming what is missing.
+    """
+    if (options.certificate is None) != (options.key is None):
+        raise ConsoleError('--certificate and --key: both are needed, or neither')
+    if _is_loopback(options.host):
+        return
+    missing = [
+        text
+        for text, is_there in (
+            ('--users', user_count > 0),
+            ('--certificate and --key', options.certificate is not None),
+        )
+        if not is_there
+    ]
+    if missing:
+        raise ConsoleError(f'host {options.host} is not loopback: needs {" and ".join(missing)}')
+
+
+def make_app(context: Context, port: list[int]) -> web.Application:
+    """Return the application; `port` holds the port once it is known."""
+    app = web.Application(middlewares=[guard], client_max_size=MOST_BODY_BYTES)
+    app[CONTEXT] = context
+    app[PUSHER] = Pusher(context)
+    app[PORT] = port
+    get, post = app.router.add_get, app.router.add_post
+    get('/', _index)
+    get('/static/{path:.+}', _static)
+    get('/api/hello', handlers.hello)
+    post('/api/login', handlers.log_in)
+    post('/api/token', handlers.use_token)
+    post('/api/logout', handlers.log_out)
+    get('/api/sessions', handlers.list_sessions)
+    post('/api/sessions/{id}/revoke', handlers.revoke)
+    get('/api/live', live)
+    post('/api/orders', handlers.prepare_order)
+    post('/api/orders/{id}/confirm', handlers.confirm_order)
+    post('/api/alarms/{number}/acknowledge', handlers.acknowledge)
+    post('/api/marks', handlers.mark)
+    get('/api/coordinates', handlers.coordinates)
+    get('/api/image/{name}', handlers.image)
+    get('/api/photograph/{shot}', handlers.photograph)
+    app[draft_handlers.DRAFTS] = Drafts(
+        context.options.runs, context.options.scenarios, context.environment
+    )
+    get('/api/drafts', draft_handlers.list_drafts)
+    get('/api/drafts/{kind}/{name}', draft_handlers.draft_text)
+    post('/api/drafts', draft_handlers.save_draft)
+    post('/api/drafts/{name}/plan', draft_handlers.plan_draft)
+    post('/api/drafts/{name}/preflight', draft_handlers.preflight_draft)
+    post('/api/drafts/{name}/launch', draft_handlers.launch_draft)
+    post('/api/links', outward_handlers.make_link)
+    get('/ogc/{secret}', outward_handlers.landing)
+    get('/ogc/{secret}/conformance', outward_handlers.conformance)
+    get('/ogc/{secret}/collections', outward_handlers.collections)
+    get('/ogc/{secret}/collections/{name}', outward_handlers.collection)
+    get('/ogc/{secret}/collections/{name}/items', outward_handlers.items)
+    get('/api/runs', handlers.list_runs)
+    get('/api/runs/{run}/replay', handlers.replay)
+    get('/api/runs/{run}/files/{path:.+}', handlers.run_file)
+    return app
+
+
+class ServerThread:
+    """The server in a thread of its own.
+
+    Raises
+    ------
+    ConsoleError
+        If it cannot listen at its address, or its certificate is wrong.
+    """
+
+    def __init__(self, context: Context, say: Callable[[str], None]) -> None:
+        self._context = context
+        self._say = say
+        self._loop = asyncio.new_event_loop()
+        self._ready, self._stop = Flag(), asyncio.Event()
+        self._fault: Exception | None = None
+        self.port: list[int] = [context.options.port]
+        self._thread = Thread(target=self._work, name='web', daemon=True)
+        self._thread.start()
+        self._ready.wait()
+        if self._fault is not None:
+            raise ConsoleError(str(self._fault)) from self._fault
+
+    @property
+    def address(self) -> str:
+        """Address of the page."""
+        return f'{self._context.options.scheme}://{self._context.options.host}:{self.port[0]}/'
+
+    def close(self) -> None:
+        """End the server, and wait until it has ended."""
+        self._loop.call_soon_threadsafe(self._stop.set)
+        self._thread.join(timeout=2 * STOP_S)
+
+    def _work(self) -> None:
+        try:
+            self._loop.run_until_complete(self._serve())
+        except (OSError, ssl.SSLError, ValueError) as error:
+            self._fault = error
+        finally:
+            self._ready.set()
+            rest = asyncio.all_tasks(self._loop)
+            for task in rest:
+                task.cancel()
+            if rest:
+                self._loop.run_until_complete(asyncio.wait(rest, timeout=STOP_S))
+            self._loop.close()
+
+    async def _serve(self) -> None:
+        options = self._context.options
+        app = make_app(self._context, self.port)
+        runner = web.AppRunner(app, access_log=None, shutdown_timeout=STOP_S)
+        await runner.setup()
+        site = web.TCPSite(runner, options.host, options.port, ssl_context=_tls(options))
+        await site.start()
+        self.port[0] = runner.addresses[0][1]
+        self._ready.set()
+        tasks = [asyncio.create_task(work) for work in self._work_of(app)]
+        await self._stop.wait()
+        for task in tasks:
+            task.cancel()
+        await app[PUSHER].close()
+        await runner.cleanup()
+
+    def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
+        events = outward_handlers.send_events(self._context, self._say)
+        return app[PUSHER].run(), self._drain(), events
+
+    async def _drain(self) -> None:
+        """Write events to the evidence log, beside the loop."""
+        told = ''
+        while True:
+            await asyncio.sleep(DRAIN_S)
+            try:
+                await asyncio.to_thread(self._context.desk.drain)
+                told = ''
+            except (OSError, ConsoleError) as error:
+                if str(error) != told:
+                    self._say(f'the evidence log cannot be written: {error}')
+                told = str(error)
+
+
+async def _index(_request: web.Request) -> web.StreamResponse:
+    return _file(STATIC / 'index.html')
+
+
+async def _static(request: web.Request) -> web.StreamResponse:
+    """Send a file of the page: of this package, or the style that it shares with the report."""
+    name = request.match_info['path']
+    for folder in (STATIC, VIEW):
+        path = (folder / name).resolve()
+        if path.is_relative_to(folder.resolve()) and path.suffix in TYPES and path.is_file():
+            return _file(path)
+    raise ConsoleError(f'{name!r}: there is none')
+
+
+def _file(path: Path) -> web.StreamResponse:
+    answer = web.FileResponse(path)
+    answer.content_type = TYPES[path.suffix]
+    # The browser asks each time, and is told that nothing has changed.
+    answer.headers['Cache-Control'] = 'no-cache'
+    return answer
+
+
+def _tls(options: WebOptions) -> ssl.SSLContext | None:
+    if options.certificate is None:
+        return None
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    context.load_cert_chain(options.certificate, options.key)
+    return context
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return host == 'localhost' or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A console without ROS: a mission that flies on a stage, and vehicles that answer orders."""
+
+import math
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+
+from PIL import Image
+
+from rocsafe_console.evidence.desk import Desk
+from rocsafe_console.orders.order_book import Order, Outcome, Result
+from rocsafe_console.people.users import User, Users
+from rocsafe_console.picture.dose_image import Grid, corners_of, png_of
+from rocsafe_console.picture.live import Live
+from rocsafe_console.picture.picture import MissionNow, Picture, Reading
+from rocsafe_console.picture.vehicle import Holder, VehicleReport
+from rocsafe_console.web.context import Context, WebOptions
+from rocsafe_console.web.server import ServerThread
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+
+TOKEN = 'token-of-the-stage'  # noqa: S105 - of tests
+ORIGIN = (53.2800, -9.0633)
+M_PER_DEG = 111_320.0
+CELLS = 80
+SCENARIOS = Path(__file__).parents[2] / 'config' / 'scenarios'
+
+
+class Crew:
+    """Vehicles that answer every order, or refuse it."""
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[Order, tuple[str, ...]]] = []
+        self.refusal = ''
+
+    def send_order(
+        self, order: Order, names: tuple[str, ...], finish: Callable[[tuple[Result, ...]], None]
+    ) -> None:
+        """Answer at once."""
+        self.sent.append((order, names))
+        outcome = Outcome.REFUSED if self.refusal else Outcome.DONE
+        finish(tuple(Result(vehicle=n, outcome=outcome, text=self.refusal) for n in names))
+
+
+def place_of(east_m: float, north_m: float) -> tuple[float, float]:
+    """Return latitude and longitude of a point beside the origin, degrees."""
+    scale = M_PER_DEG * math.cos(math.radians(ORIGIN[0]))
+    return ORIGIN[0] + north_m / M_PER_DEG, ORIGIN[1] + east_m / scale
+
+
+class Stage:
+    """A picture in which a mission flies."""
+
+    def __init__(
+        self, folder: Path, vehicles: int = 3, users: dict[str, User] | None = None
+    ) -> None:
+        self.names = [f'rav{number + 1}' for number in range(vehicles)]
+        self.crew = Crew()
+        self.steps = 0
+        self.state = dict.fromkeys(self.names, 4)
+        self.context = Context(
+            options=WebOptions(
+                port=0,
+                runs=folder,
+                scenarios=SCENARIOS,
+                token='' if users else TOKEN,
+                token_user='anna',  # noqa: S106
+            ),
+            live=Live(Picture(1000)),
+            desk=Desk(folder),
+            users=Users(users or {}),
+            clock=time.time,
+            environment=dict(os.environ),
+            fleet=self.crew,
+        )
+
+    def begin(self) -> None:
+        """Put everything that the page can show."""
+        now_s = time.time()
+        live = self.context.live
+        with live.lock:
+            picture = live.picture
+            picture.on_mission(self._mission(now_s - 1.0), now_s - 1.0)
+            for name in self.names:
+                picture.on_report(self._report(name, now_s), now_s)
+                picture.on_holder(
+                    name, Holder(holder='orchestrator@stage', lease='x/1', epoch=1), now_s
+                )
+                picture.on_home(name, (*place_of(-150.0, 0.0), 40.0))
+                picture.on_dose(name, 3.2, is_lower_limit=False)
+            put = picture.sections.put
+            corners = [place_of(*c) for c in ((-120, -80), (120, -80), (120, 80), (-120, 80))]
+            put('region', {'name': 'yard', 'rings': [corners]})
+            put('plan', self._plan())
+            put('sources', {
+                'stamp_s': now_s, 'verdict': 'enough: both error rates are met', 'doubts': [],
+                'background_usvh': 0.1,
+                'sources': [{
+                    'id': 0, 'place': place_of(20, 10), 'half_axes_m': [9.0, 5.0],
+                    'angle_deg': 30.0, 'dose_rate_at_1m_usvh': 9e4,
+                    'dose_rate_at_1m_std_usvh': 4e3, 'evidence': 'very strong',
+                    'nuclide': 'Cs-137',
+                }],
+            })  # fmt: skip
+            put(
+                'cordons',
+                [self._cordon(level, size) for level, size in ((25.0, 70.0), (100.0, 30.0))],
+            )
+            put(
+                'wind',
+                {
+                    'vehicle': 'rav1',
+                    'stamp_s': now_s,
+                    'from_deg': 240.0,
+                    'speed_mps': 3.4,
+                    'std_mps': 0.3,
+                },
+            )
+            self._images(now_s)
+        self.step()
+
+    def step(self) -> None:
+        """Fly on by a tenth of a second."""
+        now_s = time.time()
+        self.steps += 1
+        live = self.context.live
+        with live.lock:
+            picture = live.picture
+            picture.on_mission(self._mission(now_s), now_s)
+            for number, name in enumerate(self.names):
+                angle = self.steps * 0.02 + number * 2 * math.pi / len(self.names)
+                east, north = 100 * math.cos(angle), 60 * math.sin(angle)
+                place = place_of(east, north)
+                if self.steps % 10 == number % 10 or self.state[name] != 4:
+                    picture.on_report(self._report(name, now_s), now_s)
+                picture.on_fix(name, (*place, 90.0), now_s, now_s)
+                rate = 0.1 + 9e4 / (400.0 + (east - 20) ** 2 + (north - 10) ** 2)
+                picture.on_reading(
+                    Reading(vehicle=name, stamp_s=now_s, dose_rate_usvh=rate, std_usvh=0.1,
+                            latitude_deg=place[0], longitude_deg=place[1], detector='nai_3x3'),
+                    now_s,
+                )  # fmt: skip
+
+    def fly(self, seconds: float) -> None:
+        """Fly at the pace of the wall for some seconds."""
+        end_s = time.monotonic() + seconds
+        while time.monotonic() < end_s:
+            self.step()
+            time.sleep(0.1)
+
+    def _mission(self, stamp_s: float) -> MissionNow:
+        return MissionNow(
+            mission_id='yard-20260601-100000', phase=2, stamp_s=stamp_s,
+            images_stored=21 + self.steps // 20, images_expected=59,
+            mission_time_s=130.0 + self.steps / 10,
+        )  # fmt: skip
+
+    def _report(self, name: str, now_s: float) -> VehicleReport:
+        return VehicleReport(
+            name=name, state=self.state[name], stamp_s=now_s, is_simulated=True,
+            viewpoint_count=20, viewpoints_visited=7, battery_fraction=0.8 - self.steps * 1e-4,
+            speed_mps=8.0,
+        )  # fmt: skip
+
+    def _plan(self) -> dict:
+        line = [place_of(x, y) for y in (-60, 0, 60) for x in ((-100, 100) if y else (100, -100))]
+        routes = {
+            name: {'home': place_of(-150, 0), 'line': line, 'viewpoints': [[*line[0], 0.0]]}
+            for name in self.names[:3]
+        }
+        return {
+            'plan_id': 'p1', 'makespan_s': 384.0, 'lower_bound_s': 375.0,
+            'footprint_m': [30.0, 22.0], 'routes': routes,
+            'exclusions': [[[place_of(40, 40), place_of(70, 40), place_of(60, 70)]]],
+        }  # fmt: skip
+
+    def _cordon(self, level: float, size_m: float) -> dict:
+        turns = [n * math.pi / 24 for n in range(49)]
+        ring = [place_of(20 + size_m * math.cos(a), 10 + size_m * math.sin(a)) for a in turns]
+        return {'level_usvh': level, 'is_mean': False, 'ring': ring}
+
+    def _images(self, now_s: float) -> None:
+        live = self.context.live
+        cells = [
+            min(
+                100,
+                int(16 * math.log10(10 + 9e5 / (400 + (5 * x - 220) ** 2 + (5 * y - 210) ** 2))),
+            )
+            for y in range(CELLS)
+            for x in range(CELLS)
+        ]
+        grid = Grid(cells=cells, columns=CELLS, corner_m=(-200.0, -200.0), cell_m=5.0)
+        frame = LocalFrame(GeoPosition(*ORIGIN, 0.0))
+        live.images['dose_map'] = png_of(grid)
+        buffer = BytesIO()
+        Image.linear_gradient('L').convert('RGB').save(buffer, 'PNG')
+        live.images['mosaic'] = buffer.getvalue()
+        put = live.picture.sections.put
+        put('dose_map', {'stamp_s': now_s, 'heard_s': now_s, 'corners': corners_of(grid, frame)})
+        put('mosaic', {
+            'stamp_s': now_s, 'heard_s': now_s, 'images_placed': 21, 'is_final': False,
+            'ground_resolution_m': 0.1, 'corners': [place_of(-110, -70), place_of(60, 70)],
+        })  # fmt: skip
+
+
+@contextmanager
+def served(stage: Stage) -> Iterator[str]:
+    """Serve a stage; gives the address of the page, which ends in a slash."""
+    server = ServerThread(stage.context, print)
+    try:
+        yield server.address
+    finally:
+        server.close()
+        stage.context.desk.close()

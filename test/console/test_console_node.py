@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node of the console: hears vehicles, and sends orders by the calls of the command line."""
+
+from collections.abc import Iterator
+
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+from rclpy.node import Node
+from test.orchestrator.test_fleet_verbs import Stand
+
+from rocsafe_console.console_node import ConsoleNode
+from rocsafe_console.evidence.desk import Desk
+from rocsafe_console.orders.order_book import Order, Outcome, Result, Target
+from rocsafe_console.people.roles import Action
+from rocsafe_console.picture.live import Live
+from rocsafe_console.picture.picture import Picture
+from rocsafe_interfaces.msg import MissionState, VehicleState
+from rocsafe_ros import topics
+
+DEADLINE_S = 60.0
+NAMES = ('rav1', 'rav2')
+
+
+class Console:
+    """The node under test beside vehicles and the node of the fleet's verbs."""
+
+    def __init__(self, ros, folder) -> None:
+        self.ros = ros
+        self.stand = Stand(ros, NAMES)
+        self.live = Live(Picture(7))
+        self.desk = Desk(folder)
+        self.node = ConsoleNode(self.live, self.desk, context=ros.context)
+        ros.executor.add_node(self.node)
+        self.speaker = Node('speaker', context=ros.context)
+        ros.executor.add_node(self.speaker)
+        self.states = {
+            name: topics.create_publisher(self.speaker, topics.STATE, name) for name in NAMES
+        }
+        self.mission = topics.create_publisher(self.speaker, topics.MISSION_STATE)
+        ros.spin_until(lambda: self._is_ready(), DEADLINE_S)
+
+    def _is_ready(self) -> bool:
+        for name, state in self.states.items():
+            state.publish(VehicleState(vehicle=name, state=VehicleState.FLYING))
+        clients = [*self.node.orders._fleet.values(), *self.node.orders._calls.values()]
+        # go_to is not served by these vehicles.
+        ready = sum(client.service_is_ready() for client in clients)
+        return len(self.live.picture.vehicles) == 2 and ready == len(clients) - 2
+
+    def order(self, verb: Action, *names: str, **more) -> dict[str, Result]:
+        """Send an order and return the results by vehicle."""
+        order = Order(
+            request_id='a' * 32, session='s', user='anna', verb=verb,
+            revisions=dict.fromkeys(names, 1), **more,
+        )  # fmt: skip
+        found: list[tuple[Result, ...]] = []
+        self.node.send_order(order, names, found.append)
+        self.ros.spin_until(lambda: bool(found), DEADLINE_S)
+        return {result.vehicle: result for result in found[0]}
+
+
+@pytest.fixture
+def console(ros, tmp_path) -> Iterator[Console]:
+    """Return the console of two vehicles."""
+    console = Console(ros, tmp_path)
+    yield console
+    for node in (console.node, console.speaker):
+        ros.executor.remove_node(node)
+        node.destroy_node()
+    console.desk.close()
+
+
+def told(console: Console, name: str) -> list[str]:
+    """Return what a vehicle was told."""
+    return console.stand.vehicles[name].told
+
+
+def test_an_order_to_all_reaches_each_and_tells_who_refuses(console):
+    """One result a vehicle, whatever the others answer."""
+    console.stand.vehicles['rav2'].refusal = 'rav2: taken by its pilot'
+    results = console.order(Action.HOLD, *NAMES)
+    assert results['rav1'].outcome is Outcome.DONE
+    assert results['rav2'] == Result(
+        vehicle='rav2', outcome=Outcome.REFUSED, text='rav2: taken by its pilot'
+    )
+    assert [told(console, name) for name in NAMES] == [['hold'], ['hold']]
+
+
+def test_without_the_node_of_the_fleet_the_vehicles_are_asked(console):
+    """The hand on the fleet needs neither the orchestrator nor its verbs."""
+    verbs = console.stand.verbs
+    console.ros.executor.remove_node(verbs)
+    verbs.destroy_node()
+    fleet = console.node.orders._fleet[Action.RETURN]
+    console.ros.spin_until(lambda: not fleet.service_is_ready(), DEADLINE_S)
+    assert console.order(Action.RETURN, 'rav1')['rav1'].outcome is Outcome.DONE
+    assert told(console, 'rav1') == ['return_home']
+    assert told(console, 'rav2') == []
+
+
+def test_a_vehicle_is_taken_over_resumed_and_given_back(console):
+    """Under a lease in the name of the operator, whom the page then shows."""
+    assert console.order(Action.TAKE, 'rav1')['rav1'].outcome is Outcome.DONE
+    vehicle = console.live.picture.vehicles['rav1']
+    console.ros.spin_until(lambda: vehicle.holder.holder == 'anna@console', DEADLINE_S)
+    assert console.order(Action.RESUME, 'rav1')['rav1'].outcome is Outcome.DONE
+    assert told(console, 'rav1') == ['resume']
+    assert console.order(Action.RELEASE, 'rav1')['rav1'].outcome is Outcome.DONE
+    console.ros.spin_until(lambda: vehicle.holder.holder == '', DEADLINE_S)
+    assert console.order(Action.RELEASE, 'rav1')['rav1'].outcome is Outcome.REFUSED
+
+
+def test_a_vehicle_that_cannot_be_reached_is_told(console):
+    """Also of a verb that it does not serve."""
+    target = Target(latitude_deg=53.0, longitude_deg=-9.0, height_m=50.0)
+    result = console.order(Action.GO_TO, 'rav1', target=target)['rav1']
+    assert (result.outcome, result.text) == (Outcome.REFUSED, 'rav1: cannot be reached')
+
+
+def test_another_mission_is_another_picture(console):
+    """The vehicles of the one before are forgotten until they are heard again."""
+    seen = console.live.picture
+    for name in ('first', 'second'):
+        console.mission.publish(MissionState(mission_id=name, phase=MissionState.FLYING))
+        console.ros.spin_until(
+            lambda name=name: getattr(console.live.picture.mission, 'mission_id', '') == name,
+            DEADLINE_S,
+        )
+    assert console.live.picture is not seen
+    assert not console.live.picture.vehicles

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The evidence log and the seal: every changed byte is found, and where."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from rocsafe_console.errors import EvidenceError
+from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, read_log
+from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk, Event
+from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run, verify_run
+from rocsafe_console.seal_command import main as seal_main
+from rocsafe_console.verify_command import main as verify_main
+
+
+def log_of(path: Path, count: int = 5) -> list[bytes]:
+    """Add lines to a log and return all lines of it."""
+    log = EvidenceLog(path)
+    for number in range(count):
+        log.add(float(number), 'order', 'anna', verb='hold', number=number)
+    log.close()
+    return path.read_bytes().split(b'\n')[:-1]
+
+
+def run_of(folder: Path) -> Path:
+    """Make a run with a picture, a recording, a report and a log."""
+    run = folder / 'run1'
+    (run / 'images').mkdir(parents=True)
+    (run / 'images' / 'rav1-00000.jpg').write_bytes(b'\xff\xd8 picture')
+    (run / 'mission.mcap').write_bytes(bytes(range(256)))
+    (run / 'report.html').write_text('<p>report</p>')
+    log_of(run / LOG_NAME)
+    return run
+
+
+def test_a_log_goes_on_where_it_ended(tmp_path):
+    """The chain continues over a restart of the process."""
+    log_of(tmp_path / 'log', 3)
+    log_of(tmp_path / 'log', 2)
+    entries = checked((tmp_path / 'log').read_bytes().split(b'\n')[:-1])
+    assert [entry['n'] for entry in entries] == [1, 2, 3, 4, 5]
+
+
+def test_several_writers_make_one_chain(tmp_path):
+    """Two consoles of one folder; a line that one left torn is cut off."""
+    path = tmp_path / 'log'
+    first, second = EvidenceLog(path), EvidenceLog(path)
+    for number in range(6):
+        (first, second)[number % 2].add(float(number), 'order', 'anna')
+    with path.open('ab') as file:
+        file.write(b'{"torn')
+    second.add(9.0, 'order', 'bert')
+    assert [entry['n'] for entry in read_log(path)] == list(range(1, 8))
+    path.write_bytes(b'')
+    with pytest.raises(EvidenceError, match='have been removed'):
+        first.add(10.0, 'order', 'anna')
+
+
+@given(st.data())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=200)
+def test_any_changed_byte_of_a_log_is_found(tmp_path_factory, data):
+    """Whichever byte becomes whichever other one."""
+    lines = _lines(tmp_path_factory)
+    number = data.draw(st.integers(0, len(lines) - 1))
+    at = data.draw(st.integers(0, len(lines[number]) - 1))
+    byte = data.draw(st.integers(0, 255).filter(lambda value: value != lines[number][at]))
+    changed = bytearray(lines[number])
+    changed[at] = byte
+    with pytest.raises(EvidenceError, match='line'):
+        checked([*lines[:number], bytes(changed), *lines[number + 1 :]])
+
+
+_made: list[bytes] = []
+
+
+def _lines(factory) -> list[bytes]:
+    if not _made:
+        _made.extend(log_of(factory.mktemp('log') / 'log'))
+    return _made
+
+
+@pytest.mark.parametrize(
+    'change',
+    [
+        lambda lines: lines[1:],
+        lambda lines: [*lines[:2], *lines[3:]],
+        lambda lines: [lines[1], lines[0], *lines[2:]],
+        lambda lines: [*lines[:2], lines[1], *lines[2:]],
+    ],
+    ids=['first gone', 'one gone', 'two swapped', 'one twice'],
+)
+def test_lines_that_are_gone_or_moved_are_found(tmp_path, change):
+    """The chain is broken there."""
+    lines = log_of(tmp_path / 'log')
+    with pytest.raises(EvidenceError, match='does not follow'):
+        checked(change(lines))
+    (tmp_path / 'log').write_bytes(b''.join(line + b'\n' for line in change(lines)))
+    with pytest.raises(EvidenceError, match='does not follow'):
+        EvidenceLog(tmp_path / 'log')
+
+
+@pytest.fixture
+def key(tmp_path):
+    """Return the file of a signing key."""
+    path = tmp_path / 'keys' / 'signing.key'
+    make_key(path)
+    return path
+
+
+def test_a_sealed_run_is_as_it_was(tmp_path, key):
+    """Also after more lines of the log; another key is told."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    assert verify_run(run, public_key_of(key)) == []
+    log_of(run / LOG_NAME, 1)
+    assert verify_run(run) == []
+    assert 'is not signed with the key' in verify_run(run, 'AAAA')[0]
+
+
+@pytest.mark.parametrize('name', ['images/rav1-00000.jpg', 'mission.mcap', 'report.html'])
+def test_any_changed_byte_of_a_file_is_found(tmp_path, key, name):
+    """By the name of the file: changed, gone or added."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    data = bytearray((run / name).read_bytes())
+    for at in range(len(data)):
+        data[at] ^= 1
+        (run / name).write_bytes(data)
+        assert verify_run(run) == [f'{name}: has been changed']
+        data[at] ^= 1
+    (run / name).unlink()
+    assert verify_run(run) == [f'{name}: is gone']
+    (run / name).write_bytes(data)
+    (run / 'more.txt').write_text('x')
+    assert verify_run(run) == ['more.txt: is not in the seal']
+
+
+def test_any_changed_value_of_a_seal_is_found(tmp_path, key):
+    """Whoever changes a file and its hash cannot sign."""
+    run = run_of(tmp_path)
+    path = seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    seal = json.loads(path.read_text())
+    seal['seal']['files']['mission.mcap']['sha256'] = '0' * 64
+    path.write_text(json.dumps(seal))
+    assert verify_run(run) == ['seal-0001.json: the signature is not right']
+
+
+def test_a_log_that_lost_its_last_lines_is_found(tmp_path, key):
+    """The chain alone would not tell."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    lines = (run / LOG_NAME).read_bytes().split(b'\n')[:-1]
+    (run / LOG_NAME).write_bytes(b''.join(line + b'\n' for line in lines[:-1]))
+    assert verify_run(run) == [f'{LOG_NAME}: has 4 lines, 5 were sealed']
+
+
+def test_products_made_again_are_a_new_seal_and_raw_evidence_is_not(tmp_path, key):
+    """The old seal stays; a raw file that differs is refused."""
+    run = run_of(tmp_path)
+    first = seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    before = first.read_bytes()
+    (run / 'report.html').write_text('<p>again</p>')
+    assert seal_run(run, 2.0, 'anna', '0.2.0', read_key(key)).name == 'seal-0002.json'
+    assert first.read_bytes() == before
+    assert verify_run(run) == []
+    (run / 'mission.mcap').write_bytes(b'other')
+    with pytest.raises(EvidenceError, match=r'mission\.mcap: has been changed'):
+        seal_run(run, 3.0, 'anna', '0.2.0', read_key(key))
+    first.write_bytes(before.replace(b'anna', b'bert'))
+    assert verify_run(run)
+
+
+def test_the_commands_seal_and_verify(tmp_path, capsys):
+    """Exit codes: 0 all well, 1 changed, 2 no run."""
+    run, key = run_of(tmp_path), tmp_path / 'key'
+    assert verify_main([str(run)]) == 1
+    assert seal_main(['--key', str(key), '--make-key']) == 0
+    assert seal_main(['--key', str(key), '--make-key']) == 1
+    assert seal_main([str(run), '--key', str(key)]) == 0
+    assert verify_main([str(run), '--public-key', public_key_of(key)]) == 0
+    (run / 'mission.mcap').write_bytes(b'other')
+    assert verify_main([str(run)]) == 1
+    assert 'mission.mcap: has been changed' in capsys.readouterr().out
+    assert verify_main([str(tmp_path / 'none')]) == 2
+    key.chmod(0o644)
+    assert seal_main([str(run), '--key', str(key)]) == 1
+
+
+def test_events_go_to_the_log_of_their_run(tmp_path):
+    """What nodes tell again to late subscribers is written once, also after a restart."""
+    (tmp_path / 'm1').mkdir()
+    event = Event(time_s=1.0, kind='decision', by='orchestrator', what={'text': 'phase'})
+    for _ in range(2):
+        desk = Desk(tmp_path)
+        desk.add(Event(time_s=0.0, kind='login', by='anna', what={}))
+        desk.on_mission('m1')
+        desk.add(event)
+        desk.add(event)
+        desk.write(Event(time_s=2.0, kind='order', by='anna', what={'verb': 'hold'}))
+        desk.close()
+    kinds = [
+        json.loads(line)['kind'] for line in (tmp_path / 'm1' / LOG_NAME).read_text().splitlines()
+    ]
+    assert sorted(kinds) == ['decision', 'order', 'order']
+    assert len((tmp_path / CONSOLE_LOG).read_text().splitlines()) == 2

@@ -1,0 +1,316 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page in a browser: live, grey when old, orders by clicks, no word to another host."""
+
+import shutil
+import socket
+import stat
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from test.console.stage import TOKEN, Stage, place_of, served
+
+from rocsafe_console.people.roles import Action, Role
+from rocsafe_console.people.session_file import load_sessions
+from rocsafe_console.people.sessions import Sessions
+from rocsafe_console.web.server import ServerThread
+
+CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
+playwright = pytest.importorskip('playwright.sync_api', reason='playwright is not installed')
+pytestmark = [
+    pytest.mark.skipif(CHROMIUM is None, reason='no chromium on this machine'),
+    pytest.mark.all,
+]
+WAIT_MS = 20_000
+SIZES = {'desktop': (1440, 900), 'phone': (390, 844), 'wall': (2560, 1440)}
+AXE_RULES = ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'best-practice']
+
+
+@pytest.fixture(scope='module')
+def browser() -> Iterator[object]:
+    """Return a browser without a graphics processor."""
+    with playwright.sync_playwright() as play:
+        browser = play.chromium.launch(
+            executable_path=CHROMIUM, args=['--no-sandbox', '--disable-gpu']
+        )
+        yield browser
+        browser.close()
+
+
+class Pilot:
+    """A mission that flies on its stage at the pace of the wall, in a thread of its own."""
+
+    def __init__(self, stage: Stage) -> None:
+        self.stage = stage
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._fly, daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Let all fall silent."""
+        self._stop.set()
+        self._thread.join()
+
+    def _fly(self) -> None:
+        while not self._stop.wait(0.1):
+            self.stage.step()
+
+
+class View:
+    """A page that is open, with everything that it must not do."""
+
+    def __init__(self, browser, address: str, size: str = 'desktop', **options) -> None:
+        width, height = SIZES[size]
+        self.page = browser.new_page(viewport={'width': width, 'height': height}, **options)
+        self.page.set_default_timeout(WAIT_MS)
+        self.faults: list[str] = []
+        self.page.on('pageerror', lambda error: self.faults.append(str(error)))
+        self.page.on('console', self._on_console)
+        self.page.on('request', lambda request: self._on_request(request.url, address))
+        self.page.goto(f'{address}#token={TOKEN}')
+
+    def _on_console(self, message) -> None:
+        # A server that is gone is told by the browser, too.
+        if message.type == 'error' and 'ERR_CONNECTION_REFUSED' not in message.text:
+            self.faults.append(message.text)
+
+    def _on_request(self, url: str, address: str) -> None:
+        inside = (address, address.replace('http', 'ws', 1), 'data:', 'blob:')
+        if not url.startswith(inside):
+            self.faults.append(f'a request to {url}')
+
+    def wait(self, expression: str) -> None:
+        """Wait until an expression of JavaScript is true.
+
+        The page allows no text to be run as a script, so that it is asked from outside.
+        """
+        end_s = time.monotonic() + WAIT_MS / 1000
+        while not self.page.evaluate(expression):
+            assert time.monotonic() < end_s, f'not within {WAIT_MS} ms: {expression}'
+            self.page.wait_for_timeout(30)
+
+
+@pytest.fixture
+def flight(tmp_path) -> Iterator[tuple[Stage, Pilot, str]]:
+    """Return a mission of three vehicles that flies, and the address of its page."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    with served(stage) as address:
+        pilot = Pilot(stage)
+        yield stage, pilot, address
+        pilot.stop()
+
+
+def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
+    """Vehicles move and are not grey; after three seconds of silence all of them are."""
+    _, pilot, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    view.wait('document.querySelector("#pulse").textContent === "live"')
+    assert 'token' not in view.page.url
+    assert 'µSv/h' in view.page.inner_text('.fact-worst .big')
+    before = view.page.evaluate('rocsafe.link.vehicles.get("rav1").frame.longitude')
+    view.wait(f'rocsafe.link.vehicles.get("rav1").frame.longitude !== {before}')
+    pilot.stop()
+    view.wait('document.querySelectorAll(".vehicle.grey").length === 3')
+    assert 'No word from the mission' in view.page.inner_text('#banner')
+    assert not view.faults
+    view.page.close()
+
+
+def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
+    """Nothing looks live meanwhile; the page goes on by itself, as the same user."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    pilot = Pilot(stage)
+    with socket.create_server(('127.0.0.1', 0)) as free:
+        port = free.getsockname()[1]
+    stage.context.options = replace(stage.context.options, port=port)
+    server = ServerThread(stage.context, print)
+    view = View(browser, server.address)
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    server.close()
+    view.wait('document.documentElement.classList.contains("not-live")')
+    assert view.page.locator('.vehicle:not(.grey)').count() == 0
+    assert 'Not live' in view.page.inner_text('#banner')
+    stage.context.sessions = Sessions()
+    load_sessions(tmp_path, stage.context.sessions, {'anna': Role.COMMANDER})
+    server = ServerThread(stage.context, print)
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    view.page.close()
+    pilot.stop()
+    server.close()
+
+
+def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
+    """The first sends nothing; Escape takes it back; keys do the same as the mouse."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.page.click('[data-verb="hold"]')
+    view.page.wait_for_selector('.order-confirm')
+    view.page.keyboard.press('Escape')
+    view.page.wait_for_selector('[data-verb="hold"]')
+    assert not stage.crew.sent
+    view.page.keyboard.press('h')
+    view.page.wait_for_selector('.order-confirm')
+    view.page.keyboard.press('Enter')
+    view.page.wait_for_selector('.results li.done')
+    assert [(order.verb, len(names)) for order, names in stage.crew.sent] == [(Action.HOLD, 3)]
+    view.page.check('#pick-rav2')
+    stage.crew.refusal = 'rav2: led by the pilot'
+    view.page.click('[data-verb="land"]')
+    view.page.click('.order-confirm')
+    view.page.wait_for_selector('.results li.bad')
+    assert 'led by the pilot' in view.page.inner_text('.results')
+    assert stage.crew.sent[1][1] == ('rav2',)
+    assert not view.faults
+    view.page.close()
+
+
+def test_a_touch_must_last(browser, flight):
+    """A brush of the glass confirms nothing."""
+    stage, _, address = flight
+    view = View(browser, address, 'phone', has_touch=True, is_mobile=True)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.page.tap('[data-verb="hold"]')
+    view.page.wait_for_selector('.order-confirm')
+    view.page.tap('.order-confirm')
+    assert not stage.crew.sent
+    pressed = 'new PointerEvent("pointerdown", {pointerType: "touch", bubbles: true})'
+    view.page.evaluate(f'document.querySelector(".order-confirm").dispatchEvent({pressed})')
+    view.page.wait_for_selector('.results li.done')
+    assert len(stage.crew.sent) == 1
+    view.page.close()
+
+
+def test_an_alarm_is_seen_at_once_and_until_somebody_says_so(browser, flight):
+    """It is counted, and its button tells who has seen it."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    stage.state['rav3'] = 9
+    view.page.wait_for_selector('.alarm.critical')
+    assert 'rav3 is lost' in view.page.inner_text('.alarm.critical')
+    view.page.keyboard.press('a')
+    view.page.wait_for_selector('.alarm.seen')
+    assert 'seen by anna' in view.page.inner_text('.alarm.seen')
+    assert not view.faults
+    view.page.close()
+
+
+@pytest.mark.parametrize('theme', ['light', 'dark'])
+@pytest.mark.parametrize('size', SIZES)
+def test_everybody_can_read_and_use_it(browser, flight, size, theme):
+    """Axe finds nothing, with a contrast of 7 to 1; nothing is wider than the page."""
+    axe = pytest.importorskip('axe_playwright_python.sync_playwright')
+    _, _, address = flight
+    view = View(browser, address, size, color_scheme=theme)
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    found = axe.Axe().run(
+        view.page,
+        options={
+            'runOnly': AXE_RULES,
+            'rules': {'color-contrast-enhanced': {'enabled': True}},
+        },
+    )
+    violations = found.response['violations']
+    nodes = [
+        (one['id'], node['html'][:120], node['failureSummary'][:300])
+        for one in violations
+        for node in one['nodes']
+    ]
+    assert nodes == []
+    width = view.page.evaluate('document.documentElement.scrollWidth')
+    assert width <= SIZES[size][0]
+    view.page.close()
+
+
+def test_a_mission_is_drawn_planned_approved_and_launched_by_clicks(browser, tmp_path):
+    """In at most 12 interactions; a stand-in of the command `rocsafe` tells what was asked."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    told = tmp_path / 'told'
+    tools = tmp_path / 'bin'
+    tools.mkdir()
+    command = tools / 'rocsafe'
+    plan = '{"type":"FeatureCollection","features":[]}'
+    command.write_text(
+        f'#!/bin/sh\necho "$@" >> {told}\n'
+        f'if [ "$1" = plan ]; then mkdir -p "$4/x"; echo \'{plan}\' > "$4/x/plan.geojson"; '
+        'echo "{}" > "$4/x/plan.json"; fi\necho "$1 is done"\n'
+    )
+    command.chmod(command.stat().st_mode | stat.S_IXUSR)
+    stage.context.environment['PATH'] = f'{tools}:{stage.context.environment["PATH"]}'
+    with served(stage) as address:
+        view = View(browser, address)
+        view.wait('document.querySelectorAll(".vehicle").length === 3')
+        count = draw_and_launch(view)
+        view.wait('document.documentElement.dataset.view === "live"')
+    assert count <= 12
+    words = [line.split()[0] for line in told.read_text().splitlines()]
+    assert words == ['check', 'plan', 'run']
+    scenario = (tmp_path / 'drafts' / 'mission.yaml').read_text()
+    assert 'name: mission' in scenario
+    assert not view.faults
+    view.page.close()
+
+
+def draw_and_launch(view: View) -> int:
+    """Draw a region, plan, approve and launch; return the number of clicks."""
+    page = view.page
+    clicks = 0
+
+    def click(selector: str) -> None:
+        nonlocal clicks
+        clicks += 1
+        page.click(selector)
+
+    click('[data-view="draft"]')
+    page.wait_for_selector('#draft-text', state='attached')
+    view.wait('document.querySelector("#draft-text").value.length > 100')
+    click('#draw-region')
+    for east, north in ((-90, -50), (90, -50), (90, 50), (-90, 50)):
+        latitude, longitude = place_of(east, north)
+        point = page.evaluate(f'rocsafe.map.map.latLngToContainerPoint([{latitude}, {longitude}])')
+        page.click('#map', position={'x': point['x'], 'y': point['y']})
+        clicks += 1
+    click('#draw-done')
+    click('#draft-plan')
+    view.wait('!document.querySelector("#draft-approve").disabled')
+    click('#draft-approve')
+    click('#draft-launch')
+    return clicks
+
+
+def test_a_finished_run_is_replayed(browser, tmp_path, flight):
+    """Its tracks follow the slider; back to live, the mission is there."""
+    _, _, address = flight
+    make_run(tmp_path / 'yard-1')
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.page.keyboard.press('2')
+    view.page.click('.run-buttons button')
+    view.page.wait_for_selector('#replay input')
+    length = 'rocsafe.map.tracks.get("rav1").length'
+    assert view.page.evaluate(length) == 40
+    view.page.locator('#replay input').fill('9')
+    assert view.page.evaluate(length) == 10
+    view.page.click('#replay button:last-child')
+    view.wait('rocsafe.map.source === null')
+    assert not view.faults
+    view.page.close()
+
+
+def make_run(run: Path) -> None:
+    """Make a folder with what a replay needs."""
+    run.mkdir()
+    (run / 'scenario.yaml').write_text('name: yard\n')
+    rows = ['time_ns,vehicle,latitude_deg,longitude_deg,dose_rate_usvh']
+    for second in range(40):
+        latitude, longitude = place_of(second, 0.0)
+        rows.append(f'{second * 10**9},rav1,{latitude},{longitude},{0.1 + second}')
+    (run / 'readings.csv').write_text('\n'.join(rows) + '\n')

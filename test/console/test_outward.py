@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What other systems read: Cursor on Target and OGC API Features."""
+
+import socket
+import time
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import pytest
+from shapely.geometry import shape
+from test.console.caller import Caller
+from test.console.stage import TOKEN, Stage, served
+
+from rocsafe_console.outward.cursor_on_target import STALE_S, events_of
+from rocsafe_console.outward.features import COLLECTIONS
+
+DEADLINE_S = 20.0
+
+
+@pytest.fixture
+def stage(tmp_path) -> Stage:
+    """Return a mission with everything."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    stage.step()
+    mark = {'latitude_deg': 53.28, 'longitude_deg': -9.06, 'text': 'a bag', 'by': 'anna'}
+    stage.context.live.picture.sections.put('marks', [{**mark, 'time_s': 1.0}])
+    return stage
+
+
+def test_events_have_what_a_receiver_needs(stage):
+    """Vehicles, source, cordons and mark, each with place, kind and end; parsed as XML."""
+    now_s = time.time()
+    found = [
+        ElementTree.fromstring(event.to_xml(now_s))  # noqa: S314 - our own
+        for event in events_of(stage.context.live.picture, now_s)
+    ]
+    kinds = [event.get('type') for event in found]
+    assert kinds.count('a-f-A-M-H-Q') == 3
+    assert kinds.count('b-m-p-s-m') == 2
+    assert kinds.count('u-d-f') == 2
+    assert len({event.get('uid') for event in found}) == len(found)
+    for event in found:
+        point = event.find('point')
+        assert 53.0 < float(point.get('lat')) < 54.0
+        assert -10.0 < float(point.get('lon')) < -9.0
+        assert event.get('time') < event.get('stale')
+        assert event.find('detail/contact').get('callsign')
+    vehicle = found[0]
+    assert float(vehicle.find('point').get('hae')) == 90.0
+    assert len(ElementTree.tostring(found[kinds.index('u-d-f')])) < 1400
+
+
+def test_a_vehicle_that_is_silent_is_not_sent(stage):
+    """The receiver would take an old place for a new one."""
+    now_s = time.time() + STALE_S + 1.0
+    kinds = [event.kind for event in events_of(stage.context.live.picture, now_s)]
+    assert 'a-f-A-M-H-Q' not in kinds
+    assert 'u-d-f' in kinds
+
+
+def test_events_are_sent_as_datagrams(stage):
+    """To the address that was given."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
+        receiver.bind(('127.0.0.1', 0))
+        receiver.settimeout(DEADLINE_S)
+        target = receiver.getsockname()
+        stage.context.options = replace(stage.context.options, cursor_on_target=target)
+        with served(stage):
+            data = receiver.recv(65536)
+    assert ElementTree.fromstring(data).tag == 'event'  # noqa: S314 - our own
+
+
+def test_every_collection_is_geojson_by_its_address(stage):
+    """From the landing page on, by the links that it gives; geometries are valid."""
+    with served(stage) as address:
+        caller = Caller(address)
+        caller.ask('/api/token', {'token': TOKEN})
+        url = caller.ask('/api/links', {})[1]['url'].removeprefix(address.rstrip('/'))
+        caller.cookie = ''
+        _, landing = caller.ask(url)
+        data = next(one['href'] for one in landing['links'] if one['rel'] == 'data')
+        _, listed = caller.ask(data.removeprefix(address.rstrip('/')))
+        assert [one['id'] for one in listed['collections']] == list(COLLECTIONS)
+        for one in listed['collections']:
+            path = one['links'][0]['href'].removeprefix(address.rstrip('/'))
+            status, content = caller.ask(path)
+            assert status == 200
+            assert content['features'], one['id']
+            for feature in content['features']:
+                assert shape(feature['geometry']).is_valid
+        assert caller.ask(f'{url}/collections/vehicles/items?limit=1')[1]['numberReturned'] == 1
+        assert caller.ask(f'{url}/collections/none/items')[0] == 404
+        assert caller.ask(f'{url}/collections/vehicles/items?limit=0')[0] == 400
+        assert caller.ask('/ogc/wrong/collections')[0] == 401
+        caller.cookie = f'{stage.context.options.cookie}={url.split("/")[2]}'
+        body = {'request_id': 'a' * 32, 'verb': 'hold', 'revisions': {'rav1': 1}}
+        assert caller.ask('/api/orders', body)[0] == 403

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The server refuses what does not come from its page and from somebody who may."""
+
+import secrets
+from collections.abc import Iterator
+
+import pytest
+from test.console.caller import FORGED, Caller, forge_many, revisions_of
+from test.console.stage import TOKEN, Stage, served
+
+from rocsafe_console.errors import ConsoleError
+from rocsafe_console.evidence.chain import checked
+from rocsafe_console.people.passwords import hash_of
+from rocsafe_console.people.roles import MAY, VERBS, Action, Role
+from rocsafe_console.people.users import User
+from rocsafe_console.web.context import WebOptions
+from rocsafe_console.web.server import require_safe
+
+PASSWORD = 'correct horse battery'  # noqa: S105 - of a test
+LAYERS = (
+    'Content-Security-Policy',
+    'X-Content-Type-Options',
+    'Referrer-Policy',
+    'X-Frame-Options',
+)
+
+
+@pytest.fixture
+def stage(tmp_path) -> Stage:
+    """Return a mission of three vehicles."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    return stage
+
+
+@pytest.fixture
+def caller(stage) -> Iterator[Caller]:
+    """Return somebody who has the token."""
+    with served(stage) as address:
+        caller = Caller(address)
+        assert caller.ask('/api/token', {'token': TOKEN})[0] == 200
+        yield caller
+
+
+def test_an_order_is_written_down_and_sent_and_answered(stage, caller, tmp_path):
+    """In this order; the log has who, what and what became of it."""
+    status, answer = caller.order('hold', revisions_of(stage))
+    assert status == 200
+    assert [one['outcome'] for one in answer['results']] == ['done'] * 3
+    order, names = stage.crew.sent[0]
+    assert (order.verb, sorted(names)) == (Action.HOLD, stage.names)
+    entries = checked((tmp_path / 'console.jsonl').read_bytes().split(b'\n')[:-1])
+    assert [(entry['kind'], entry['by']) for entry in entries] == [
+        ('login', 'anna'), ('order', 'anna'), ('outcome', 'anna'),
+    ]  # fmt: skip
+
+
+def test_an_order_that_cannot_be_written_down_is_not_sent(stage, caller, monkeypatch):
+    """A full disk: nothing flies without a line in the log."""
+
+    def full(event: object) -> None:
+        raise OSError(28, 'No space left on device')
+
+    monkeypatch.setattr(stage.context.desk, '_write', lambda _mission, event: full(event))
+    status, answer = caller.order('return', revisions_of(stage))
+    assert status == 403
+    assert 'nothing was sent' in answer['error']
+    assert not stage.crew.sent
+
+
+def test_a_vehicle_that_has_moved_on_gets_no_order(stage, caller):
+    """The others do, and the answer tells it."""
+    seen = revisions_of(stage)
+    stage.state['rav2'] = 6
+    stage.step()
+    _, answer = caller.order('resume', seen)
+    outcomes = {one['vehicle']: one['outcome'] for one in answer['results']}
+    assert outcomes == {'rav1': 'done', 'rav2': 'state has changed', 'rav3': 'done'}
+    assert sorted(stage.crew.sent[0][1]) == ['rav1', 'rav3']
+
+
+def test_a_confirmation_that_is_sent_twice_sends_the_order_once(stage, caller):
+    """And is answered the same."""
+    request_id = secrets.token_hex(16)
+    body = {'request_id': request_id, 'verb': 'land', 'revisions': revisions_of(stage)}
+    caller.ask('/api/orders', body)
+    first = caller.ask(f'/api/orders/{request_id}/confirm', {})
+    assert caller.ask(f'/api/orders/{request_id}/confirm', {}) == first
+    assert len(stage.crew.sent) == 1
+
+
+@pytest.mark.parametrize('headers', FORGED, ids=lambda headers: str(headers))
+def test_a_request_that_is_not_of_the_page_is_refused(stage, caller, headers):
+    """Another origin or host, a form, or nobody's session: orders and alarms alike."""
+    body = {'request_id': 'a' * 32, 'verb': 'hold', 'revisions': revisions_of(stage)}
+    for path in ('/api/orders', '/api/alarms/1/acknowledge', '/api/marks'):
+        assert caller.ask(path, body, **headers)[0] in (401, 403, 415, 421)
+    assert not stage.crew.sent
+
+
+@pytest.mark.slow
+def test_none_of_many_forged_requests_is_accepted(stage, caller):
+    """Random verbs, ids, cookies and origins; ROCSAFE's benchmark tries 100 000."""
+    forge_many(caller, stage, 300)
+    assert not stage.crew.sent
+
+
+def test_what_is_not_json_is_refused_in_one_line(caller):
+    """No traceback, and the server goes on."""
+    for body in (
+        b'',
+        b'{',
+        b'[1]',
+        b'{"verb": "fly"}',
+        b'\xff',
+        b'{"request_id": 1, "verb": "hold"}',
+    ):
+        status, answer = caller.ask('/api/orders', body)
+        assert status == 400
+        assert answer['error']
+    assert caller.ask('/api/orders', b'x' * 2**21)[0] == 413
+    assert caller.ask('/api/hello')[0] == 200
+
+
+@pytest.mark.parametrize('path', ['/', '/static/main.js', '/api/hello', '/nothing', '/api/runs'])
+def test_every_answer_has_its_guards(caller, path):
+    """Also those that refuse."""
+    caller.ask(path)
+    for name in LAYERS:
+        assert caller.headers[name], name
+    assert "default-src 'self'" in caller.headers['Content-Security-Policy']
+    assert 'unsafe' not in caller.headers['Content-Security-Policy']
+
+
+@pytest.mark.parametrize(
+    'path',
+    [
+        '/static/../console_command.py',
+        '/static/%2e%2e/errors.py',
+        '/static/py.typed',
+        '/static//etc/passwd',
+        '/api/runs/..%2f..%2fetc/files/passwd',
+        '/api/runs/x/replay',
+        '/api/photograph/..%2f..%2fetc%2fpasswd',
+    ],
+)
+def test_no_other_file_is_served(caller, path):
+    """Neither by dots nor by names that are not for the page."""
+    assert caller.ask(path)[0] in (403, 404)
+
+
+@pytest.fixture(scope='module')
+def people() -> dict[str, User]:
+    """Return one user a role."""
+    hashed = hash_of(PASSWORD)
+    return {role.value: User(name=role.value, role=role, password_hash=hashed) for role in Role}
+
+
+@pytest.mark.parametrize('role', Role)
+def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
+    """Every action by its request: refused with 403 exactly where the role may not."""
+    stage = Stage(tmp_path, users=people)
+    stage.begin()
+    place = {'latitude_deg': 53.0, 'longitude_deg': -9.0, 'text': 'a bag'}
+    with served(stage) as address:
+        caller = Caller(address)
+        assert caller.ask('/api/login', {'name': role.value, 'password': PASSWORD})[0] == 200
+        target = {'latitude_deg': 53.0, 'longitude_deg': -9.0, 'height_m': 50.0}
+        tried = {
+            Action.SEE: lambda: caller.ask('/api/runs'),
+            Action.ACKNOWLEDGE: lambda: caller.ask('/api/alarms/99/acknowledge', {}),
+            Action.MARK: lambda: caller.ask('/api/marks', place),
+            Action.REVOKE: lambda: caller.ask('/api/sessions'),
+        }
+        for verb in VERBS:
+            more = {'target': target} if verb is Action.GO_TO else {}
+            revisions = {'rav1': revisions_of(stage)['rav1']}
+            tried[verb] = lambda verb=verb, more=more, revisions=revisions: caller.order(
+                verb.value, revisions, **more
+            )
+        for action, attempt in tried.items():
+            assert (attempt()[0] == 403) == (action not in MAY[role]), action
+        assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
+
+
+def test_passwords_cannot_be_tried_out(tmp_path, people):
+    """After five attempts a minute must pass, also for the right password."""
+    stage = Stage(tmp_path, users=people)
+    with served(stage) as address:
+        caller = Caller(address)
+        body = {'name': 'viewer', 'password': 'wrong'}
+        statuses = [caller.ask('/api/login', body)[0] for _ in range(6)]
+        assert statuses == [401] * 5 + [429]
+        assert caller.ask('/api/login', {**body, 'password': PASSWORD})[0] == 429
+        assert caller.ask('/api/token', {'token': ''})[0] in (401, 429)
+
+
+def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
+    """By a commander; its cookie is for this server only."""
+    stage = Stage(tmp_path, users=people)
+    with served(stage) as address:
+        viewer, commander = Caller(address), Caller(address)
+        viewer.ask('/api/login', {'name': 'viewer', 'password': PASSWORD})
+        for flag in ('HttpOnly', 'SameSite=Strict', 'Path=/'):
+            assert flag in viewer.set_cookie
+        commander.ask('/api/login', {'name': 'commander', 'password': PASSWORD})
+        listed = commander.ask('/api/sessions')[1]['sessions']
+        public_id = next(one['public_id'] for one in listed if one['user'] == 'viewer')
+        assert public_id not in viewer.cookie
+        assert viewer.ask('/api/runs')[0] == 200
+        assert commander.ask(f'/api/sessions/{public_id}/revoke', {})[0] == 200
+        assert viewer.ask('/api/runs')[0] == 401
+
+
+@pytest.mark.parametrize(
+    ('options', 'users', 'words'),
+    [
+        ({'host': '0.0.0.0'}, 0, '--users and --certificate and --key'),  # noqa: S104 - refused
+        ({'host': '192.168.1.5'}, 2, 'needs --certificate'),
+        ({'host': 'example.org'}, 2, 'needs --certificate'),
+        ({'certificate': 'c'}, 2, 'both are needed'),
+    ],
+)
+def test_other_machines_reach_it_only_with_users_and_tls(options, users, words):
+    """Before anything listens."""
+    with pytest.raises(ConsoleError, match=words):
+        require_safe(WebOptions(**options), users)
+    require_safe(WebOptions(), 0)
+    require_safe(WebOptions(host='::1'), 0)
