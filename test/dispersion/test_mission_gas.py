@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Readings of a flight: the survey that they make, what it says, where to measure next."""
 
+import json
 import math
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import rasterio
+import yaml
 
 from rocsafe_dispersion.agents.agent_table import agent
+from rocsafe_dispersion.command_line import locate_command
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places, predicted
 from rocsafe_dispersion.estimation.plume_kernel import PlumeShape
@@ -85,23 +90,30 @@ def wind(number: int):
     )
 
 
-def flown(rate_g_s: float = 5.0, seed: int = 3) -> GasLog:
+def flight_readings(rate_g_s: float = 5.0, seed: int = 3) -> list[GasFlightReading]:
     """Return the readings of a lawn mower 3 m above the ground, 4 s at each place."""
-    log = GasLog(FRAME, Sampling(dilution=DILUTION))
     release = Release(place_m=(-22.0, 13.0), height_m=1.0, rate_g_s=max(rate_g_s, 1e-9))
     plume = SteadyPlume(release=release, travel=AIR.travel, wind=EASTWARDS)
     generator = np.random.default_rng(seed)
     chemical = agent('isobutylene')
-    number = 0
+    found = []
     for east in np.arange(-45.0, 46.0, 10.0):
         for north in np.arange(-45.0, 46.0, 10.0):
             place = (float(east), float(north), 3.0)
             mean = chemical.ppm(float(plume.concentrations_g_m3(np.array([place]))[0]))
             for _ in range(4):
-                number += 1
                 read = DILUTION * mean * math.exp(0.2 * generator.standard_normal())
-                log.add_gas(gas(number, place, read + 0.02 * generator.standard_normal()))
-                log.add_wind(wind(number))
+                noise = 0.02 * generator.standard_normal()
+                found.append(gas(len(found) + 1, place, read + noise))
+    return found
+
+
+def flown(rate_g_s: float = 5.0) -> GasLog:
+    """Return the log of these readings, with the wind of each second."""
+    log = GasLog(FRAME, Sampling(dilution=DILUTION))
+    for number, reading in enumerate(flight_readings(rate_g_s), 1):
+        log.add_gas(reading)
+        log.add_wind(wind(number))
     return log
 
 
@@ -222,3 +234,59 @@ def test_a_sensor_blind_to_the_agent_is_not_used():
     log.add_gas(gas(1, (0.0, 0.0, 3.0), 0.0))
     with pytest.raises(NoSurveyError, match='could see the agent'):
         log.survey()
+
+
+def written(folder, readings, text: str = '') -> str:
+    """Keep readings as a node does, and return its parameter file."""
+    spool = GasSpool(str(folder / 'spool'))
+    for number, reading in enumerate(readings, 1):
+        spool.keep_gas(reading)
+        spool.keep_wind(wind(number))
+    values = {
+        'vehicles': ['rav1'],
+        'origin_latitude_deg': ORIGIN.latitude_deg,
+        'origin_longitude_deg': ORIGIN.longitude_deg,
+        'origin_altitude_m': ORIGIN.altitude_m,
+        'dilution': DILUTION,
+        'spool_directory': str(folder / 'spool'),
+        'agent': 'ammonia',
+    }
+    file = folder / 'estimator.yaml'
+    file.write_text(text or yaml.safe_dump({'/estimator': {'ros__parameters': values}}))
+    return str(file)
+
+
+@pytest.mark.slow
+def test_files_of_a_flight_are_written(tmp_path, capsys):
+    """Releases, zones and plume in the formats that responders open."""
+    out = tmp_path / 'out'
+    assert (
+        locate_command.main([written(tmp_path, flight_readings()), f'--out={out}', '--json']) == 0
+    )
+    document = json.loads((out / 'release.json').read_text())
+    assert document == json.loads(capsys.readouterr().out)
+    (release,) = document['releases']
+    place = FRAME.enu_of(
+        GeoPosition(release['latitude_deg'], release['longitude_deg'], ORIGIN.altitude_m)
+    )
+    assert math.dist(place[:2], (-22.0, 13.0)) < 15.0
+    assert document['agent'] == 'ammonia'
+    zones = json.loads((out / 'threat_zones.geojson').read_text())
+    assert {one['properties']['level'] for one in zones['features']} == {
+        'AEGL-1', 'AEGL-2', 'AEGL-3',
+    }  # fmt: skip
+    ElementTree.parse(out / 'threat_zones.kml')  # noqa: S314 - our own file
+    figure = ElementTree.parse(out / 'gas.svg').getroot()  # noqa: S314 - our own file
+    assert sum(one.tag.endswith('animate') for one in figure.iter()) == document['reading_count']
+    with rasterio.open(out / 'plume.tif') as raster:
+        mean, upper, arrival = raster.read()
+    assert (upper >= mean).all()
+    assert np.nanmin(arrival) >= 0.0
+
+
+@pytest.mark.parametrize('text', ['[]', 'a: 1', '/estimator: {ros__parameters: {water: 1}}', '{'])
+def test_what_is_no_parameter_file_is_refused_in_one_line(tmp_path, capsys, text):
+    """Without a traceback."""
+    assert locate_command.main([written(tmp_path, [], text)]) == 2
+    error = capsys.readouterr().err
+    assert 'is no parameter file of an estimator' in error

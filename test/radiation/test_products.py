@@ -13,10 +13,11 @@ from shapely.geometry import Point, shape
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_hazard.area_kml import KML_NAMESPACE
 from rocsafe_radiation.localization.localize import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.assessment import AssessmentOptions, assess
-from rocsafe_radiation.products.cordon import KML_NAMESPACE, cordons
+from rocsafe_radiation.products.cordon import cordons
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
 from rocsafe_radiation.products.files import write_products
 from rocsafe_radiation.products.isolines import areas_above

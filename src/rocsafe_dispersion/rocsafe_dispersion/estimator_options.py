@@ -2,6 +2,10 @@
 """ROS parameters of the node ``estimator``."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
 
 from rocsafe_dispersion.atmosphere.stability import CLASSES, StabilityClass
 from rocsafe_dispersion.estimation.release_options import LocateOptions
@@ -108,3 +112,23 @@ class EstimatorOptions:
     def looks_a_fit(self, look_s: float) -> int:
         """Return how many looks at intervals of `look_s` seconds to wait between two fits."""
         return round(self.period_s / look_s)
+
+
+def estimator_options(path: Path) -> EstimatorOptions:
+    """Return the options of a flown ``estimator`` from its ROS parameter file.
+
+    Raises
+    ------
+    ValueError
+        If it is not the parameter file of an estimator.
+    """
+    try:
+        content = yaml.safe_load(path.read_text(encoding='utf-8'))
+        values = content['/estimator']['ros__parameters']
+        given: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value
+            for key, value in values.items()
+        }
+        return EstimatorOptions(**given)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError) as e:
+        raise ValueError(f'{path}: is no parameter file of an estimator: {e}') from e

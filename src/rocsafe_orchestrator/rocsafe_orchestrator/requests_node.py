@@ -44,13 +44,14 @@ BROKEN_OFF = 'broke off with an error, see its log'
 
 def searches_of(scenario: Scenario) -> dict[str, Search]:
     """Return the searches of a scenario by the name of the service that says where to go."""
-    blocks = {
-        topics.SUGGEST_VIEWPOINTS.name: scenario.radiation.search,
-        topics.SUGGEST_GAS_VIEWPOINTS.name: scenario.air.search,
-    }
+    gamma, gas = scenario.radiation.search, scenario.air.search
     return {
-        name: Search(extra_rounds=block.extra_rounds, viewpoints_a_round=block.viewpoints_a_round)
-        for name, block in blocks.items()
+        topics.SUGGEST_VIEWPOINTS.name: Search(
+            extra_rounds=gamma.extra_rounds, viewpoints_a_round=gamma.viewpoints_a_round
+        ),
+        topics.SUGGEST_GAS_VIEWPOINTS.name: Search(
+            extra_rounds=gas.extra_rounds, viewpoints_a_round=gas.viewpoints_a_round
+        ),
     }
 
 

@@ -7,9 +7,11 @@ from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.parameters.air_parameters import ESTIMATOR
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.products.readings_table import write_readings
+from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_reading import read_run
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.source_estimates import estimate_sources
@@ -38,7 +40,7 @@ def write_products(run_directory: Path) -> RunSummary:
     record = read_run(run.path)
     readings = record.log.readings if record.log else ()
     write_readings(run.readings, readings, mission_frame(record))
-    record = _with_estimates(record, run)
+    record = _with_releases(_with_estimates(record, run), run)
     summary = summarise(record)
     _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
     _write_text(run.report, report_page(record, summary, mission_frame(record)))
@@ -59,6 +61,18 @@ def _with_estimates(record: RunRecord, run: RunDirectory) -> RunRecord:
         line = f'no estimate of sources: {error}'
         return dataclasses.replace(record, missing=(*record.missing, line))
     return dataclasses.replace(record, estimates=estimates)
+
+
+def _with_releases(record: RunRecord, run: RunDirectory) -> RunRecord:
+    """Return `record` with the releases of gas that its readings support."""
+    if record.scenario is None or not record.scenario.air.gas_sensors:
+        return record
+    try:
+        releases = estimate_releases(run.parameters_of(ESTIMATOR), run.path)
+    except OrchestratorError as error:
+        line = f'no estimate of releases: {error}'
+        return dataclasses.replace(record, missing=(*record.missing, line))
+    return dataclasses.replace(record, releases=releases)
 
 
 def mission_frame(record: RunRecord) -> LocalFrame | None:

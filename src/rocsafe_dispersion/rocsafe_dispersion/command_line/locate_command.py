@@ -16,25 +16,74 @@ from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
-from rocsafe_dispersion.mission_gas.release_assessment import search_area
+from rocsafe_dispersion.estimator_options import estimator_options
+from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
+from rocsafe_dispersion.mission_gas.release_assessment import (
+    ReleaseAssessment,
+    assess,
+    search_area,
+)
+from rocsafe_dispersion.mission_gas.release_files import write_release_files
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.row_spool import SpoolError
 
 EXIT_OK, EXIT_REFUSED = 0, 2
+PARAMETER_FILES = ('.yaml', '.yml')
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Read, estimate, print, and return the exit code."""
+    """Read, estimate, print, write, and return the exit code."""
     options = parser().parse_args(arguments)
     try:
-        gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
-        area = search_area(gas.survey.places_m, options.margin, options.release_height)
-        found = _located(gas, area, options)
-    except ValueError as error:
+        is_flight = options.file.suffix in PARAMETER_FILES
+        document = _of_flight(options.file, options.out) if is_flight else _of_table(options)
+    except (ValueError, OSError, SpoolError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_REFUSED
-    document = document_of(found, gas.frame)
     sys.stdout.write(json.dumps(document, indent=2) + '\n' if options.json else _text(document))
     return EXIT_OK
+
+
+def _of_table(options: argparse.Namespace) -> dict[str, Any]:
+    if options.out is not None:
+        raise ValueError('--out needs params/estimator.yaml of a run, not a table of readings')
+    gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
+    area = search_area(gas.survey.places_m, options.margin, options.release_height)
+    return document_of(_located(gas, area, options), gas.frame)
+
+
+def _of_flight(path: Path, folder: Path | None) -> dict[str, Any]:
+    """Return what the readings that the node ``estimator`` has kept say; write it to a folder."""
+    options = estimator_options(path)
+    log = options.log()
+    GasSpool(options.spool_directory).restore(log)
+    assessment = assess(log.survey(), options.assessment())
+    document = _assessed(assessment, log.frame)
+    if folder is not None:
+        write_release_files(folder, document, assessment, log.frame)
+    return document
+
+
+def _assessed(assessment: ReleaseAssessment, frame: LocalFrame) -> dict[str, Any]:
+    flight = assessment.flight
+    return document_of(assessment.found, frame) | {
+        'agent': flight.agent.name,
+        'sensor': flight.sensor,
+        'wind_towards_mps': list(flight.wind_towards_mps),
+        'reading_count': len(flight.survey.values_g_m3),
+        'is_enough': assessment.verdict.is_enough,
+        'verdict': assessment.verdict.reason,
+        'threat_zones': [
+            {
+                'level': zone.level.label,
+                'ppm': zone.level.ppm,
+                'expected_m2': round(zone.expected.area, 1),
+                'outer_95_m2': round(zone.outer.area, 1),
+                'is_cut_by_the_map': zone.is_cut,
+            }
+            for zone in assessment.zones
+        ],
+    }
 
 
 def parser() -> argparse.ArgumentParser:
@@ -43,7 +92,9 @@ def parser() -> argparse.ArgumentParser:
         prog='rocsafe locate-release',
         description='Find releases of gas in readings with the wind; columns: docs/dispersion.md.',
     )
-    found.add_argument('file', type=Path, metavar='READINGS.csv')
+    found.add_argument(
+        'file', type=Path, metavar='READINGS.csv', help='or params/estimator.yaml of a run'
+    )
     found.add_argument('--agent', help='chemical, for readings in ppm')
     found.add_argument('--stability', choices=CLASSES, default='D', help='Pasquill class [D]')
     found.add_argument('--roughness', type=float, default=0.03, metavar='M', help='[0.03]')
@@ -57,6 +108,7 @@ def parser() -> argparse.ArgumentParser:
         '--margin', type=float, default=20.0, metavar='M', help='around the readings [20]'
     )
     found.add_argument('--most', type=int, default=3, metavar='N', help='releases [3]')
+    found.add_argument('--out', type=Path, metavar='DIR', help='write files, of a run only')
     found.add_argument('--json', action='store_true', help='print JSON')
     return found
 

@@ -12,6 +12,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_scenario.scenario import Scenario
@@ -195,6 +196,8 @@ class RunRecord:
         One line for each part that is missing or cannot be read.
     estimates
         Sources estimated from the readings.
+    releases
+        Releases of gas estimated from the readings.
     """
 
     path: Path
@@ -205,6 +208,7 @@ class RunRecord:
     photographs: tuple[Photograph, ...]
     missing: tuple[str, ...]
     estimates: SourceEstimates | None = None
+    releases: ReleaseEstimates | None = None
     further: tuple[SurveyPlan, ...] = ()
 
     @property

@@ -3,8 +3,6 @@
 
 import json
 import math
-import os
-import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +10,7 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.errors import OrchestratorError
-from rocsafe_orchestrator.processes.answers import reason_of
-from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
-
-# Thousands of readings take seconds; the machine may be busy.
-TIMEOUT_S = 120.0
+from rocsafe_orchestrator.products.estimator_process import run_estimator
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,33 +41,6 @@ class SourceEstimates:
     doubts: tuple[str, ...] = ()
 
 
-def _localize(arguments: Sequence[str]) -> None:
-    """Run the executable `localize` with `arguments`.
-
-    Raises
-    ------
-    SetupError
-        If it is not installed.
-    OrchestratorError
-        If no source can be estimated, with the reason.
-    """
-    command = [str(find_executable('rocsafe_radiation', 'localize')), *arguments]
-    try:
-        done = subprocess.run(
-            command,
-            env={**os.environ, **ONE_THREAD},
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            timeout=TIMEOUT_S,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise OrchestratorError(f'no sources estimated: {error}') from error
-    if done.returncode != 0:
-        raise OrchestratorError(reason_of(done, 'localize'))
-
-
 def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:
     """Estimate sources from the table `readings`; their files are written beside it.
 
@@ -85,7 +52,8 @@ def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:
         If there are no estimates, with the reason.
     """
     folder = readings.parent
-    _localize([str(readings), f'--out={folder}', *options])
+    arguments = [str(readings), f'--out={folder}', *options]
+    run_estimator('rocsafe_radiation', 'localize', arguments)
     try:
         content = json.loads((folder / 'sources.json').read_text(encoding='utf-8'))
         return _estimates(content)

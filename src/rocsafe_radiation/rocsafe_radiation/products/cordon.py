@@ -5,13 +5,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
-from xml.etree import ElementTree
 
-import numpy as np
-from shapely.geometry import MultiPolygon, Polygon
-from shapely.geometry.polygon import orient
+from shapely.geometry import MultiPolygon
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.area_kml import MarkedArea, areas_kml, rings_deg
 from rocsafe_radiation.products.dose_map import DoseMap
 from rocsafe_radiation.products.isolines import areas_above
 
@@ -30,8 +28,6 @@ STAY_DOSES_USV = {'public_year_1_msv': 1e3, 'worker_year_20_msv': 2e4}
 STAY_MEANINGS = {'public_year_1_msv': '1 mSv', 'worker_year_20_msv': '20 mSv'}
 MEAN, UPPER = 'mean', 'upper_95'
 CONFIDENCE_MEANINGS = {MEAN: 'mean', UPPER: 'upper 95 %'}
-DEGREE_DIGITS = 8
-KML_NAMESPACE = 'http://www.opengis.net/kml/2.2'
 # Blue to yellow, distinct for the colour-blind; KML writes alpha, blue, green, red.
 KML_COLOURS = ('ff8e5830', 'ff8c8021', 'ff63c85e', 'ff21e4fd', 'ff4670f0')
 
@@ -105,7 +101,7 @@ def cordon_geojson(
             'type': 'Feature',
             'geometry': {
                 'type': 'MultiPolygon',
-                'coordinates': [_rings(part, frame) for part in cordon.area.geoms],
+                'coordinates': [rings_deg(part, frame) for part in cordon.area.geoms],
             },
             'properties': {
                 'kind': 'cordon',
@@ -126,52 +122,15 @@ def cordon_geojson(
 
 def cordon_kml(found: Sequence[Cordon], frame: LocalFrame, doubts: Sequence[str] = ()) -> str:
     """Return the cordons as KML 2.2, clamped to the ground; `doubts` stand in each description."""
-    ElementTree.register_namespace('', KML_NAMESPACE)
-    root = ElementTree.Element(f'{{{KML_NAMESPACE}}}kml')
-    document = _child(root, 'Document')
-    if doubts:
-        _child(document, 'description', '; '.join(doubts))
     levels = sorted({cordon.level_usvh for cordon in found})
-    for cordon in found:
-        if cordon.area.is_empty:
-            continue
-        placemark = _child(document, 'Placemark')
-        confidence = CONFIDENCE_MEANINGS[cordon.confidence]
-        _child(placemark, 'name', f'{cordon.level_usvh:g} µSv/h, {confidence}')
-        description = '; '.join([cordon.description(), *doubts])
-        _child(placemark, 'description', description)
-        style = _child(placemark, 'Style')
-        line = _child(style, 'LineStyle')
-        _child(line, 'color', KML_COLOURS[levels.index(cordon.level_usvh) % len(KML_COLOURS)])
-        _child(line, 'width', '2' if cordon.confidence == MEAN else '1')
-        _child(_child(style, 'PolyStyle'), 'fill', '0')
-        shapes = _child(placemark, 'MultiGeometry')
-        for part in cordon.area.geoms:
-            _add_polygon(shapes, _rings(part, frame))
-    return ElementTree.tostring(root, encoding='unicode', xml_declaration=True) + '\n'
-
-
-def _add_polygon(parent: ElementTree.Element, rings: list[list[list[float]]]) -> None:
-    polygon = _child(parent, 'Polygon')
-    for index, ring in enumerate(rings):
-        boundary = _child(polygon, 'innerBoundaryIs' if index else 'outerBoundaryIs')
-        text = ' '.join(f'{longitude},{latitude}' for longitude, latitude in ring)
-        _child(_child(boundary, 'LinearRing'), 'coordinates', text)
-
-
-def _child(parent: ElementTree.Element, name: str, text: str = '') -> ElementTree.Element:
-    element = ElementTree.SubElement(parent, f'{{{KML_NAMESPACE}}}{name}')
-    element.text = text or None
-    return element
-
-
-def _rings(part: Polygon, frame: LocalFrame) -> list[list[list[float]]]:
-    turned = orient(part)
-    return [
-        _degrees(np.array(ring.coords), frame) for ring in (turned.exterior, *turned.interiors)
-    ]
-
-
-def _degrees(ring: np.ndarray[Any, np.dtype[np.float64]], frame: LocalFrame) -> list[list[float]]:
-    places = frame.to_geodetic(np.column_stack([ring[:, :2], np.zeros(len(ring))]))
-    return np.round(places[:, [1, 0]], DEGREE_DIGITS).tolist()
+    areas = (
+        MarkedArea(
+            area=cordon.area,
+            name=f'{cordon.level_usvh:g} µSv/h, {CONFIDENCE_MEANINGS[cordon.confidence]}',
+            description='; '.join([cordon.description(), *doubts]),
+            colour=KML_COLOURS[levels.index(cordon.level_usvh) % len(KML_COLOURS)],
+            width=2 if cordon.confidence == MEAN else 1,
+        )
+        for cordon in found
+    )
+    return areas_kml(areas, frame, '; '.join(doubts))

@@ -20,7 +20,7 @@ def write_products(folder: Path, assessment: Assessment, frame: LocalFrame | Non
 
     Raises
     ------
-    OSError, DoseMapFileError
+    OSError
         If a file cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A figure of readings and plume over time: one SVG that moves by itself and needs no script."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from shapely.geometry import MultiPolygon
+
+from rocsafe_dispersion.mission_gas.release_assessment import ReleaseAssessment
+from rocsafe_dispersion.zones.threat_zones import area_above
+from rocsafe_geo.arrays import FloatArray
+
+# The figure shows the flight in so many seconds, then rests, then begins again.
+LASTS_S, RESTS_S = 12.0, 4.0
+WIDTH_PX = 720.0
+LEVEL_COLOURS = ('#e0b000', '#e07000', '#c00000')
+# The plume on its way: where the mean wind has carried the gas after these times, seconds.
+ISOCHRONES_S = (30.0, 60.0, 120.0, 300.0)
+# Within a page the style must reach no other figure.
+STYLE = (
+    '.gas-figure text{font:13px sans-serif;fill:currentColor}.gas-figure .zone{fill:none}'
+    '.gas-figure .way{fill:none;stroke:#777;stroke-dasharray:4 4}'
+    '.gas-figure .source{fill:none;stroke:currentColor;stroke-width:2}'
+)
+
+
+def gas_figure(assessment: ReleaseAssessment) -> str:
+    """Return the figure: each reading appears at its time, zones and releases lie below.
+
+    The area of a circle grows with the logarithm of the concentration above the noise.
+    """
+    area = assessment.area
+    width, height = area.east_m - area.west_m, area.north_m - area.south_m
+    scale = WIDTH_PX / width
+    shapes = [*_zones(assessment), *_isochrones(assessment), *_readings(assessment)]
+    for release in assessment.found.releases:
+        east, north = release.place_m
+        radius = max(release.region_radius_m, 1.0)
+        shapes.append(
+            f'<circle class="source" cx="{east:.1f}" cy="{-north:.1f}" r="{radius:.1f}" '
+            'vector-effect="non-scaling-stroke"/>'
+        )
+    words = f'{assessment.flight.agent.name}: {assessment.verdict.reason}'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="gas-figure" viewBox="0 0 {WIDTH_PX:.0f} '
+        f'{height * scale + 26.0:.0f}" role="img"><title>Readings of gas over time</title>'
+        f'<style>{STYLE}</style><svg y="26" width="{WIDTH_PX:.0f}" height="{height * scale:.0f}" '
+        f'viewBox="{area.west_m:.1f} {-area.north_m:.1f} {width:.1f} {height:.1f}">'
+        f'{"".join(shapes)}</svg><text x="4" y="17">{words}</text></svg>\n'
+    )
+
+
+def _readings(assessment: ReleaseAssessment) -> Iterator[str]:
+    survey = assessment.flight.survey
+    places = survey.places_m.mean(axis=1)
+    logs = np.log1p(np.maximum(survey.values_g_m3 / survey.std_g_m3, 0.0))
+    share = logs / max(float(logs.max()), 1.0)
+    span = max(float(np.ptp(survey.times_s)), 1e-9)
+    begins = (survey.times_s - survey.times_s.min()) / span * LASTS_S / (LASTS_S + RESTS_S)
+    size = (assessment.area.east_m - assessment.area.west_m) / 100.0
+    for place, part, begin in zip(places, share.tolist(), begins.tolist(), strict=True):
+        keys = f'0;{max(begin, 1e-4):.4f};{max(begin, 1e-4) + 1e-4:.4f};1'
+        yield (
+            f'<circle cx="{place[0]:.1f}" cy="{-place[1]:.1f}" '
+            f'r="{size * (0.3 + 1.2 * part**0.5):.2f}" fill="{_colour(part)}" '
+            'fill-opacity="0.8"><animate attributeName="opacity" repeatCount="indefinite" '
+            f'dur="{LASTS_S + RESTS_S:g}s" values="0;0;1;1" keyTimes="{keys}"/></circle>'
+        )
+
+
+def _zones(assessment: ReleaseAssessment) -> Iterator[str]:
+    for zone in assessment.zones:
+        colour = LEVEL_COLOURS[int(zone.level.name[-1]) - 1]
+        for shape, width in ((zone.expected, 2.0), (zone.outer, 0.8)):
+            yield (
+                f'<path class="zone" stroke="{colour}" stroke-width="{width:g}" '
+                f'vector-effect="non-scaling-stroke" d="{_path(shape)}"><title>'
+                f'{zone.level.label}</title></path>'
+            )
+
+
+def _isochrones(assessment: ReleaseAssessment) -> Iterator[str]:
+    """Yield the edges of the ground that the gas has reached after each time."""
+    plume = assessment.plume
+    if plume is None:
+        return
+    for time_s in ISOCHRONES_S:
+        reached = np.where(np.isfinite(plume.arrival_s), plume.arrival_s, 1e9)
+        values: FloatArray = time_s / np.maximum(reached, 1e-3)
+        yield (
+            f'<path class="way" vector-effect="non-scaling-stroke" '
+            f'd="{_path(area_above(plume.grid, values, 1.0))}"><title>{time_s:g} s</title></path>'
+        )
+
+
+def _path(area: MultiPolygon) -> str:
+    rings = (ring for part in area.geoms for ring in (part.exterior, *part.interiors))
+    return ''.join(
+        'M' + 'L'.join(f'{point[0]:.1f} {-point[1]:.1f}' for point in ring.coords) + 'Z'
+        for ring in rings
+    )
+
+
+def _colour(share: float) -> str:
+    """Return grey for clean air to dark red for the highest reading."""
+    red, green, blue = (
+        round(low + share * (high - low)) for low, high in ((190, 160), (190, 0), (190, 30))
+    )
+    return f'#{red:02x}{green:02x}{blue:02x}'

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Releases of gas estimated from the readings of a run: ``release.json`` and related files."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.products.estimator_process import run_estimator
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Release:
+    """A release as estimated: place, area of its region of 95 %, rate with its 95 % interval."""
+
+    latitude_deg: float
+    longitude_deg: float
+    region_95_m2: float
+    rate_g_s: float
+    rate_95_g_s: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Zone:
+    """Where a response level is exceeded: as expected, and the outer bound of 95 %."""
+
+    level: str
+    ppm: float
+    expected_m2: float
+    outer_95_m2: float
+    is_cut_by_the_map: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReleaseEstimates:
+    """All estimated releases and the verdict.
+
+    Attributes
+    ----------
+    figure
+        Readings and zones over time, as SVG.
+    """
+
+    releases: tuple[Release, ...]
+    zones: tuple[Zone, ...]
+    agent: str
+    sensor: str
+    reading_count: int
+    is_enough: bool
+    verdict: str
+    figure: str
+
+
+def estimate_releases(parameters: Path, folder: Path) -> ReleaseEstimates:
+    """Estimate releases from what the estimator with the file `parameters` kept.
+
+    Their files are written to `folder`.
+
+    Raises
+    ------
+    OrchestratorError
+        If there are no estimates, with the reason.
+    """
+    run_estimator('rocsafe_dispersion', 'locate-release', [str(parameters), f'--out={folder}'])
+    try:
+        content = json.loads((folder / 'release.json').read_text(encoding='utf-8'))
+        return _estimates(content, (folder / 'gas.svg').read_text(encoding='utf-8'))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OrchestratorError(f'release.json cannot be read: {error}') from error
+
+
+def _estimates(content: Mapping[str, Any], figure: str) -> ReleaseEstimates:
+    return ReleaseEstimates(
+        releases=tuple(map(_release, content['releases'])),
+        zones=tuple(Zone(**zone) for zone in content['threat_zones']),
+        agent=content['agent'],
+        sensor=content['sensor'],
+        reading_count=content['reading_count'],
+        is_enough=content['is_enough'],
+        verdict=content['verdict'],
+        figure=figure,
+    )
+
+
+def _release(content: Mapping[str, Any]) -> Release:
+    low, high = content['rate_95_g_s']
+    return Release(
+        latitude_deg=content['latitude_deg'],
+        longitude_deg=content['longitude_deg'],
+        region_95_m2=content['region_95_m2'],
+        rate_g_s=content['rate_g_s'],
+        rate_95_g_s=(low, high),
+    )
