@@ -38,8 +38,8 @@ from test.mavlink.airspace import write_drones  # noqa: E402
 
 from rocsafe_geo.position import GeoPosition, offset  # noqa: E402
 from rocsafe_mavlink.autopilots.ardupilot import COPTER  # noqa: E402
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of  # noqa: E402
 from rocsafe_mavlink.link.link import Link, LinkRules  # noqa: E402
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of  # noqa: E402
 from rocsafe_mavlink.protocols.mission_transfer import TransferStage, transfer  # noqa: E402
 from rocsafe_mavlink.wire.dialect import Message, decode, encode  # noqa: E402
 from rocsafe_mavlink.wire.framing import pack_frame, scan  # noqa: E402

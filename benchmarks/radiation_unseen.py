@@ -2,6 +2,7 @@
 """Estimates of whole families of surveys, beside what they state of themselves.
 
     python benchmarks/radiation_unseen.py --split validate --trials 60
+    python benchmarks/radiation_unseen.py --split validate --without 'the wall'
 
 Surveys are drawn by ``radiation_families`` from three seeds: ``develop`` to work on, ``validate``
 to decide what stays, ``opened`` to look at once. The estimator knows the nuclide and the ground,
@@ -18,15 +19,18 @@ import math
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from radiation_families import FAMILIES, SPLITS, Drawn, drawn
+from radiation_peers import PEERS
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.decision.sequential_decision import sequential_evidence
 from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.localization import source_count, starts
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.localize import (
     Localization,
@@ -34,12 +38,48 @@ from rocsafe_radiation.localization.localize import (
     SourceEstimate,
     localize,
 )
+from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Number of sources of trial i, in turn; beside steel there is one.
 ORDERS = (0, 1, 2, 3)
 QUANTILE_95 = 5.991
+
+
+@dataclass(frozen=True, slots=True)
+class Ablation:
+    """A rule or a constant taken away: options changed, names of modules replaced."""
+
+    options: dict[str, Any]
+    names: tuple[tuple[Any, str, Any], ...] = ()
+
+
+ABLATIONS = {
+    'nothing': Ablation({}),
+    'other spacings': Ablation(
+        {'background_spacings': (2.0,)}, ((source_count, 'FIRST', (2, 0, 0, 0, 0)),)
+    ),
+    'other stds of the field': Ablation(
+        {'background_stds': (0.0, 0.1)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
+    ),
+    'other errors of fixes': Ablation(
+        {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
+    ),
+    'rho': Ablation({'rhos': (0.0,)}),
+    'the wall': Ablation({'lopsidednesses': (0.0,)}),
+    'odds of the wall': Ablation({'log_odds_of_wall': 0.0}),
+    'spikes': Ablation({'outlier_share': 1e-30}),
+    'starts without spikes': Ablation(
+        {}, ((starts, '_weightings', lambda likelihood, _: [np.ones(likelihood.survey.size)]),)
+    ),
+    'mirror images': Ablation({'line_readings': 10**9}),
+    'largest ellipse': Ablation({'largest_ellipse_share': 1e9}),
+    'more candidates': Ablation({'tried_candidates': 2}),
+    'odds of a source': Ablation({'log_odds_of_source': 0.0}),
+    'near evidence 2': Ablation({'near_evidence': 2.0}),
+    'widening': Ablation({'largest_dispersion': 1e9}),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +101,8 @@ class Outcome:
         Whether the evidence was stated to be enough.
     seconds
         Processor time.
+    peers
+        Errors over bounds of each of the peers, which are told the number of sources.
     """
 
     family: str
@@ -74,19 +116,20 @@ class Outcome:
     intervals: list[float]
     is_enough: bool
     seconds: float
+    peers: dict[str, list[float]]
 
 
-def outcome(one: Drawn) -> Outcome:
+def outcome(one: Drawn, search: SearchOptions) -> Outcome:
     """Return what the estimator makes of a survey."""
     survey = RadiationSurvey(
         positions_enu_m=one.stated_m, counts=one.counts, exposures=one.exposures
     )
-    options = LocalizationOptions(kernel=Kernel(nuclide=one.nuclide))
+    options = LocalizationOptions(kernel=Kernel(nuclide=one.nuclide), search=search)
     begin = time.process_time()
     found = localize(survey, options)
     rule = StoppingRule()
     setting = Setting(kernel=options.kernel, source_up_m=options.source_up_m)
-    merged = survey.merged(0.25 * survey.height_m(options.source_up_m))
+    merged = survey.merged(0.25 * survey.height_m(options.source_up_m), search.most_readings)
     evidence = sequential_evidence(merged, setting, rule.smallest_usvh)
     seconds = time.process_time() - begin
     pairs = _pairs(one, found) if len(found.sources) == len(one.sources) else []
@@ -103,7 +146,15 @@ def outcome(one: Drawn) -> Outcome:
         intervals=[math.exp(3.92 * estimate.log_std) for _, estimate in pairs],
         is_enough=rule.verdict(found, evidence).is_enough,
         seconds=seconds,
+        peers={},
     )
+
+
+def _peer_errors(one: Drawn, places: FloatArray) -> list[float]:
+    return [
+        float(np.hypot(*(places - source[:2]).T).min() / math.sqrt(np.trace(bound[:2, :2])))
+        for source, bound in zip(one.sources, one.bound_m2, strict=True)
+    ]
 
 
 def _pairs(one: Drawn, found: Localization) -> list[tuple[int, SourceEstimate]]:
@@ -130,12 +181,20 @@ def _is_within(source: FloatArray, estimate: SourceEstimate) -> bool:
     return bool(low < source[3] < high)
 
 
-def outcomes(split: str, families: Sequence[str], trials: int, first: int) -> Iterator[Outcome]:
+def outcomes(
+    split: str, families: Sequence[str], trials: int, first: int, without: Ablation
+) -> Iterator[Outcome]:
     """Yield the outcomes of `trials` surveys, families and numbers of sources in turn."""
+    search = replace(SearchOptions(), **without.options)
+    for module, name, value in without.names:
+        setattr(module, name, value)
     for index in range(first, first + trials):
         family = families[index % len(families)]
         order = 1 if family == 'steel' else ORDERS[index // len(families) % len(ORDERS)]
-        yield outcome(drawn(split, index, family, order))
+        one = drawn(split, index, family, order)
+        found = {name: find(one) for name, find in PEERS.items()} if order else {}
+        peers = {name: _peer_errors(one, places) for name, places in found.items()}
+        yield replace(outcome(one, search), peers=peers)
 
 
 def summary(name: str, rows: Sequence[Outcome]) -> str:
@@ -184,7 +243,14 @@ def table(rows: Sequence[Outcome]) -> str:
     for order in ORDERS:
         own = [row for row in plain if row.order == order]
         lines += [summary(f'K = {order}', own)] if own else []
-    return '\n'.join([*lines, summary('all', plain)])
+    lines.append(summary('all', plain))
+    for name in PEERS:
+        errors = [v for row in plain for v in row.peers.get(name, [])]
+        lines.append(
+            f'{name:10} told the number: error/bound '
+            f'{math.sqrt(_mean([v * v for v in errors])):.2f}, median {_median(errors):.2f}'
+        )
+    return '\n'.join(lines)
 
 
 def main() -> None:
@@ -194,10 +260,22 @@ def main() -> None:
     parser.add_argument('--trials', type=int, default=48)
     parser.add_argument('--first', type=int, default=0, help='number of the first survey')
     parser.add_argument('--families', nargs='+', choices=FAMILIES, default=list(FAMILIES))
-    parser.add_argument('--out', type=Path, help='file of JSON lines')
+    parser.add_argument('--without', choices=ABLATIONS, default='nothing')
+    parser.add_argument('--out', type=Path, help='file of JSON lines, appended to')
+    parser.add_argument('--table', type=Path, nargs='+', help='only the table of such files')
     options = parser.parse_args()
+    if options.table:
+        lines = [line for path in options.table for line in path.read_text().splitlines()]
+        sys.stdout.write(table([Outcome(**json.loads(line)) for line in lines]) + '\n')
+        return
     rows = []
-    for row in outcomes(options.split, options.families, options.trials, options.first):
+    for row in outcomes(
+        options.split,
+        options.families,
+        options.trials,
+        options.first,
+        ABLATIONS[options.without],
+    ):
         rows.append(row)
         if options.out:
             with options.out.open('a') as stream:

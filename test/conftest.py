@@ -19,6 +19,8 @@ from hypothesis import settings
 # Continuous integration tries the same examples each time, or it would refuse a change for a
 # fault that the change does not have; at a desk every run looks for new ones.
 settings.register_profile('rocsafe', deadline=None, derandomize='CI' in os.environ)
+# Of `make test-fast`: tests that name no number of examples get fewer.
+settings.register_profile('fast', settings.get_profile('rocsafe'), max_examples=20)
 settings.load_profile('rocsafe')
 
 # Threads of the linear algebra wait for each other in loops: on busy cores, ten times as long.
@@ -156,7 +158,7 @@ def reserved_domain() -> Iterator[int]:
 
 def _silent_domains() -> list[int]:
     """Return the domains without a participant on this machine, in random order."""
-    from rocsafe_ros.discovery import UDP_TABLE, local_participants
+    from rocsafe_ros.domain.discovery import UDP_TABLE, local_participants
 
     try:
         table = UDP_TABLE.read_text()

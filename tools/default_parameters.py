@@ -41,8 +41,14 @@ NODES = (
         'simulated gas, particles and wind',
         'rocsafe_dispersion.air_field.air_options:AirOptions',
     ),
+    (
+        'estimator',
+        'releases of gas from readings',
+        'rocsafe_dispersion.estimator_options:EstimatorOptions',
+    ),
     ('detector', 'a real detector', 'rocsafe_radiation.detector_options:DetectorOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
+    ('router', 'drives of a ground vehicle', 'rocsafe_ground.options:RouterOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),
 )

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Surveys of all kinds, drawn by their number: the same number draws the same survey.
+"""Random surveys of all kinds: a number is the seed of its survey.
 
 Regions are concave, holed, thin or tiny, up to three of them; exclusions lie inside, across and
-around; vehicles differ in all that they may differ in; there is wind and terrain; every objective,
-method and grid. Many of them cannot be planned, and are to be refused in one line.
+around; every option of a vehicle varies; there is wind and terrain; every objective,
+method and grid. Many of these surveys cannot be planned: the planner must refuse them in one line.
 """
 
 import dataclasses
@@ -46,7 +46,7 @@ Ring = list[tuple[float, float]]
 
 
 class Dice:
-    """Random choices of one number."""
+    """Random choices from one seed."""
 
     def __init__(self, *seed: int) -> None:
         self._draw = np.random.default_rng(seed)
@@ -64,17 +64,17 @@ class Dice:
         return choices[self.count(0, len(choices) - 1)]
 
     def chance(self, of: float) -> bool:
-        """Answer whether something happens that does so this often."""
+        """Return True with the given probability."""
         return self.within(0.0, 1.0) < of
 
 
 def drawn_request(number: int) -> SurveyRequest:
-    """Return the survey of a number.
+    """Return the random survey of a seed.
 
     Raises
     ------
     ValueError
-        If what was drawn is no request: in one line.
+        In one line, if the drawn values are no valid request.
     """
     dice = Dice(1, number)
     ground = dice.within(0.0, 80.0) if dice.chance(0.7) else math.nan
@@ -114,7 +114,7 @@ def drawn_request(number: int) -> SurveyRequest:
 
 
 def drawn_situation(plan: SurveyPlan, number: int, times: int) -> Situation:
-    """Return what became of a plan: who is left and where, what is visited, what is new."""
+    """Return a random situation during a plan: vehicles left, viewpoints visited, new places."""
     dice = Dice(2, number, times)
     share = dice.within(0.0, 1.0)
     alive: dict[str, Aloft | float | None] = {}
@@ -151,7 +151,7 @@ def _star(dice: Dice, low_m: float, high_m: float) -> Ring:
 
 
 def _comb(dice: Dice) -> Ring:
-    """Return a comb with up to four teeth: as concave as can be."""
+    """Return a comb with two to four teeth, a very concave region."""
     teeth, wide, long = dice.count(2, 4), dice.within(15.0, 40.0), dice.within(40.0, 160.0)
     top: Ring = []
     for k in range(teeth):
@@ -233,7 +233,7 @@ def _vehicle(dice: Dice, name: str, ground_m: float) -> Vehicle:
 
 
 def _stand(dice: Dice, ground_m: float) -> GeoPosition:
-    """Return a place about the regions, rarely in one of them."""
+    """Return a random home outside the regions, rarely in one of them."""
     if dice.chance(0.1):
         place = _near(dice, 150.0)
     else:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Make the photographs of scenes that flat ground shows: each from straight above, with its boxes.
+"""Make the photographs that flat ground shows: each scene from straight above, with boxes.
 
     python tools/ground_photographs.py [--only derailment] [--out FOLDER]
 
@@ -17,8 +17,8 @@ from rocsafe_scene.scene.map_cache import default_folder
 from rocsafe_scene.scene.scene_file import read_scene
 
 SCENES = Path(__file__).resolve().parents[1] / 'config' / 'scenes'
-# As large as missions over the scene need, as fine as their photographs are: 6 cm from 32 m above
-# the derailment, 14 cm from 60 m above the field.
+# The extent that missions over the scene need, at the resolution of their photographs: 6 cm from
+# 32 m above the derailment, 14 cm from 60 m above the field.
 OPTIONS = {
     'derailment': PhotographOptions(tiles=(9, 8), texel_m=0.06),
     'field': PhotographOptions(tiles=(11, 8), texel_m=0.16),

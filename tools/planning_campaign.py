@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plan surveys of all kinds and look for faults: one line each, none if all is well.
+"""Plan random surveys of all kinds and print each fault in one line.
 
     python tools/planning_campaign.py [--first N] [--count N] [--files]
 
-Each number draws a survey (`drawn_surveys`), which is planned with a budget of 0.05 to 0.2 s or a
-number of proposals, then up to two situations in which it goes on. Every plan must be accepted by
-the independent checker, and not be worse than a survey tool's split; every refusal must be one
-line that the planner says on purpose; no survey may take longer than a minute of processor time,
-or ten by the clock. Ends with 1 if there was a fault. A fault names its number:
-`--first N --count 1` has it again.
+Each number is the seed of a survey (`drawn_surveys`), planned with a budget of 0.05 to 0.2 s or a
+number of proposals; then up to two random situations are replanned. Every plan must be accepted by
+the independent checker and be at least as good as a survey tool's split; every refusal must be one
+line that the planner raises; no survey may take longer than a minute of processor time,
+or ten minutes by the clock. The exit code is 1 after a fault. A fault names its seed:
+`--first N --count 1` repeats it.
 """
 
 import argparse
@@ -35,7 +35,7 @@ from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replanning import remaining_request
 
 LIMIT_S = 60
-# By the clock: for a search that waits and does nothing.
+# By the clock, for a search that waits without computing.
 CLOCK_LIMIT_S = 600
 PROGRESS = 20
 COMPARED = 4
@@ -49,7 +49,7 @@ class OverdueError(Exception):
 
 @dataclasses.dataclass(slots=True)
 class Tally:
-    """What came of the surveys so far."""
+    """Results of the surveys so far."""
 
     plans: int = 0
     refusals: Counter[str] = dataclasses.field(default_factory=Counter)
@@ -58,7 +58,7 @@ class Tally:
 
 
 def look(number: int, tally: Tally, *, with_files: bool = False) -> None:
-    """Plan the survey of a number and what follows; note faults."""
+    """Plan the survey of a seed, replan its situations, and note faults."""
     plan: SurveyPlan | None = None
     for times in range(3):
         began = time.monotonic()
@@ -68,7 +68,7 @@ def look(number: int, tally: Tally, *, with_files: bool = False) -> None:
             elif plan is not None:
                 request = remaining_request(plan, drawn_situation(plan, number, times))
             plan = plan_survey(request)
-        except Exception as error:  # noqa: BLE001 - whatever else it is, it is a fault
+        except Exception as error:  # noqa: BLE001 - every other exception is a fault
             _note_error(f'{number}.{times}', error, tally)
             if times == 0 or not isinstance(error, (PlannerError, ValueError)):
                 return
@@ -89,7 +89,7 @@ def _hurried(request: SurveyRequest, number: int) -> SurveyRequest:
 
 
 def _note_error(name: str, error: Exception, tally: Tally) -> None:
-    """Note a refusal, and a fault if it is not one that the planner says on purpose."""
+    """Note a refusal; it is a fault unless the planner raised it itself."""
     frame = traceback.extract_tb(error.__traceback__)[-1]
     line = linecache.getline(frame.filename, frame.lineno or 0).strip()
     text = str(error)
@@ -103,14 +103,14 @@ def _note_error(name: str, error: Exception, tally: Tally) -> None:
 
 
 def _faults(plan: SurveyPlan, with_files: bool) -> Iterator[str]:
-    """Yield all that is wrong with a plan."""
+    """Yield the faults of a plan."""
     yield from check_plan(plan)
     if with_files:
         yield from _file_faults(plan)
 
 
 def _worse_than_splits(plan: SurveyPlan) -> Iterator[str]:
-    """Yield the survey tools' splits that the solver is worse than."""
+    """Yield the survey tools' splits that are better than the solver's plan."""
     request = plan.request
     effort = request.effort
     if effort.method != 'solver' or not effort.minimises_makespan or request.separation.distance_m:
@@ -126,9 +126,9 @@ def _worse_than_splits(plan: SurveyPlan) -> Iterator[str]:
 
 
 def _file_faults(plan: SurveyPlan) -> Iterator[str]:
-    """Yield what is not as it was after the plan's files were written and read."""
+    """Yield differences of the plan after its files were written and read."""
     if plan.request.terrain is not None:
-        return  # its heights lie in no file
+        return  # the files of a plan do not hold the terrain
     with tempfile.TemporaryDirectory() as folder:
         paths = write_plan(plan, folder)
         again = read_plan(paths[-1])

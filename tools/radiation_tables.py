@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Make the tables of photon and nuclide data in ``rocsafe_radiation/tables``.
 
-Run it in an environment of its own with ``actigamma==0.1.5`` and ``radioactivedecay==0.6.1``;
-nothing of them is needed at run time. With ``--check`` and ``xraydb==4.5.8`` it also compares the
+Run it in a separate environment with ``actigamma==0.1.5`` and ``radioactivedecay==0.6.1``;
+neither is needed at run time. With ``--check`` and ``xraydb==4.5.8`` it also compares the
 attenuation with Elam's tables, which end at 800 keV.
 
 Sources
@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 FOLDER = Path(__file__).resolve().parents[1] / 'src/rocsafe_radiation/rocsafe_radiation/tables'
-# Emissions below contribute nothing outside a capsule.
+# Photons of lower energy do not leave a capsule.
 LOWEST_ENERGY_KEV = 15.0
 # Lines that together weigh less than this in energy are dropped one by one.
 SMALLEST_ENERGY_SHARE = 2e-5
@@ -285,7 +285,7 @@ def check() -> None:
 
 
 def write(name: str, content: dict[str, Any]) -> None:
-    """Write a table, an entry of the second level a line."""
+    """Write a table as JSON, one entry of the second level on each line."""
     lines = [
         f'  {json.dumps(key)}: {{\n'
         + ',\n'.join(f'    {json.dumps(inner)}: {json.dumps(v)}' for inner, v in value.items())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Render the images of docs/scenes: of each scene nadir, oblique, labels and overview.
+"""Render the images of docs/scenes: nadir, oblique, labels and overview of each scene.
 
     python tools/scene_pictures.py [--only derailment] [--run RUN_DIR]
 
@@ -43,7 +43,7 @@ VIEWS: dict[str, dict[str, list[str]]] = {
         'overview': ['--eye=-70,-120,60', '--target=0,0,0'],
     },
 }
-# This view also gets an image of its labels and depth.
+# The view that also gets an image of its labels and depth.
 LABELLED = 'oblique'
 
 

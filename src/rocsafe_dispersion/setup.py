@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'air = rocsafe_dispersion.air_node:main',
+            'estimator = rocsafe_dispersion.estimator_node:main',
             'locate-release = rocsafe_dispersion.command_line.locate_command:main',
         ]
     },

@@ -133,6 +133,7 @@ def test_puffs_in_a_steady_wind_add_up_to_the_plume():
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(st.floats(1.0, 500.0), st.sampled_from([0.7, 2.0, 5.0]), st.floats(0.5, 30.0))
 def test_puffs_hold_what_was_released(time_s: float, interval_s: float, rate: float):

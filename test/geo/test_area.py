@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Survey areas: what is one, and what is refused."""
 
+import math
+
 import pytest
 
 from rocsafe_geo.frame import LocalFrame
@@ -38,6 +40,11 @@ def test_closing_and_repeated_corners_are_dropped():
     assert closed == SurveyArea(plain)
 
 
+LINE = tuple(GeoPosition(53.28, lon) for lon in (-9.06, -9.05, -9.055))
+"""On one parallel, which is a curve of millimetres in the plane."""
+MANY = tuple(
+    offset(HOME, 100.0 * math.cos(k / 3000.0), 100.0 * math.sin(k / 3000.0)) for k in range(18_000)
+)
 POLAR = tuple(GeoPosition(lat, lon) for lat, lon in ((86, 0), (86, 1), (86.1, 1)))
 ACROSS = tuple(GeoPosition(lat, lon) for lat, lon in ((1, 179.9), (1, -179.9), (1.1, -179.9)))
 WIDE = tuple(GeoPosition(lat, lon) for lat, lon in ((0, 0), (0, 6), (6, 6)))
@@ -52,6 +59,8 @@ BOW_TIE = ring((0, 0), (100, 100), (100, 0), (0, 100))
         ((), (), 'the boundary has 0 distinct corners'),
         ((BOX[0], BOX[1], BOX[0], BOX[0]), (), 'has 2 distinct corners'),
         (ring((0, 0), (50, 50), (100, 100)), (), 'the boundary encloses .* must enclose at least'),
+        (LINE, (), r'is 0\.\d+ m wide in the mean: must be at least 0\.1 m .it is a line'),
+        (MANY, (), 'the boundary has 18000 corners: must have at most 10000'),
         (BOW_TIE, (), r'the boundary crosses or touches itself near 53\.28\d+, -9\.059\d+'),
         (POLAR, (), 'at latitude 86 deg: must be within -85 to 85 deg'),
         (ACROSS, (), 'must not cross the antimeridian'),

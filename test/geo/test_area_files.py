@@ -128,6 +128,7 @@ FILE_THEFT = '<!DOCTYPE kml [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
         ('a.json', {'type': 'Polygon', 'coordinates': [[['1', '2']]]}, 'must be a number'),
         ('a.json', '{"type": "Polygon", "coordinates": [[[NaN, 1]]]}', 'longitude_deg is nan'),
         ('a.json', {'type': 'Polygon', 'coordinates': [[[53.0, -99.0]]]}, 'longitude comes first'),
+        ('a.json', {'type': 'Polygon', 'coordinates': [[[180.1, 1.0]]]}, 'cross the antimeridian'),
         ('a.json', {'type': 'MultiPolygon', 'coordinates': [[OUTER], [INNER]]}, 'has 2 polygons'),
         ('a.json', {'type': 'FeatureCollection', 'features': [POINT]}, 'has 0 polygons'),
         ('a.json', {**POLYGON, 'crs': {'properties': {'name': 'EPSG:2157'}}}, 'must be WGS84'),

@@ -15,7 +15,9 @@ from rocsafe_mapping.drawing_options import DrawingOptions, SeamOptions
 
 def view(window: Window, scores: np.ndarray) -> CoarseView:
     """Return a photograph without colours."""
-    return CoarseView(window=window, colours=np.zeros((1, 1, 3), np.uint8), scores=scores)
+    return CoarseView(
+        window=window, colours=np.zeros((1, 1, 3), np.uint8), scores=scores, squares=scores
+    )
 
 
 def ground(width: int = 160) -> np.ndarray:
@@ -61,7 +63,9 @@ def two_views(shift: int) -> tuple[dict[str, CoarseView], Window]:
         colours = with_thing(ground(), column)[:, start : start + 110]
         off = np.abs(np.arange(110) - 54.5) / 110
         scores = np.repeat((1.0 - 0.4 * off**2)[np.newaxis], 80, axis=0).astype(np.float32)
-        views[name] = CoarseView(window=Window(0, start, 80, 110), colours=colours, scores=scores)
+        views[name] = CoarseView(
+            window=Window(0, start, 80, 110), colours=colours, scores=scores, squares=scores
+        )
     return views, window
 
 

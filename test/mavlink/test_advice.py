@@ -11,16 +11,16 @@ from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.checks.check import CheckVerdict
+from rocsafe_mavlink.checks.preflight import route_checks
+from rocsafe_mavlink.checks.setting_checks import setting_checks
+from rocsafe_mavlink.checks.wind_checks import wind_checks
 from rocsafe_mavlink.drone_options import DroneOptions
-from rocsafe_mavlink.flight.check import CheckVerdict
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
-from rocsafe_mavlink.flight.flight_plan import FlightWaypoint
-from rocsafe_mavlink.flight.preflight import route_checks
-from rocsafe_mavlink.flight.setting_checks import setting_checks
-from rocsafe_mavlink.flight.wind import wind_checks
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Motion, VehicleTelemetry, Wind
 from rocsafe_mavlink.knowledge.traffic import encounter
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import FlightWaypoint
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.plausibility import fault_of
 

@@ -32,6 +32,7 @@ from rocsafe_interfaces.msg import (
 from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, Resume, SetSpeed
 from rocsafe_mavlink import bridge_node
 from rocsafe_mavlink.knowledge import telemetry as vehicle
+from rocsafe_mavlink.node_timing import NodeTiming
 from rocsafe_planner.conversions import message_of_plan, request_of_goal
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.planning import plan_survey
@@ -342,7 +343,7 @@ def short_waits(request, monkeypatch):
     """Let a fake copter and its bridge wait less for who is silent; a real one has its time."""
     if request.node.callspec.params['make_air'] == 'fake':
         monkeypatch.setattr(fake_autopilot, 'GCS_TIMEOUT_S', 2.0)
-        monkeypatch.setattr(bridge_node, 'SUPERVISOR_LEASE_S', 1.5)
+        monkeypatch.setattr(bridge_node, 'TIMING', NodeTiming(supervisor_lease_s=1.5))
         monkeypatch.setattr(vehicle, 'STALE_AFTER_S', 1.0)
         monkeypatch.setattr(vehicle, 'LOST_AFTER_S', 3.5)
 

@@ -109,7 +109,9 @@ def test_orders_on_the_ground_are_refused(ground):
 def test_preflight_lists_the_checks(ground):
     """Settings are read in the spelling that the vehicle has."""
     session = ground.bridge._interfaces[0].drone.session
-    ground.until(lambda: session.readout.parameters and session.readout.parameters.is_over)
+    ground.until(
+        lambda: (found := session.readout.settings.parameters) is not None and found.is_over
+    )
     ground.until(lambda: session.telemetry.home is not None)
     answer = ground.call('rav1/preflight', Preflight)
     checks = {check.name: check for check in answer.checks}

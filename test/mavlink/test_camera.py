@@ -31,9 +31,9 @@ from rocsafe_mavlink.camera.pairing import ImagePairing
 from rocsafe_mavlink.camera.picture_journal import SHOT_COLUMNS
 from rocsafe_mavlink.camera.source import CameraImage
 from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Attitude, Gps
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.wire.dialect import Message, decode, encode
 
 NOW_S = 1_767_225_600.0

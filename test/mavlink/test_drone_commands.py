@@ -16,17 +16,17 @@ from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
 from rocsafe_mavlink.autopilots.parameters import Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
+from rocsafe_mavlink.checks.check import CheckVerdict
+from rocsafe_mavlink.checks.preflight import preflight
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.check import CheckVerdict
-from rocsafe_mavlink.flight.fence import Circle, Fence, fence_items, fence_of
-from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.preflight import preflight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.prediction import predict
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed
+from rocsafe_mavlink.plan.fence import Circle, Fence, fence_items, fence_of
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
 from rocsafe_mavlink.wire.dialect import Message
@@ -343,7 +343,7 @@ def test_route_that_leaves_the_fence_takes_the_place_of_none():
     air = Air()
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(400.0),))))
     commands = flying(air)
-    air.until(lambda: air.drones[1].session.readout.fence is not None)
+    air.until(lambda: air.drones[1].session.readout.settings.fence is not None)
     for count, word in ((9, 'fence'), (60, 'dist')):
         with pytest.raises(CommandRefusedError, match=word):
             commands.replace_route(plan(count), air.now_s)

@@ -12,16 +12,16 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, COPTER, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
-from rocsafe_mavlink.flight.check import CheckVerdict, failures
-from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.checks.check import CheckVerdict, failures
+from rocsafe_mavlink.checks.preflight import preflight
 from rocsafe_mavlink.flight.flight import FlightStage, adopted, fly
-from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
 from rocsafe_mavlink.flight.flight_signs import home_moved
-from rocsafe_mavlink.flight.preflight import preflight
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Battery
+from rocsafe_mavlink.plan.fence import Fence
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
 
 HOME = GeoPosition(47.397742, 8.545594)
 NOW_S = 100.0

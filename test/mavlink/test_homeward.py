@@ -9,16 +9,16 @@ from test.mavlink.test_station import Air
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.checks.check import CheckVerdict
+from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.check import CheckVerdict
-from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
-from rocsafe_mavlink.flight.homeward import ReturnPlaces, return_fault
-from rocsafe_mavlink.flight.preflight import route_checks
 from rocsafe_mavlink.knowledge.telemetry import Home, VehicleTelemetry
+from rocsafe_mavlink.plan.fence import Fence
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.plan.homeward import ReturnPlaces, return_fault
 
 HOME_PLACE = GeoPosition(*HOME)
 # A square of 40 m, 80 to 120 m north of home.

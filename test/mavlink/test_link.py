@@ -18,8 +18,8 @@ from test.mavlink.wire import (
 )
 
 from rocsafe_mavlink.errors import NotAllowedError
-from rocsafe_mavlink.link.link import LARGEST_PEER_COUNT, Link, LinkIdentity, LinkRules
-from rocsafe_mavlink.link.peer import LARGEST_DATAGRAM, LARGEST_RATE_PER_S
+from rocsafe_mavlink.link.link import Link, LinkIdentity, LinkRules
+from rocsafe_mavlink.link.link_limits import LINK_LIMITS
 from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM, DO_REPOSITION
 from rocsafe_mavlink.wire.counters import Reason
 from rocsafe_mavlink.wire.dialect import CRC_EXTRAS, Message, checksum
@@ -62,7 +62,7 @@ def test_strangers_cannot_use_up_the_table():
     link.held = frozenset({DRONE})
     for port in range(1000):
         link.receive(('127.0.0.1', 20_000 + port), frame(), port, NOW_S)
-    assert len(link.peers) == LARGEST_PEER_COUNT + 1
+    assert len(link.peers) == LINK_LIMITS.peers + 1
     assert DRONE in link.peers
     assert link.receive(('127.0.0.1', 50_000), frame(), 1000.0, NOW_S)
 
@@ -70,7 +70,7 @@ def test_strangers_cannot_use_up_the_table():
 def test_peer_that_is_heard_is_not_forgotten():
     """The one that was heard longest ago goes first."""
     link = open_link(allowed=frozenset(), is_discovering=True)
-    for port in range(LARGEST_PEER_COUNT):
+    for port in range(LINK_LIMITS.peers):
         link.receive(('127.0.0.1', port), frame(), 0.0, NOW_S)
     link.receive(('127.0.0.1', 0), frame(), 1.0, NOW_S)
     link.receive(STRANGER, frame(), 2.0, NOW_S)
@@ -119,14 +119,14 @@ def test_what_nobody_reads_is_dropped():
 def test_oversized_datagram_is_not_read():
     """No more than a few packets' worth is looked at."""
     link = open_link()
-    assert link.receive(DRONE, frame() + bytes(LARGEST_DATAGRAM), 0.0, NOW_S) == []
+    assert link.receive(DRONE, frame() + bytes(LINK_LIMITS.datagram_bytes), 0.0, NOW_S) == []
     assert link.counters.dropped(Reason.OVERSIZE) == 1
 
 
 def test_flood_is_limited():
     """Beyond two thousand messages a second the rest is dropped, a second later heard again."""
     link = open_link()
-    count = int(LARGEST_RATE_PER_S)
+    count = int(LINK_LIMITS.messages_per_s)
     heard = sum(len(link.receive(DRONE, frame(), 0.0, NOW_S)) for _ in range(count + 100))
     assert heard == count
     assert link.counters.dropped(Reason.RATE) == 100

@@ -111,6 +111,7 @@ if os.environ.get('ROCSAFE_EXHAUSTIVE'):
     EXHAUSTIVE = [(1, 3), (2, 2), (3, 2), (4, 2), (5, 2), (6, 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('count', 'largest'), EXHAUSTIVE)
 def test_every_placement_of_faults(count, largest):
     """Each way to lose, repeat or delay up to so many messages ends well, and by itself."""

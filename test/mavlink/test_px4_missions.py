@@ -12,7 +12,7 @@ from test.mavlink.test_flight import plan
 from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
-from rocsafe_mavlink.flight.flight_plan import mission_of
+from rocsafe_mavlink.plan.flight_plan import mission_of
 from rocsafe_mavlink.protocols.mission_transfer import TransferStage, transfer
 from rocsafe_mavlink.wire.dialect import Message
 
@@ -54,7 +54,7 @@ def test_bridge_that_begins_at_any_time_can_upload(later_s):
     """It reads fence and rally points first, as ever; then its upload is taken and verified."""
     vehicle, session = offered(0.0), VehicleSession.of(TARGET, US)
     now_s, until_s = 0.0, later_s + LONGEST_S
-    while session.readout.rally is None:
+    while session.readout.settings.rally is None:
         now_s += STEP_S
         assert now_s < until_s, 'nothing is read'
         for message in vehicle.step(now_s):

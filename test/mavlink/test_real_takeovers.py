@@ -25,11 +25,11 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
-from rocsafe_mavlink.flight.fence import Fence, fence_items
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
 from rocsafe_mavlink.link.endpoint import parse_endpoint
 from rocsafe_mavlink.link.link import Link, LinkIdentity, LinkRules
 from rocsafe_mavlink.link.transport import open_transport
+from rocsafe_mavlink.plan.fence import Fence, fence_items
 from rocsafe_mavlink.wire.dialect import Message, encode
 from rocsafe_mavlink.wire.framing import pack_frame
 
@@ -244,7 +244,7 @@ def test_failsafe_returns_around_the_exclusion(rig):
     """ArduCopter's own path planner keeps it out, as the check before the flight supposes."""
     one = rig(**BATTERY, **FENCED)
     one.until(lambda: one.vehicle.home is not None)
-    one.until(lambda: one.drone.session.readout.rally is not None)
+    one.until(lambda: one.drone.session.readout.settings.rally is not None)
     one.commands.push_fence(Fence(exclusions=(SQUARE,)), one.now_s)
     one.until(lambda: one.outcome() is not None, 60.0)
     assert one.outcome() == ''
@@ -261,7 +261,7 @@ def test_failsafe_returns_around_the_exclusion(rig):
 def test_commanded_return_flies_around(rig):
     """By a mission of its own, without any path planner of the autopilot."""
     one = rig(**FENCED)
-    one.until(lambda: one.drone.session.readout.rally is not None)
+    one.until(lambda: one.drone.session.readout.settings.rally is not None)
     one.commands.push_fence(Fence(exclusions=(SQUARE,)), one.now_s)
     one.until(lambda: one.outcome() is not None, 60.0)
     one.begin(around(clearance_m=10.0), 1)

@@ -10,7 +10,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import Flight, GeoPoint, Route, Viewpoint
 from rocsafe_mavlink.conversions import assignment_of
 from rocsafe_mavlink.drone.drone import DroneSpec
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
 
 PLACE = GeoPosition(53.28, -9.06, 60.0)
 VIEW = Viewpoint(

@@ -35,10 +35,10 @@ from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.drone.drone import Drone, DroneSpec
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
-from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
-from rocsafe_mavlink.flight.flight_plan import mission_of
+from rocsafe_mavlink.plan.fence import Fence
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import mission_of
 from rocsafe_mavlink.wire.authority import COMMANDS
 
 RUNS = int(os.environ.get('ROCSAFE_STATE_RUNS', '100'))

@@ -23,10 +23,10 @@ from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.events import EventKind
 from rocsafe_mavlink.knowledge.telemetry import LOST_AFTER_S, STALE_AFTER_S, Contact
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.protocols.stream_rates import WANTED
 from rocsafe_mavlink.wire.counters import Reason
 from rocsafe_mavlink.wire.dialect import Message, decode, encode

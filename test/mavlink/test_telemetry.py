@@ -185,13 +185,6 @@ def test_reached_items_never_go_back_in_a_flight():
     assert vehicle.mission.reached == -1
 
 
-def test_time_of_day_comes_from_the_autopilot():
-    """Boot time plus the autopilot's own clock is UTC; before it knows, NaN."""
-    assert math.isnan(after(said('SYSTEM_TIME', time_unix_usec=0, time_boot_ms=5)).boot_unix_s)
-    clock = said('SYSTEM_TIME', time_unix_usec=1_700_000_010_000_000, time_boot_ms=10_000)
-    assert after(clock).boot_unix_s == 1_700_000_000.0
-
-
 def test_recorded_flight_is_followed():
     """The recorded survey's positions arrive without a jump, and at the same places."""
     path = Path(__file__).with_name('survey_track.csv')

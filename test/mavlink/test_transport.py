@@ -9,7 +9,8 @@ import pytest
 
 from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind, parse_endpoint
-from rocsafe_mavlink.link.transport import RETRY_S, UdpTransport, address_of, open_transport
+from rocsafe_mavlink.link.link_limits import LINK_LIMITS
+from rocsafe_mavlink.link.transport import UdpTransport, address_of, open_transport
 
 DEADLINE_S = 60.0
 LOOPBACK = '127.0.0.1'
@@ -124,9 +125,9 @@ def test_tcp_opens_again():
     while transport.is_open and time.monotonic() < end:
         transport.take(0.0)
     assert not transport.is_open
-    transport.take(RETRY_S / 2.0)
+    transport.take(LINK_LIMITS.retry_s / 2.0)
     assert not transport.is_open
-    transport.take(RETRY_S)
+    transport.take(LINK_LIMITS.retry_s)
     with server.accept()[0] as line:
         line.sendall(b'three')
         assert taken(transport) == [(address_of(endpoint), b'three')]

@@ -11,10 +11,16 @@ from test.mavlink.telemetry import ready
 from test.mavlink.test_camera import context, feedback
 
 from rocsafe_mavlink.assembly import open_source
-from rocsafe_mavlink.camera import video_source as video_stream
+from rocsafe_mavlink.camera import video_source
 from rocsafe_mavlink.camera.geotagging import Geotagger
 from rocsafe_mavlink.camera.numbering import ShotNumbering
-from rocsafe_mavlink.camera.video_source import VideoFrame, VideoSource, dates_of, is_catching_up
+from rocsafe_mavlink.camera.video_source import (
+    VideoFrame,
+    VideoOptions,
+    VideoSource,
+    dates_of,
+    is_catching_up,
+)
 
 # Of a viewer that looks at a stream for some seconds before it shows it, on a busy machine.
 DEADLINE_S = 60.0
@@ -47,8 +53,7 @@ def seconds_apart(number, other):
 @pytest.mark.parametrize('kind', [RtspCamera, HttpCamera], ids=['rtsp', 'http'])
 def test_camera_is_opened_again(kind, monkeypatch):
     """It stands still with its line open, is switched off and on: its frames come as before."""
-    monkeypatch.setattr(video_stream, 'READ_DEADLINE_S', 2.0)
-    monkeypatch.setattr(video_stream, 'RETRY_S', 0.1)
+    monkeypatch.setattr(video_source, 'VIDEO', VideoOptions(read_deadline_s=2.0, retry_s=0.1))
     camera = kind()
     camera.is_frozen = True
     stream = open_source(camera.address, time.time)

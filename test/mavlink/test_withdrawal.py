@@ -16,8 +16,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LOITER, RTL
 from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.fence import Fence
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
 
@@ -181,6 +181,18 @@ def test_mission_that_another_station_overwrote_is_not_resumed():
     assert air.drones[1].session.readout.mission.condition is MissionCondition.UNKNOWN
     with pytest.raises(CommandRefusedError, match='another mission lies on it'):
         commands.resume(air.now_s)
+
+
+def test_own_mission_is_resumed_as_soon_as_it_is_read_again():
+    """No moment lies between reading it and knowing whose it is."""
+    air = flying()
+    session, commands = air.drones[1].session, air.drones[1].commands
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    # Read, and no time has passed since.
+    session.readout.mission = session.readout.mission.read(session.flight.mission.items)
+    commands.resume(air.now_s)
+    assert session.readout.mission.condition is MissionCondition.VERIFIED
 
 
 def test_flight_whose_autopilot_restarts_during_the_upload_is_refused():

@@ -23,7 +23,7 @@ from rocsafe_orchestrator.company_node import LookoutNode, place_of
 from rocsafe_orchestrator.processes.company import Speaker, needed_names, objections
 from rocsafe_orchestrator.processes.process_table import process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros.mission_identity import MissionIdentity, new_identity
+from rocsafe_ros.domain.mission_identity import MissionIdentity, new_identity
 from rocsafe_scenario.scenario_file import read_scenario
 
 DEADLINE_S = 60.0
@@ -127,7 +127,7 @@ HOLDER = """
 import sys
 from rocsafe_orchestrator.company_node import claimed
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_ros.mission_identity import MissionIdentity
+from rocsafe_ros.domain.mission_identity import MissionIdentity
 
 _, mission, token = sys.argv
 with claimed(MissionIdentity(mission=mission, token=token), ['rav1/state']) as claim:

@@ -11,8 +11,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.cli import main
 from rocsafe_orchestrator.contamination import FILE_NAME, contaminated, mark, require_clean
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.mission.crew_dose import CrewDose, CrewMember, dose_rate_usvh
 from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.watches.crew_dose import CrewDose, CrewMember, dose_rate_usvh
 
 PLACE = GeoPosition(53.28, -9.06, 98.0)
 

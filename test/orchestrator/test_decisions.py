@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each decision of a mission is told once."""
 
-from rocsafe_orchestrator.mission.decisions import ERROR, WARN, Decisions
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Crew
+from rocsafe_orchestrator.watches.decisions import ERROR, WARN, Decisions
 
 
 def mission() -> Mission:
@@ -40,6 +40,6 @@ def test_loss_names_the_vehicle_and_why() -> None:
     """A lost vehicle is a warning: the others go on."""
     flown, decisions = mission(), Decisions()
     decisions.of_mission(flown)
-    flown._losses.lost['rav1'] = 'battery failed'
+    flown.fleet.lost['rav1'] = 'battery failed'
     (told,) = decisions.of_mission(flown)
     assert (told.vehicles, told.reason, told.severity) == (('rav1',), 'battery failed', WARN)

@@ -12,20 +12,22 @@ import pytest
 import yaml
 from test.planner.terrains import write_terrain
 
+from rocsafe_dispersion.air_field.air_options import AirOptions
+from rocsafe_dispersion.estimator_options import EstimatorOptions
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
-from rocsafe_orchestrator.conversions import unseen_viewpoint
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
 from rocsafe_orchestrator.fleet_verbs_node import FleetVerbsOptions
-from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.mission.closing import REPORT
+from rocsafe_orchestrator.parameters.field_parameters import field_parameters
+from rocsafe_orchestrator.parameters.goal_conversions import unseen_viewpoint
+from rocsafe_orchestrator.parameters.node_parameters import localizer_parameters, write_parameters
+from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.executables import find_executable
-from rocsafe_orchestrator.processes.field_parameters import field_parameters
 from rocsafe_orchestrator.processes.launches import child_environment, launches
-from rocsafe_orchestrator.processes.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.scene_export import export_scenes
-from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.report.run_texts import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
@@ -39,7 +41,7 @@ from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.physics.field import MODELS
 from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.physics.photons import AIR, materials
-from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario
@@ -47,6 +49,8 @@ from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_sim.options import FleetOptions, RavOptions, VehicleOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
+    'air': AirOptions,
+    'estimator': EstimatorOptions,
     'planner': PlannerOptions,
     'world': WorldOptions,
     'rav': RavOptions,
@@ -60,6 +64,7 @@ OPTIONS: dict[str, Any] = {
 }
 MISSION = new_identity('run')
 FLEET = {'simulation.processes': 'fleet'}
+GAS = {'air.gas_sensors': ['pid_10_6_ev'], 'air.search.extra_rounds': 1}
 
 
 @pytest.fixture
@@ -87,7 +92,7 @@ def workspace(
     return install
 
 
-@pytest.mark.parametrize('changes', [{}, FLEET], ids=['per_vehicle', 'fleet'])
+@pytest.mark.parametrize('changes', [{}, FLEET, GAS], ids=['per_vehicle', 'fleet', 'gas'])
 def test_every_parameter_is_an_option_of_its_node(
     changes: dict[str, object], small: Callable[..., Path], run: RunDirectory
 ) -> None:

@@ -71,7 +71,7 @@ def test_others_hold_and_the_rest_is_planned_in_paused_time() -> None:
     flying.accept(order(OrderKind.PAUSE_CLOCK))
     assert flying.advance(still('rav1', 'rav3')) == [order(OrderKind.PLAN)]
     assert flying.mission.remarks[-1] == 'rav2: aborted its flight; the others take over'
-    assert flying.mission.losses == {'rav2': 'aborted its flight'}
+    assert flying.mission.fleet.lost == {'rav2': 'aborted its flight'}
 
 
 def test_new_routes_are_flown_and_time_runs_on() -> None:
@@ -189,7 +189,7 @@ def test_silent_vehicle_gets_no_orders_and_is_then_replaced() -> None:
     """Time does not wait for it, and the others hold."""
     flying = Airborne()
     assert flying.advance(seen(rav2=Sighting(silent_s=6.0))) == []
-    assert flying.mission.able == {'rav1', 'rav3'}
+    assert set(flying.mission.fleet.others) == {'rav1', 'rav3'}
     assert flying.advance(seen(rav2=Sighting(silent_s=16.0))) == [
         order(OrderKind.DISMISS, 'rav2'),
         order(OrderKind.HOLD, 'rav1'),
@@ -219,7 +219,7 @@ def test_vehicle_that_comes_back_is_merged_into_the_next_plan() -> None:
     holds = flying.advance(seen())
     assert set(holds) == {order(OrderKind.HOLD, name) for name in NAMES}
     flying.accept(*holds)
-    assert flying.mission.able == set(NAMES)
+    assert set(flying.mission.fleet.others) == set(NAMES)
     full = Situation(
         ready=PROCESSES, still=frozenset(NAMES), unsettled=frozenset({'rav2'}),
         sightings={name: Sighting() for name in NAMES},
@@ -279,7 +279,7 @@ def test_vehicle_turns_back_and_others_take_over() -> None:
         order(OrderKind.RETREAT, 'rav2'),
     }
     flying.advance(seen(*NAMES))
-    assert flying.mission.able == {'rav1', 'rav3'}
+    assert set(flying.mission.fleet.others) == {'rav1', 'rav3'}
 
 
 def test_vehicle_that_cannot_fly_that_way_returns_home_by_its_own() -> None:

@@ -11,9 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_orchestrator.command_line.progress import SteadyDisplay
-from rocsafe_orchestrator.command_line.terminal import Terminal
-from rocsafe_orchestrator.mission.operator_watch import (
+from rocsafe_orchestrator.mission.status import FlightState
+from rocsafe_orchestrator.mission_commands.progress import SteadyDisplay
+from rocsafe_orchestrator.mission_commands.terminal import Terminal
+from rocsafe_orchestrator.watches.operator_watch import (
     AIRBORNE,
     ANSWER_S,
     HOLD_S,
@@ -26,7 +27,6 @@ from rocsafe_orchestrator.mission.operator_watch import (
     OperatorWatch,
     Verb,
 )
-from rocsafe_orchestrator.mission.status import FlightState
 
 FLYING, HOLDING, RETURNING, LANDED = (
     FlightState.FLYING,

@@ -44,8 +44,8 @@ from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_ros.lease_server_node import LeaseServer
-from rocsafe_ros.mission_identity import new_identity
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
@@ -53,6 +53,7 @@ from rocsafe_scenario.scenario_file import read_scenario
 DEADLINE_S = 60.0
 # Nobody asks again while an answer is under way, however busy the machine is.
 REPEAT_S = 10.0
+ROUND = {'radiation.search.viewpoints_a_round': 3, 'radiation.search.extra_rounds': 1}
 MISSION = new_identity('run')
 
 
@@ -233,7 +234,7 @@ def test_orders_are_carried_out_up_to_the_report(stage: Stage) -> None:
 
 def test_a_further_round_goes_to_the_places_wanted(ros: Any, small: Callable[..., Path]) -> None:
     """Asked again while readings are evaluated; the goal names the places and what is left."""
-    stage = Stage(ros, small({'radiation.search.viewpoints_a_round': 3}), extra_rounds=1)
+    stage = Stage(ros, small(ROUND), extra_rounds=1)
     try:
         stage.servers.places = [GeoPoint(latitude=53.28, longitude=-9.06, altitude=32.0)]
         stage.servers.evaluations_left = 1
@@ -414,7 +415,7 @@ from pathlib import Path
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
-from rocsafe_ros.mission_identity import new_identity
+from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.scenario_file import read_scenario
 
 REPEAT_S = 3.0

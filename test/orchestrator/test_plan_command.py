@@ -9,9 +9,9 @@ import pytest
 from test.planner.terrains import write_terrain
 
 from rocsafe_orchestrator.cli import main
-from rocsafe_orchestrator.command_line import plan_command
-from rocsafe_orchestrator.command_line.plan_tables import separation_remark
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, EXIT_USAGE
+from rocsafe_orchestrator.planning_commands import plan_command
+from rocsafe_orchestrator.planning_commands.plan_tables import separation_remark
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.plan.survey_options import (

@@ -8,17 +8,16 @@ from rich.console import Console
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import MissionState, VehicleState
-from rocsafe_orchestrator.command_line.progress import (
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.mission_commands.progress import (
     LiveDisplay,
     PlainDisplay,
-    clock_text,
     make_display,
     percent_text,
     plain_line,
     status_table,
 )
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
 
 PEAK = DosePeak(
     dose_rate_usvh=87.65, vehicle='rav2', position=GeoPosition(53.27985, -9.0633, 98.0)
@@ -125,16 +124,6 @@ def test_unknown_figures_are_dashes() -> None:
     output = console()
     output.print(status_table('x', RunStatus(phase=Phase.STARTING)))
     assert 'nan' not in text_of(output).lower()
-
-
-def test_clock_shows_hours_when_there_are_any() -> None:
-    """Minutes and seconds, hours only when needed."""
-    assert [clock_text(s) for s in (0.0, 59.99, 60.0, 3600.0)] == [
-        '00:00',
-        '00:59',
-        '01:00',
-        '1:00:00',
-    ]
 
 
 def test_numbers_of_phases_and_states_are_those_of_the_messages() -> None:

@@ -7,8 +7,12 @@ import pytest
 from rich.console import Console
 from test.planner.fleets import request as survey
 
-from rocsafe_orchestrator.command_line.replan_command import ReplanRequest, replan, situation_of
 from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.planning_commands.replan_command import (
+    ReplanRequest,
+    replan,
+    situation_of,
+)
 from rocsafe_planner.export.plan_files import write_plan
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.vehicle import Aloft

@@ -12,8 +12,8 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
-from rocsafe_orchestrator.conversions import rest_goal
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, VehicleStatus
+from rocsafe_orchestrator.parameters.goal_conversions import rest_goal
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
 

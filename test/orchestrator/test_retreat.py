@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_orchestrator.mission.retreat import Danger, EstimatedSource, retreat
+from rocsafe_orchestrator.watches.retreat import Danger, EstimatedSource, retreat
 
 HEIGHT_M = 30.0
 SOURCE = EstimatedSource(place_enu=(0.0, 0.0, 0.0), at_1m_usvh=1e8)

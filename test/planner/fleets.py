@@ -88,7 +88,7 @@ def request(**changes):
         regions=(SurveyRegion(area=changes.pop('area', RECTANGLE)),),
         camera=CAMERA,
         vehicles=FLEET,
-        coverage=CoverageOptions(height_agl_m=32.0),
+        coverage=CoverageOptions(height_agl_m=32.0, grid='axis_aligned'),
         separation=SeparationOptions(distance_m=0.0, by='delay'),
         effort=Effort(method='paper_greedy'),
     )

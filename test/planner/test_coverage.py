@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,6 +21,7 @@ from rocsafe_planner.coverage.viewpoint_grid import (
 )
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 from rocsafe_planner.plan.survey_options import CoverageOptions
+from rocsafe_planner.problem.airspace import Airspace
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 
@@ -99,6 +101,7 @@ def test_turned_grids_lose_no_footprint(sides):
         assert coverage.sight.covered_area_m2 == pytest.approx(area.area, rel=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(
     areas(),
@@ -222,15 +225,14 @@ def test_holes_and_several_polygons():
         footprint_m=(10.0, 10.0), spacing_m=(10.0, 10.0), grid='axis_aligned', max_viewpoints=100
     )
     west, east = shapely.box(0, 0, 30, 10), shapely.box(100, 0, 130, 20)
-    coverage = cover(
-        [west, east], plan, lambda places: ~((places[:, 0] > 100) & (places[:, 0] < 120))
-    )
+    coverage = cover([west, east], plan, zones((100.0, -5.0, 120.0, 25.0)))
     assert coverage.polygon.tolist() == [0, 0, 0, 1, 1]
     assert coverage.sight.region_area_m2 == pytest.approx(900.0)
+    assert coverage.sight.forbidden_area_m2 == pytest.approx(400.0)
     assert coverage.sight.covered_area_m2 == pytest.approx(500.0)
-    assert coverage.sight.largest_hole_m2 == pytest.approx(400.0)
+    assert coverage.sight.largest_hole_m2 == 0.0
     with pytest.raises(NoWayError, match='leave no viewpoint'):
-        cover([west], plan, lambda places: places[:, 0] > 50)
+        cover([west], plan, zones((-50.0, -50.0, 50.0, 150.0)))
 
 
 @settings(max_examples=25, deadline=None)
@@ -248,3 +250,97 @@ def test_rows_joined_cover_the_same(seed, turn):
     seen = sight([region], footprints)
     alone = shapely.union_all(shapely.polygons(footprints), grid_size=1e-6)
     assert seen.covered_area_m2 == pytest.approx(region.intersection(alone).area, abs=1e-3)
+
+
+def test_a_narrow_strip_needs_fewer_photographs_by_default():
+    """The usual grid follows a strip of 400 m by 25 m; the paper's rectangle does not."""
+    strip = shapely.affinity.rotate(shapely.box(0.0, 0.0, 400.0, 25.0), 30.0)
+    usual = CoverageOptions(height_agl_m=32.0).grid
+    counts = {
+        grid: len(
+            cover(
+                [strip],
+                CoverageSpec(
+                    footprint_m=(37.0, 28.0),
+                    spacing_m=(24.6, 18.5),
+                    grid=grid,
+                    max_viewpoints=1000,
+                ),
+            ).centres
+        )
+        for grid in (usual, 'axis_aligned')
+    }
+    assert counts[usual] < 0.8 * counts['axis_aligned']
+
+
+def zones(*boxes):
+    """Return the airspace without boxes (west, south, east, north), widened by 2 m."""
+    return Airspace([shapely.box(*box) for box in boxes], 2.0)
+
+
+FOOTPRINTS = CoverageSpec(
+    footprint_m=(37.0, 28.0), spacing_m=(24.6, 18.5), grid='best', max_viewpoints=1000
+)
+
+
+@pytest.mark.parametrize(
+    'boxes',
+    [
+        [(40.0, 30.0, 60.0, 45.0)],
+        [(-10.0, 20.0, 70.0, 31.0)],
+        [(10.0, 10.0, 28.0, 60.0), (45.0, 5.0, 95.0, 25.0)],
+    ],
+)
+def test_ground_beside_exclusions_is_photographed(boxes):
+    """All ground outside zones that are no wider than a footprint is seen, from outside them."""
+    region, air = shapely.box(0.0, 0.0, 120.0, 80.0), zones(*boxes)
+    found = cover([region], FOOTPRINTS, air)
+    seen = shapely.union_all(shapely.polygons(found.footprints))
+    ground = region.difference(shapely.union_all([shapely.box(*box) for box in boxes]))
+    assert ground.difference(seen).area < 0.05
+    assert air.holds(found.centres).all()
+    assert found.sight.forbidden_area_m2 == pytest.approx(region.area - ground.area)
+    assert found.sight.covered_area_m2 == pytest.approx(ground.area, abs=0.05)
+
+
+def test_ground_too_deep_between_exclusions_is_named_as_unseen():
+    """Of a yard inside a ring of a zone nothing is seen; the hole is its size, the zone is not."""
+    region = shapely.box(0.0, 0.0, 300.0, 300.0)
+    yard = shapely.box(140.0, 140.0, 160.0, 160.0)
+    ring = shapely.box(80.0, 80.0, 220.0, 220.0).difference(yard)
+    found = cover([region], FOOTPRINTS, Airspace([ring], 12.0))
+    assert found.sight.largest_hole_m2 == pytest.approx(yard.area, abs=0.1)
+    assert found.sight.forbidden_area_m2 == pytest.approx(ring.area)
+    assert region.area - ring.area - found.sight.covered_area_m2 == pytest.approx(400.0, abs=0.1)
+
+
+@settings(max_examples=40)
+@given(
+    st.lists(
+        st.tuples(st.floats(-20.0, 110.0), st.floats(-20.0, 70.0), st.floats(1.0, 70.0),
+                  st.floats(1.0, 50.0)),
+        min_size=1, max_size=3,
+    ),
+    st.floats(0.0, 3.1),
+)  # fmt: skip
+def test_no_ground_that_can_be_seen_is_left(boxes, turn):
+    """Wherever a hole is left, no place outside the zones has it in its footprint."""
+    region = shapely.affinity.rotate(shapely.box(0.0, 0.0, 120.0, 80.0), turn, use_radians=True)
+    shapes = [
+        shapely.affinity.rotate(shapely.box(x, y, x + w, y + h), 2.0 * turn, use_radians=True)
+        for x, y, w, h in boxes
+    ]
+    air = Airspace(shapes, 2.0)
+    try:
+        found = cover([region], FOOTPRINTS, air)
+    except NoWayError:
+        return
+    seen = shapely.union_all(shapely.polygons(found.footprints), grid_size=1e-6)
+    left = region.difference(shapely.union_all(shapes)).difference(seen)
+    frame = found.footprints[0] - found.centres[0]
+    for part in shapely.get_parts(left):
+        if part.area < 0.1:
+            continue
+        spot = np.asarray(part.representative_point().coords)[0]
+        around = shapely.Polygon(spot + 0.99 * frame)
+        assert around.difference(air.shut()).area < 1e-6

@@ -17,6 +17,7 @@ from rocsafe_planner.errors import (
     PlanningCancelledError,
     TooManyViewpointsError,
 )
+from rocsafe_planner.plan.survey_options import CoverageOptions
 from rocsafe_planner.planning import plan_survey
 
 from .fleets import FIELD, FLEET, RECTANGLE, STARTS, request, vehicle
@@ -36,6 +37,7 @@ def test_derailment_plan():
     assert plan.total_length_m == sum(route.length_m for route in plan.routes)
 
 
+@pytest.mark.slow
 def test_lengths_agree_with_the_geodesic():
     """A route's length is the sum of the distances between its places."""
     for route in plan_survey(request(area=FIELD)).routes:
@@ -148,6 +150,41 @@ def test_battery_too_small_is_refused():
         plan_survey(request(vehicles=weak))
 
 
+@pytest.mark.parametrize(
+    ('endurance_s', 'message'),
+    [
+        (10.0, r'rav1 needs \d+ s for viewpoint \d+ at 53\.\d+, -9\.\d+ alone: .* is 10 s'),
+        (
+            250.0,
+            r'no plan for 59 viewpoints .* needs at least 262 s, .* at most 250 s',
+        ),
+    ],
+)
+def test_batteries_that_never_do_are_refused_without_a_search(endurance_s, message, monkeypatch):
+    """What a bound or a single flight proves is said at once, without trying."""
+
+    def searched(*_arguments, **_options):
+        raise AssertionError('searched')
+
+    monkeypatch.setattr('rocsafe_planner.routing.solver_method.solve', searched)
+    weak = tuple(dataclasses.replace(v, endurance_s=endurance_s) for v in FLEET)
+    with pytest.raises(BeyondEnduranceError, match=message):
+        plan_survey(request(vehicles=weak, method='solver'))
+
+
+def test_no_survey_is_refused_for_a_few_thousand_photographs():
+    """From 18 m the field has 2000 viewpoints: the usual limit is for slips of the pen."""
+    plan = plan_survey(
+        request(
+            height_agl_m=18.0,
+            method='strips',
+            max_viewpoints=CoverageOptions(height_agl_m=18.0).max_viewpoints,
+            area=FIELD,
+        )
+    )
+    assert plan.viewpoint_count > 2000
+
+
 def test_too_large_region_is_refused():
     """The number needed and the limit are named."""
     with pytest.raises(TooManyViewpointsError, match=r'at least 45 .* max_viewpoints is 10'):
@@ -166,7 +203,7 @@ def test_too_large_region_is_refused():
         ({'overlap_fraction': 1.0}, 'overlap_fraction is 1'),
         ({'spacing_rule': 'x'}, "spacing_rule is 'x': must be one of iou, linear"),
         ({'method': 'x'}, "method is 'x': must be one of solver, boustrophedon_minmax"),
-        ({'grid': 'x'}, "grid is 'x': must be one of axis_aligned, rotated"),
+        ({'grid': 'x'}, "grid is 'x': must be one of best, rotated"),
         ({'seed': -1}, 'seed is -1'),
         ({'max_viewpoints': 0}, 'max_viewpoints is 0: must be 1 to'),
         ({'budget_s': -1.0}, 'budget_s is -1 s: must be 0 or above'),

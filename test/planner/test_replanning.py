@@ -12,6 +12,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
 from rocsafe_planner.export.plan_files import write_plan
+from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
@@ -240,3 +241,50 @@ def test_battery_of_who_stands_at_home_counts():
     )
     assert 300.0 < rest.routes[0].duration_s <= 400.0
     assert check_plan(rest) == []
+
+
+def weak(left_s):
+    """Return the field's plan, and a situation in which all stand at home with so much battery."""
+    alive = {route.vehicle.name: 10_000.0 - left_s for route in PLAN.routes}
+    return PLAN, Situation(alive=alive, visited=frozenset(ids(PLAN)[:10]))
+
+
+@pytest.mark.parametrize('left_s', [150.0, 220.0])
+def test_weak_batteries_do_for_a_part(left_s):
+    """All that is left is visited or named, and nobody has room for another viewpoint at once."""
+    plan, situation = weak(left_s)
+    rest = replan(plan, situation)
+    left = set(ids(plan)) - situation.visited
+    assert set(ids(rest)) | set(rest.left_out) == left
+    assert ids(rest)
+    assert rest.left_out
+    assert not set(ids(rest)) & set(rest.left_out)
+    assert unreachable(rest) == ()
+    assert check_plan(rest) == []
+    assert replan(plan, situation) == rest
+
+
+def test_more_battery_serves_more():
+    """The number of viewpoints of a partial plan rises with the batteries, up to all."""
+    counts = [len(ids(replan(*weak(left_s)))) for left_s in (150.0, 200.0, 300.0, 5_000.0)]
+    assert counts == sorted(set(counts))
+    assert counts[-1] == len(ids(PLAN)) - 10
+
+
+def test_plan_of_a_part_is_read_again_and_continued(tmp_path):
+    """What batteries did not do for is planned as soon as there are fresh ones."""
+    plan, situation = weak(200.0)
+    rest = replan(plan, situation)
+    write_plan(rest, tmp_path)
+    again = read_plan(tmp_path / 'plan.json')
+    assert again.left_out == rest.left_out
+    assert check_plan(again) == []
+    after = Situation(alive=dict.fromkeys(situation.alive), visited=frozenset(ids(rest)))
+    assert set(ids(replan(again, after))) == set(rest.left_out)
+
+
+def test_checker_finds_a_viewpoint_that_is_neither_flown_nor_left_out():
+    """A plan may not forget what it leaves out."""
+    rest = replan(*weak(200.0))
+    forgetful = dataclasses.replace(rest, left_out=rest.left_out[1:])
+    assert any('not visited' in fault for fault in check_plan(forgetful))

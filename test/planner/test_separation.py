@@ -58,6 +58,7 @@ def aloft(plan, share):
     return alive, visited, places
 
 
+@pytest.mark.slow
 @settings(max_examples=15, suppress_health_check=list(HealthCheck), deadline=None)
 @given(
     st.integers(0, len(STARTS) - 1),

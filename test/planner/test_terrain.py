@@ -66,6 +66,7 @@ def test_a_relief_is_as_high_as_the_ground_below_each_of_its_cells():
     assert (tops <= ups + 2.5).all()
 
 
+@pytest.mark.slow
 def test_level_ground_changes_nothing():
     """A flat terrain gives the plan without one, and the altitudes of the homes."""
     flat, plain = plan_survey(request(terrain=LEVEL)), plan_survey(request())

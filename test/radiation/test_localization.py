@@ -52,6 +52,7 @@ def test_one_source_is_found_within_its_ellipse(seed):
     assert source.detection_llr > 100.0
 
 
+@pytest.mark.slow
 def test_three_sources_are_told_apart():
     """One strong, two weaker ones 58 m and more away."""
     truth = [(200.0, 60.0, 3000.0), (100.0, 170.0, 900.0), (160.0, 230.0, 600.0)]
@@ -152,7 +153,7 @@ def test_counts_win_over_dose_rates():
 
 def test_merging_keeps_counts_and_exposures():
     """And the mean place."""
-    merged = survey([(120.0, 170.0, 925.0)]).merged(40.0)
+    merged = survey([(120.0, 170.0, 925.0)]).merged(40.0, 2500)
     whole = survey([(120.0, 170.0, 925.0)])
     assert merged.counts.sum() == whole.counts.sum()
     assert merged.exposures.sum() == pytest.approx(whole.exposures.sum())

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
+import rasterio
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
@@ -205,7 +206,17 @@ def test_a_ground_that_nobody_gave_is_told_in_every_product_and_is_never_enough(
     printed = json.loads(capsys.readouterr().out)
     written = json.loads((out / 'sources.json').read_text())
     cordons = json.loads((out / 'cordons.geojson').read_text())['features']
-    for doubts in (printed['doubts'], written['doubts'], cordons[0]['properties']['doubts']):
+    sources = json.loads((out / 'sources.geojson').read_text())
+    with rasterio.open(out / 'dose_map.tif') as raster:
+        tags = raster.tags()
+    for doubts in (
+        printed['doubts'],
+        written['doubts'],
+        sources['doubts'],
+        cordons[0]['properties']['doubts'],
+        [tags['DOUBTS']],
+        [(out / 'cordons.kml').read_text(encoding='utf-8')],
+    ):
         assert any('the ground is not given' in doubt for doubt in doubts)
     assert not printed['is_enough']
     assert not written['is_enough']
@@ -218,8 +229,10 @@ ROW = '{},rav1,53.28{:02d},-9.06,98.0,0.1\n'
     ('bad', 'words'),
     [
         ('50,rav1,0.0,0.0,98.0,0.1\n', 'at 0, 0'),
-        ('50,rav1,53.9,-9.06,98.0,0.1\n', 'farther than 20 km'),
-        ('50,rav1,53.28,-9.06,98.0,1e300\n', 'more than any detector'),
+        ('50,rav1,53.9,-9.06,98.0,0.1\n', 'farther than 1 km'),
+        ('50,rav1,53.33,-9.06,98.0,0.1\n', 'farther than 1 km'),
+        ('50,rav1,53.28,-9.06,98.0,1e300\n', 'dose_rate_usvh is not within'),
+        ('50,rav1,53.28,-9.06,1e300,0.1\n', 'altitude_m is not within'),
         (HEAD, 'the names of the columns again'),
         ('50,rav1,53,28,-9,06,98.0,0.1\n', 'decimal commas'),
     ],
@@ -248,6 +261,62 @@ def test_a_detector_that_counts_nothing_is_dead(table, capsys):
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
+def test_a_detector_that_dies_in_flight_is_dead_from_then_on(table):
+    """Few counts are none: a detector that counts 0 or 1 lives."""
+    head = 'vehicle,east_m,north_m,up_m,counts,live_time_s\n'
+    dies = ''.join(f'a,{number},0,30,{50 * (number < 30)},1\n' for number in range(60))
+    weak = ''.join(f'b,{number},0,30,{int(number % 20 == 0)},1\n' for number in range(60))
+    readings = read_readings(table(head + dies + weak))
+    ((reason, lines),) = readings.dropped.items()
+    assert 'dead' in reason
+    assert lines == tuple(range(32, 62))
+
+
+def test_dose_rates_in_another_unit_than_their_counts_are_left_out(table):
+    """Each third row is in nSv/h in a column of uSv/h."""
+    head = 'east_m,north_m,up_m,dose_rate_usvh,counts,live_time_s\n'
+    rows = ''.join(f'{k},0,30,{100 if k % 3 == 0 else 0.1},55,1\n' for k in range(30))
+    readings = read_readings(table(head + rows))
+    ((reason, lines),) = readings.dropped.items()
+    assert 'another unit' in reason
+    assert lines == tuple(range(2, 32, 3))
+
+
+@pytest.mark.parametrize(
+    ('rates', 'is_refused'),
+    [
+        pytest.param([100 if k % 3 == 0 else 0.1 for k in range(60)], True, id='each third row'),
+        pytest.param([0.1 + 4600 / (1 + (k - 30) ** 2) for k in range(60)], False, id='source'),
+        pytest.param([4600 if k in (20, 40) else 0.1 for k in range(60)], False, id='few'),
+    ],
+)
+def test_several_units_in_one_column_are_refused_and_sources_are_not(table, rates, is_refused):
+    """Dose rates beside a source rise over some readings; single ones may be strong sources."""
+    rows = ''.join(f'{k},0,1,{rate}\n' for k, rate in enumerate(rates))
+    path = table('east_m,north_m,up_m,dose_rate_usvh\n' + rows)
+    if is_refused:
+        with pytest.raises(ReadingsFileError, match=r'lines 2, 5, 8, 11, 14 and more'):
+            read_readings(path)
+    else:
+        assert len(read_readings(path).observations) == 60
+
+
+def test_quoted_decimal_commas_are_read(table):
+    """A comma within a cell separates no columns."""
+    path = table('east_m,north_m,up_m,dose_rate_usvh\n"1,5","2","30,25","0,1"\n')
+    (one,) = read_readings(path).observations
+    assert one.position_enu_m == (1.5, 2.0, 30.25)
+
+
+def test_a_refusal_names_the_rows_left_out(table, capsys):
+    """Else a file of bad rows is only too small."""
+    rows = ''.join(f'{k},rav1,53,28,-9,06,98.0,0.1\n' for k in range(20))
+    assert main([str(table(HEAD + rows)), '--ground', '66']) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert '20 rows left out' in line
+    assert 'decimal commas' in line
+
+
 @pytest.mark.parametrize('encoding', ['utf-8-sig', 'utf-16', 'cp1252'])
 def test_a_table_of_a_spreadsheet_is_read(tmp_path, encoding):
     """With semicolons, decimal commas and its own encoding."""
@@ -271,4 +340,4 @@ def test_notes_are_part_of_the_json(table, capsys):
     text = HEAD + derailment() + '999,rav1,0.0,0.0,1.0,0.1\n'
     assert main([str(table(text)), '--json', '--ground', '66']) == 0
     (note,) = json.loads(capsys.readouterr().out)['notes']
-    assert note == '1 rows left out: a place out of range or at 0, 0 (line 444)'
+    assert note == '1 rows left out: a place at 0, 0 (line 444)'

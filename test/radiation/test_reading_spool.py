@@ -6,8 +6,9 @@ import math
 import pytest
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_hazard.row_spool import SpoolError
 from rocsafe_radiation.readings.reading_log import FlightReading, ReadingLog
-from rocsafe_radiation.readings.reading_spool import FILE_NAME, ReadingSpool, SpoolError
+from rocsafe_radiation.readings.reading_spool import FILE_NAME, ReadingSpool
 from rocsafe_radiation.readings.readings_file import read_readings
 
 

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rocsafe_hazard.pending_request import PendingRequest
 from rocsafe_radiation.belief.belief_grid import BeliefGrid, YesNoSensor
-from rocsafe_radiation.decision.assessment_steps import PendingRequest
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints

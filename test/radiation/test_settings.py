@@ -9,6 +9,7 @@ import pytest
 
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
 from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
 from rocsafe_radiation.localization.localize import LocalizationOptions, localize
@@ -89,6 +90,7 @@ def test_errors_of_the_fixes_upwards_scatter_readings_of_a_source():
     assert math.dist(source.position_enu_m[:2], (140.0, 150.0)) < 2.0
 
 
+@pytest.mark.slow
 def test_the_evidence_is_the_integral_of_likelihood_and_prior():
     """Of a background alone, by a sum over its level: all else is nearly fixed."""
     flown = survey([])
@@ -107,7 +109,9 @@ def test_the_evidence_is_the_integral_of_likelihood_and_prior():
 
 def test_probabilities_are_sums_over_settings():
     """More than one setting counts, and all of them make the probability."""
-    found = search(survey([(120.0, 170.0, 925.0)]).merged(4.0), Setting(position_std_m=1.5), 2)
+    found = search(
+        survey([(120.0, 170.0, 925.0)]).merged(4.0, 2500), Setting(position_std_m=1.5), 2
+    )
     assert found.order == 1
     assert len(found.found) > 3
     best = np.array([fits[0].evidence for fits in found.settings])
@@ -167,3 +171,26 @@ def test_search_options_out_of_range_are_refused(change, message):
     """With their name, value and limit."""
     with pytest.raises(ValueError, match=message):
         SearchOptions(**change)
+
+
+def test_a_place_that_readings_tell_nothing_of_has_a_covariance():
+    """A source far too weak to be seen may be anywhere: the ellipse is the survey."""
+    readings = survey([]).merged(4.0, 2500)
+    likelihood = Likelihood(
+        readings, Setting(source_up_std_m=1.0), smooth_basis(readings.positions_enu_m, 32.0, 2.0)
+    )
+    parameters = np.zeros(likelihood.head_size + 4)
+    parameters[likelihood.head_size :] = 150.0, 150.0, 0.5, -800.0
+    information, _ = likelihood.information_and_gradient(
+        parameters, likelihood.weights(parameters)
+    )
+    place = np.linalg.inv(information)[likelihood.head_size, likelihood.head_size]
+    assert 50.0 < np.sqrt(place) < 300.0
+
+
+def test_more_readings_than_a_fit_takes_are_merged_into_larger_cells():
+    """None is lost."""
+    readings = survey([(120.0, 170.0, 925.0)])
+    merged = readings.merged(1.0, 100)
+    assert 50 < merged.size <= 100
+    assert merged.counts.sum() == readings.counts.sum()

@@ -4,7 +4,7 @@
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from rocsafe_ros.audience import Audience
+from rocsafe_ros.domain.audience import Audience
 
 DEADLINE_S = 30.0
 

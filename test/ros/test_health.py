@@ -9,8 +9,8 @@ from rclpy.node import Node
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, vehicle_diagnostic
+from rocsafe_ros.domain.interface_versions import TOPICS_A_LOOK, InterfaceVersions
 from rocsafe_ros.health import HealthReporter
-from rocsafe_ros.interface_versions import TOPICS_A_LOOK, InterfaceVersions
 
 DEADLINE_S = 30.0
 STATE = 'rocsafe_interfaces/msg/VehicleState'

@@ -12,7 +12,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from rocsafe_ros import topics
-from rocsafe_ros.mission_identity import MissionIdentity, identity_of, new_identity
+from rocsafe_ros.domain.mission_identity import MissionIdentity, identity_of, new_identity
 
 NAMES = st.from_regex('[A-Za-z0-9][A-Za-z0-9_-]{0,63}', fullmatch=True)
 TOKENS = st.from_regex('[0-9a-f]{1,32}', fullmatch=True)

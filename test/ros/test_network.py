@@ -12,8 +12,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
-from rocsafe_ros import network
-from rocsafe_ros.network import INTERFACES, PROFILES, RANGE, bind_interfaces
+from rocsafe_ros.domain import network
+from rocsafe_ros.domain.network import INTERFACES, PROFILES, RANGE, bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0

@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
-from rocsafe_ros.discovery import local_participants
+from rocsafe_ros.domain.discovery import local_participants
 
 DEADLINE_S = 60.0
 FLY = 'rocsafe_interfaces/action/FlyRoute'

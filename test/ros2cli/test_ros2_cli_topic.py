@@ -9,9 +9,9 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-from rocsafe_ros2cli import topic_echo
-from rocsafe_ros2cli.topic_echo import matched_qos
-from rocsafe_ros2cli.topic_rate import RateMeter
+from rocsafe_ros2cli.verbs import topic_echo
+from rocsafe_ros2cli.verbs.topic_echo import matched_qos
+from rocsafe_ros2cli.verbs.topic_rate import RateMeter
 
 DEADLINE_S = 60.0
 COMMAND = ('/rav1/command', 'std_msgs/msg/String')

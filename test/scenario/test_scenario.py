@@ -103,7 +103,7 @@ REFUSED_BLOCKS = [
     ('region.polygon', BOW_TIE, 'region.polygon: the boundary crosses or touches itself near'),
     ('region.polygon', ANTIMERIDIAN, 'must not cross the antimeridian (180 deg)'),
     ('region.polygon', POLE, 'the boundary has a corner at latitude 89.99 deg'),
-    ('region.polygon', COUNTRY, 'must be at most survey.max_viewpoints = 2000'),
+    ('region.polygon', COUNTRY, 'must be at most survey.max_viewpoints = 100000'),
     ('region.holes', [BOW_TIE], 'region.polygon: hole 1 crosses or touches itself'),
     ('region', {'file': 'no.kml'}, "small.yaml: region.file = 'no.kml': "),
     ('region', {}, 'region: must have either polygon or file'),

@@ -93,6 +93,7 @@ def test_commands_are_obeyed_or_refused_with_the_mode(mode: Mode, command: str) 
             COMMANDS[command](vehicle)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.floats(0.1, 75.0), st.floats(0.0, 100.0))
 def test_hold_stops_and_resume_visits_the_rest(held_s: float, for_s: float) -> None:
@@ -198,6 +199,7 @@ def test_route_from_elsewhere_is_refused() -> None:
         vehicle.fly_route(replace(ROUTE, home_enu=(10.0, 25.0, 0.0)))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.floats(60.0, 300.0), st.floats(0.0, 0.5), st.sampled_from([0.7, 30.0]))
 def test_lands_with_its_reserve(endurance_s: float, reserve: float, step_s: float) -> None:

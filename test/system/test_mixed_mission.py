@@ -66,6 +66,14 @@ class Field:
             check=False,
         )
 
+    def confirmation(self):
+        """Ask for the flight, and return the options that confirm its plan."""
+        asked = self.rocsafe('run', self.scenario, '--out', self.folder / 'asked')
+        assert asked.returncode == 1, asked.stdout + asked.stderr
+        found = re.search('run again with --confirm ([0-9a-f]{8})', ' '.join(asked.stdout.split()))
+        assert found, asked.stdout
+        return '--confirm', found.group(1)
+
     def close(self):
         """End the copter."""
         self.copter.kill()
@@ -87,14 +95,10 @@ def test_real_and_simulated_fly_one_mission(field):
     assert looked.returncode == 0, looked.stdout + looked.stderr
     assert 'link-loss action' in looked.stdout
     assert 'all may fly' in looked.stdout
-    asked = field.rocsafe('run', field.scenario, '--out', field.folder / 'asked')
-    assert asked.returncode == 1, asked.stdout + asked.stderr
-    found = re.search('run again with --confirm ([0-9a-f]{8})', ' '.join(asked.stdout.split()))
-    assert found, asked.stdout
-    confirmed = ('--confirm', found.group(1))
-    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs', *confirmed)
+    runs = field.folder / 'runs'
+    flown = field.rocsafe('run', field.scenario, '--out', runs, *field.confirmation())
     assert flown.returncode == 0, flown.stdout + flown.stderr
-    (run,) = (field.folder / 'runs').glob('mixed-*')
+    (run,) = runs.glob('mixed-*')
     plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
     counts = {route['vehicle']: len(route['viewpoints']) for route in plan['routes']}
     assert min(counts.values()) >= 1
@@ -113,10 +117,11 @@ def test_real_drone_takes_over_from_a_simulated_one(field):
     text = field.scenario.read_text(encoding='utf-8')
     text = text.replace('  - name: rav2\n', '  - name: rav2\n    fails_after_s: 8.0\n')
     field.scenario.write_text(text, encoding='utf-8')
-    flown = field.rocsafe('run', field.scenario, '--out', field.folder / 'runs')
+    runs = field.folder / 'runs'
+    flown = field.rocsafe('run', field.scenario, '--out', runs, *field.confirmation())
     assert flown.returncode == 0, flown.stdout + flown.stderr
     assert 'the battery failed' in flown.stdout
-    (run,) = (field.folder / 'runs').glob('mixed-*')
+    (run,) = runs.glob('mixed-*')
     plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
     count = sum(len(route['viewpoints']) for route in plan['routes'])
     assert len({shot.viewpoint_id for shot in read_photographs(run / 'images')}) == count

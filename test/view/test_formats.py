@@ -94,6 +94,18 @@ def test_durations(value, text):
     assert plain(formats.duration(value)) == text
 
 
+def test_clock_shows_hours_when_there_are_any():
+    """Minutes and seconds, hours only when needed; rounded as a page in a browser rounds."""
+    assert [formats.clock(s) for s in (0.0, 59.4, 59.6, 3599.0, 3600.0, 3966.0)] == [
+        '00:00',
+        '00:59',
+        '01:00',
+        '59:59',
+        '1:00:00',
+        '1:06:06',
+    ]
+
+
 def test_what_is_not_quite_all_is_not_100_percent():
     """Nobody shall read complete where something is missing."""
     assert plain(formats.percent(1.0)) == '100 %'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A mask as one polygon, as the text format of YOLO wants."""
+"""A mask as one polygon, in the text format of YOLO."""
 
 import cv2
 import numpy as np

@@ -19,9 +19,9 @@ from rocsafe_dispersion.conversions import (
     wind_reading_of,
 )
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import has_position, ns_of_stamp
+from rocsafe_ros.conversions import has_position
+from rocsafe_ros.fix_pairs_node import FixPairs
 from rocsafe_ros.lockstep import Participant
-from rocsafe_ros.pairing import StampPairing
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
@@ -35,36 +35,20 @@ class AirSensors:
         self._vehicle = vehicle
         self._start_ns, self._window_s = options.start_time_ns, options.window_s
         self._sensors = VehicleSensors(vehicle, settings, air, options.window_s, options.seed)
-        self._pairing: StampPairing[NavSatFix, NavSatFix] = StampPairing()
         self._gas = topics.create_publisher(node, topics.GAS, vehicle)
         self._bio = topics.create_publisher(node, topics.BIO, vehicle)
         self._wind = topics.create_publisher(node, topics.ANEMOMETER, vehicle)
-        pair = ((topics.GROUND_TRUTH_FIX, self._on_truth), (topics.FIX, self._on_fix))
-        lone = ((topics.FIX, self._on_lone_fix),)
-        self._fixes = [
-            topics.create_subscription(node, spec, callback, vehicle)
-            for spec, callback in (lone if vehicle in options.vehicles_at_their_fix else pair)
-        ]
+        self.fixes = FixPairs(
+            node,
+            vehicle,
+            is_at_its_fix=vehicle in options.vehicles_at_their_fix,
+            on_pair=self._answer,
+        )
 
-    @property
-    def is_ready(self) -> bool:
-        """Whether the vehicle's fixes arrive when it sends them."""
-        return all(fixes.get_publisher_count() for fixes in self._fixes)
-
-    def _on_fix(self, fix: NavSatFix) -> None:
-        self._answer(self._pairing.add_left(ns_of_stamp(fix.header.stamp), fix))
-
-    def _on_truth(self, truth: NavSatFix) -> None:
-        self._answer(self._pairing.add_right(ns_of_stamp(truth.header.stamp), truth))
-
-    def _on_lone_fix(self, fix: NavSatFix) -> None:
-        self._on_fix(fix)
-        self._on_truth(fix)
-
-    def _answer(self, pair: tuple[NavSatFix, NavSatFix] | None) -> None:
-        if pair is None or not has_position(pair[1]):
+    def _answer(self, fix: NavSatFix, place: NavSatFix) -> None:
+        if not has_position(place):
             return
-        moment = moment_of(*pair)
+        moment = moment_of(fix, place)
         readings = self._sensors.add(moment, seconds_since(self._start_ns, moment.time_ns))
         for sensor, measured in readings.gases:
             self._gas.publish(gas_reading_of(self._vehicle, sensor, measured))
@@ -105,7 +89,7 @@ class AirNode(Node):
             self._participant = Participant(self, self.get_name(), self._on_step, self._hears_all)
 
     def _hears_all(self) -> bool:
-        return all(sensors.is_ready for sensors in self._sensors)
+        return all(sensors.fixes.is_ready for sensors in self._sensors)
 
     def _on_step(self, _time_ns: int) -> bool:
         return True

@@ -94,6 +94,8 @@ class NeighbourOptions:
     nearest
         Photographs of the nearest fixes that are neighbours where heights, hence footprints, are
         unknown.
+    alike_features
+        Strongest features that show which photographs look alike where there is no fix.
     """
 
     most: int = 9
@@ -102,6 +104,7 @@ class NeighbourOptions:
     least_overlap_share: float = 0.08
     disc_sides: int = 4
     nearest: int = 5
+    alike_features: int = 300
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -264,6 +267,119 @@ class InitialOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PathOptions:
+    """Step 6: fixes from the track of a vehicle.
+
+    Attributes
+    ----------
+    horizontal_std_m
+        Standard deviation of a track's point: that of a GNSS receiver without corrections.
+    exposure_std_s
+        The same of a time of exposure: most cameras tell whole seconds.
+    least_photos, least_share
+        Photographs without a fix whose clock can be found, and the share of them that must lie
+        on the track.
+    step_s, most_steps, candidates
+        Offsets tried, and how many of the best of them are compared.
+    largest_misfit
+        What a similarity may leave of the track, over its spread.
+    same_s, rival_factor
+        Another offset, so much farther away, must leave this many times as much.
+    least_spread_m
+        Of the track at the photographs.
+    """
+
+    horizontal_std_m: float = 2.5
+    exposure_std_s: float = 0.3
+    least_photos: int = 5
+    least_share: float = 0.8
+    step_s: float = 0.5
+    most_steps: int = 50_000
+    candidates: int = 4
+    largest_misfit: float = 0.15
+    same_s: float = 5.0
+    rival_factor: float = 1.5
+    least_spread_m: float = 10.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StructureOptions:
+    """Structure from motion, for photographs that look in any direction.
+
+    Attributes
+    ----------
+    count, search_side_px
+        SIFT features of a photograph, and the long side of the picture that they are found in.
+    neighbours
+        Photographs of the nearest fixes that each is matched with; up to `all_up_to` photographs,
+        or without fixes, all are.
+    least_matches, least_share, least_front_share
+        Matches that fit the epipolar geometry, their share, and that of those before both cameras.
+    epipolar_px, pose_px, point_px, knee_px
+        Largest distance of a match from its epipolar line, of a point from a new photograph and
+        from adjusted ones; residual from which a sighting loses weight.
+    least_seen, least_pose_share
+        Known points that a new photograph must show, and the share of them that must fit.
+    least_angle_rad
+        Between two rays, for a point to be used.
+    good_angle_rad, widest_rad, seeds, least_seed_points
+        Of the pair that the scene begins with; pairs tried, and points that it must give.
+    growth
+        The scene is adjusted when it has grown by this factor.
+    least_for_lens
+        Photographs from which the lens is adjusted, too.
+    bundle_steps, first_damping, largest_damping, least_gain
+        Of Levenberg-Marquardt.
+    plane_trials, plane_share
+        Planes tried for the ground, and how far off it a point of the ground may lie, over the
+        height of the cameras.
+    ground_share, longest_reach, least_ties, most_ties
+        Points so near to the ground, over the height, seen at most so many heights away, become
+        ties; a pair has so many.
+    tilt_std_rad, focal_std_share
+        How certain the tilts and the focal length are that were found.
+    least_tied_share, most_photos
+        Structure from motion is tried where a smaller share of at most so many photographs, whose
+        attitude no gimbal tells, is tied in one group.
+    """
+
+    count: int = 2000
+    search_side_px: int = 1600
+    neighbours: int = 14
+    all_up_to: int = 40
+    least_matches: int = 20
+    least_share: float = 0.2
+    least_front_share: float = 0.7
+    epipolar_px: float = 4.0
+    pose_px: float = 10.0
+    point_px: float = 8.0
+    knee_px: float = 2.0
+    least_seen: int = 10
+    least_pose_share: float = 0.15
+    least_angle_rad: float = math.radians(1.5)
+    good_angle_rad: float = math.radians(12.0)
+    widest_rad: float = math.radians(45.0)
+    seeds: int = 10
+    least_seed_points: int = 40
+    growth: float = 1.15
+    least_for_lens: int = 6
+    bundle_steps: int = 12
+    first_damping: float = 1e-4
+    largest_damping: float = 1e8
+    least_gain: float = 1e-4
+    plane_trials: int = 400
+    plane_share: float = 0.02
+    ground_share: float = 0.08
+    longest_reach: float = 4.0
+    least_ties: int = 12
+    most_ties: int = 150
+    tilt_std_rad: float = math.radians(1.0)
+    focal_std_share: float = 0.02
+    least_tied_share: float = 0.9
+    most_photos: int = 400
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class GroundOptions:
     """Step 8: the grid of ground heights.
 
@@ -326,6 +442,8 @@ class AdjustmentOptions:
         Fixes from which their scatter is estimated.
     smallest_factor, largest_factor
         Limits of that scatter over what fixes claim.
+    least_marks, largest_mark_factor
+        The same for surveyed marks: 100 times 3 cm is a receiver without corrections.
     samples
         Random solutions from which the stated error is computed.
     most_ties, most_local_ties
@@ -355,6 +473,8 @@ class AdjustmentOptions:
     least_fixes: int = 6
     smallest_factor: float = 0.15
     largest_factor: float = 8.0
+    least_marks: int = 4
+    largest_mark_factor: float = 100.0
     samples: int = 48
     most_ties: int = 150_000
     most_local_ties: int = 1200
@@ -402,6 +522,8 @@ class AlignmentOptions:
     parallax: ParallaxOptions = field(default_factory=ParallaxOptions)
     refinement: RefinementOptions = field(default_factory=RefinementOptions)
     initial: InitialOptions = field(default_factory=InitialOptions)
+    structure: StructureOptions = field(default_factory=StructureOptions)
+    path: PathOptions = field(default_factory=PathOptions)
     adjustment: AdjustmentOptions = field(default_factory=AdjustmentOptions)
     ground: GroundOptions = field(default_factory=GroundOptions)
     clock: ClockOptions = field(default_factory=ClockOptions)

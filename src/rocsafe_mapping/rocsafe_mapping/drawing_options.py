@@ -50,6 +50,27 @@ class GainOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class VignettingOptions:
+    """Step 2: fall-off of a lens's brightness towards the corners.
+
+    Attributes
+    ----------
+    least_pairs, least_common_px
+        Pairs of photographs that must show it, and the coarse pixels that each pair shares.
+    least_log, largest_log
+        Logarithms of the brightness of the corners between which a fall-off is undone.
+    largest_ratio
+        Pixels whose logarithms differ by more show different things.
+    """
+
+    least_pairs: int = 8
+    least_common_px: int = 200
+    least_log: float = 0.04
+    largest_log: float = -1.2
+    largest_ratio: float = 0.4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SeamOptions:
     """Step 3: borders between photographs.
 
@@ -180,6 +201,7 @@ class DrawingOptions:
     """All options of the drawing, in the order of its steps."""
 
     views: ViewOptions = field(default_factory=ViewOptions)
+    vignetting: VignettingOptions = field(default_factory=VignettingOptions)
     gains: GainOptions = field(default_factory=GainOptions)
     seams: SeamOptions = field(default_factory=SeamOptions)
     objects: ObjectOptions = field(default_factory=ObjectOptions)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From options to stations, drones and cameras."""
+"""Construction of stations, drones and cameras from options."""
 
 import math
 from collections.abc import Callable

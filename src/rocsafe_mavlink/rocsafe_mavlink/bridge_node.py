@@ -27,6 +27,7 @@ from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
 from rocsafe_mavlink.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.knowledge.events import Event
+from rocsafe_mavlink.node_timing import TIMING
 from rocsafe_mavlink.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -35,13 +36,6 @@ from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-
-# Period of reading the sockets: most of the time from a datagram to its topic.
-POLL_S = 0.005
-# Period of what is due by time; messages of vehicles do not wait for it.
-TICK_S = 0.02
-# mission/state is published twice a second while the mission lives.
-SUPERVISOR_LEASE_S = 3.0
 
 
 class DroneInterface:
@@ -124,7 +118,7 @@ class BridgeNode(Node):
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.create_timer(POLL_S, self._poll, clock=steady)
+        self.create_timer(TIMING.poll_s, self._poll, clock=steady)
 
     @property
     def vehicle_nodes(self) -> list[VehicleScopeNode]:
@@ -164,13 +158,13 @@ class BridgeNode(Node):
             station.take(now_s, time_s)
         for interface in self._interfaces:
             interface.follow()
-        if now_s - self._ticked_s >= TICK_S:
+        if now_s - self._ticked_s >= TIMING.tick_s:
             self._ticked_s = now_s
             self._tick(now_s, time_s)
 
     def _tick(self, now_s: float, time_s: float) -> None:
         is_watched = self._options.needs_supervisor
-        is_supervised = not is_watched or now_s - self._supervised_s < SUPERVISOR_LEASE_S
+        is_supervised = not is_watched or now_s - self._supervised_s < TIMING.supervisor_lease_s
         for station in self._stations.values():
             station.tick(now_s, time_s, is_supervised=is_supervised)
         for interface in self._interfaces:

@@ -11,8 +11,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.drone_options import ON_WIND, DroneOptions
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.link.link import LinkIdentity
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
 
 _MOVED = {
     'highest_m': 'max_height_agl_m',

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from rocsafe_mavlink.checks.check import failures
 from rocsafe_mavlink.conversions import check_message, ring_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.check import failures
-from rocsafe_mavlink.flight.fence import Fence
+from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_ros import topics
 from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.conversions import position_of_point

@@ -23,15 +23,15 @@ from rocsafe_interfaces.msg import (
 )
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_mavlink.autopilots.autopilot import FlightState
+from rocsafe_mavlink.checks.check import Check, CheckVerdict
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.drone.status import DroneStatus
-from rocsafe_mavlink.flight.check import Check, CheckVerdict
-from rocsafe_mavlink.flight.fence import Ring
 from rocsafe_mavlink.flight.flight_journal import Assignment
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Motion
 from rocsafe_mavlink.knowledge.traffic import Encounter
+from rocsafe_mavlink.plan.fence import Ring
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 from rocsafe_mavlink.result_conversions import OUTCOMES
 from rocsafe_ros.conversions import diagnostic, point_of_position, position_of_point
 

@@ -23,10 +23,10 @@ from rocsafe_mavlink.drone.status import DroneStatus, enu_of, fix_quality
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.telemetry import Motion
 from rocsafe_mavlink.knowledge.traffic import encounters
+from rocsafe_mavlink.node_timing import TIMING
 from rocsafe_mavlink.protocols.stream_rates import POSITION
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
-from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -36,18 +36,12 @@ from rocsafe_ros.conversions import (
     vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
-SLOW_S = 1.0
 # Types of TUNNEL payloads up to this one are those of known devices.
 LARGEST_REGISTERED_TYPE = 32_767
-# Positions kept of a track: the last two hours.
-LARGEST_PATH = 7200
-# Period of a path that nobody watches, for the recorder.
-UNSEEN_PATH_S = 10.0
-# Texts of a vehicle that are logged each second; all of them are published as events.
-TEXTS_PER_S = 5
 
 
 class TelemetryPublisher:
@@ -84,11 +78,11 @@ class TelemetryPublisher:
         }
         self._frames = VehicleFrames(node, {'camera_optical': LOOKS_DOWN})
         self._track = Path(header=Header(frame_id=MAP_FRAME))
-        self._slow_s, self._path_s = -SLOW_S, -UNSEEN_PATH_S
+        self._slow_s, self._path_s = -TIMING.slow_s, -TIMING.unseen_path_s
         self._viewers = Audience(node, self._publishers[topics.PATH.name])
         self._said: tuple[object, ...] = ()
         self._last: VehicleState | None = None
-        self._texts_left = TEXTS_PER_S
+        self._texts_left = TIMING.texts_per_s
         self._following: list[tuple[Motion, Time]] = []
 
     def on_message(self, message: Message, now_s: float) -> None:
@@ -108,7 +102,7 @@ class TelemetryPublisher:
         self._following.append((motion, stamp))
 
     def _publish_bytes(self, message: Message) -> None:
-        """Publish the bytes of a payload, unless MAVLink says that they are of another kind."""
+        """Publish the bytes of a payload, unless its MAVLink type is that of another device."""
         kind = message['payload_type']
         if kind == 0 or kind > LARGEST_REGISTERED_TYPE:
             data = message['payload'][: message['payload_length']]
@@ -142,12 +136,12 @@ class TelemetryPublisher:
 
     def step(self, now_s: float) -> None:
         """Publish what is due."""
-        is_slow = now_s - self._slow_s >= SLOW_S
+        is_slow = now_s - self._slow_s >= TIMING.slow_s
         if not is_slow and self._drone.news() == self._said:
             return
         seen = self._drone.status(now_s)
         if is_slow:
-            self._slow_s, self._texts_left = now_s, TEXTS_PER_S
+            self._slow_s, self._texts_left = now_s, TIMING.texts_per_s
             self._publish_slow(seen, now_s)
         self._said = self._drone.news()
         stamp = self._node.get_clock().now().to_msg()
@@ -174,8 +168,8 @@ class TelemetryPublisher:
         if self._drone.is_in_air and seen.motion is not None:
             self._track.header.stamp = stamp
             self._track.poses.append(path_pose(seen.position_enu, stamp))
-            del self._track.poses[:-LARGEST_PATH]
-            if self._viewers.is_watching or now_s - self._path_s >= UNSEEN_PATH_S:
+            del self._track.poses[: -TIMING.path_length]
+            if self._viewers.is_watching or now_s - self._path_s >= TIMING.unseen_path_s:
                 self._path_s = now_s
                 self._publish(topics.PATH, self._track)
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from rocsafe_geo.limits import require_between, require_positive
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_mavlink.errors import EndpointError
+from rocsafe_mavlink.knowledge.fix import LARGEST_SEPARATION_M
 from rocsafe_mavlink.link.endpoint import parse_endpoint
 
 LARGEST_SPEED_MPS = 50.0
 LARGEST_HOVER_S = 600.0
 ON_WIND = ('warn', 'return')
-LARGEST_SEPARATION_M = 110.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

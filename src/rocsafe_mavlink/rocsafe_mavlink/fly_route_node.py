@@ -12,6 +12,7 @@ from rocsafe_mavlink.conversions import assignment_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment
+from rocsafe_mavlink.node_timing import TIMING
 from rocsafe_mavlink.result_conversions import (
     cancelled_message,
     refusal_message,
@@ -22,10 +23,6 @@ from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.plan_digest import route_digest
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-
-FEEDBACK_S = 1.0
-# A goal waits at most so long until a vehicle is read or its motors stand still.
-LARGEST_WAIT_S = 45.0
 
 
 class FlyRouteServer:
@@ -84,7 +81,7 @@ class FlyRouteServer:
         summary = self._drone.summary()
         if summary is not None and self._flying:
             self._end_all(result_message(summary, self._shots(summary.visited)))
-        if self._flying and now_s - self._feedback_s >= FEEDBACK_S:
+        if self._flying and now_s - self._feedback_s >= TIMING.feedback_s:
             self._feedback_s = now_s
             feedback = self._feedback()
             for goal in self._flying:
@@ -143,7 +140,7 @@ class FlyRouteServer:
             _require_confirmed(request)
             self._drone.fly(assignment, self._now_s)
         except WaitError as reason:
-            if self._now_s - since_s > LARGEST_WAIT_S:
+            if self._now_s - since_s > TIMING.goal_wait_s:
                 self._end(goal, refusal_message(f'{name}: {reason}'))
             else:
                 self._early.append((goal, since_s))
@@ -226,7 +223,7 @@ class FlyRouteServer:
 
 
 def _require_confirmed(request: FlyRoute.Goal) -> None:
-    """Refuse a take-off that nobody has confirmed for exactly this route.
+    """Refuse a take-off without a confirmation of exactly this route.
 
     Raises
     ------

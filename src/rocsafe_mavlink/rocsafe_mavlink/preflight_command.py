@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The executable ``preflight``: looks at vehicles before a flight, without ROS.
+"""The executable ``preflight``: checks vehicles before a flight, without ROS.
 
 Reads a request as JSON from standard input: `bridge` (parameters of the bridge, the content of the
 drones file among them), `routes` (see `plan_of`, by vehicle; may be left out) and `patience_s`.
@@ -17,12 +17,12 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import values_of
 from rocsafe_mavlink.assembly import make_drone, make_stations
 from rocsafe_mavlink.bridge_options import BridgeOptions
+from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict, failures
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone_options import DroneFleet
 from rocsafe_mavlink.errors import MavlinkError
-from rocsafe_mavlink.flight.check import NOT_READ, Check, CheckVerdict, failures
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
 POLL_S = 0.02
 LARGEST_PATIENCE_S = 300.0

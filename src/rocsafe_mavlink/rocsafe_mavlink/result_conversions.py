@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How flights ended -> results of fly_route."""
+"""Outcomes of flights -> results of fly_route."""
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_mavlink.drone.flight_record import FlightSummary

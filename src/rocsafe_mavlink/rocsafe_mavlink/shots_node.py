@@ -8,6 +8,7 @@ from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_mavlink.camera.geotagging import GeotagContext, Geotagger
 from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.node_timing import TIMING
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
@@ -19,8 +20,6 @@ from rocsafe_ros.conversions import (
 from rocsafe_ros.shot_delivery_node import ShotDelivery
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
-# Period of looking for new images.
-LOOK_S = 0.25
 # Standard deviation of an autopilot's attitude in quiet flight.
 ATTITUDE_STD_RAD = 0.02
 
@@ -75,7 +74,7 @@ class ShotSender:
         """Publish what has come."""
         if now_s < self._due_s:
             return
-        self._due_s = now_s + LOOK_S
+        self._due_s = now_s + TIMING.image_look_s
         context = GeotagContext(
             vehicle=self._drone.spec.name,
             assignment=self._drone.assignment,

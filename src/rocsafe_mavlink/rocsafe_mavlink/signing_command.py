@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The executable ``signing``: make a signing key, write it to a vehicle, look at time stamps.
+"""The executable ``signing``: make a signing key, write it to a vehicle, show time stamps.
 
 Without ROS. The key is never printed. ``send`` writes it in clear, as the protocol demands, hence
 only by a serial port (USB) or within this machine.
@@ -17,6 +17,7 @@ from pathlib import Path
 
 from rocsafe_mavlink.assembly import timestamps_of
 from rocsafe_mavlink.errors import MavlinkError
+from rocsafe_mavlink.knowledge.reducer import ARMED_FLAG
 from rocsafe_mavlink.link.endpoint import Endpoint, parse_endpoint
 from rocsafe_mavlink.link.link import Address
 from rocsafe_mavlink.link.transport import Transport, address_of, open_transport
@@ -39,7 +40,6 @@ POLL_S = 0.02
 # The message is not acknowledged.
 TIMES_SENT = 3
 BETWEEN_S = 0.2
-ARMED_FLAG = 128
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

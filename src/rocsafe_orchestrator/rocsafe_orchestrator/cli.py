@@ -45,7 +45,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _answered(words: Sequence[str]) -> int:
-    """Return the exit code, having told in a line what went wrong."""
+    """Return the exit code, after one line about each fault."""
     try:
         return _obey(words)
     except (OrchestratorError, ScenarioError) as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Look at the ROS domain before a mission starts anything, in a process of its own.
+"""Search the ROS domain before a mission starts its nodes, in a process of its own.
 
 ROS cannot be started in the process that starts the mission: its threads would prevent forking.
 """
@@ -18,8 +18,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.processes.company import Speaker, objections
-from rocsafe_ros.discovery import await_discovery
-from rocsafe_ros.mission_identity import MissionIdentity, identity_of
+from rocsafe_ros.domain.discovery import await_discovery
+from rocsafe_ros.domain.mission_identity import MissionIdentity, identity_of
 from rocsafe_ros.run import end_with
 
 # Participants of other machines announce themselves several times within this time.
@@ -33,7 +33,7 @@ FAST_DDS, VENDOR, MACHINE, PROCESS = b'\x01\x0f', slice(0, 2), slice(2, 4), slic
 
 
 class Claim:
-    """Takes a domain for a mission, until its own nodes are there, and tells who has it already.
+    """Claims a domain for a mission until its own nodes run, and reports who uses it already.
 
     Missions that begin at the same time see each other's claims. ROS reads the user's parameter
     file `config` here first, so that a wrong one starts nothing.
@@ -92,7 +92,7 @@ def claimed(
 def _claim(
     ros_arguments: tuple[str, ...], token: str, names: frozenset[str], told: Connection
 ) -> None:
-    """Look, tell what was found, and stay visible until killed."""
+    """Search the domain, print what was found, and stay visible until killed."""
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
@@ -167,7 +167,7 @@ class LookoutNode(Node):
 
 
 def place_of(gid: bytes, own: bytes) -> str:
-    """Return process and machine of an endpoint as text, empty if its DDS does not tell."""
+    """Return process and machine of an endpoint as text, empty if unknown."""
     if gid[VENDOR] != FAST_DDS or own[VENDOR] != FAST_DDS:
         return ''
     if gid[MACHINE] != own[MACHINE]:

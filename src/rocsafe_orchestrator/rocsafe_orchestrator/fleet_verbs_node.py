@@ -184,7 +184,7 @@ class FleetVerbsNode(Node):
 
 
 def main() -> int:
-    """Run the node until it is asked to stop, or nobody needs it any more."""
+    """Run the node until it is asked to stop or is no longer needed."""
     return run(FleetVerbsNode, outlives=lambda node: node.is_needed)
 
 

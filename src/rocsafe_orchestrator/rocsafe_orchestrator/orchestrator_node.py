@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The orchestrator's ROS side: requests to the nodes, and what they say."""
+"""The orchestrator's ROS side: requests to the nodes, and their messages."""
 
 import dataclasses
 import time
@@ -26,16 +26,17 @@ from rocsafe_interfaces.msg import (
 )
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.mission.decisions import Decision
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
+from rocsafe_orchestrator.parameters import goal_conversions
 from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
+from rocsafe_orchestrator.watches.decisions import Decision
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.domain.mission_identity import MissionIdentity
 from rocsafe_ros.frames import publish_origin
 from rocsafe_ros.health import HealthReporter
-from rocsafe_ros.mission_identity import MissionIdentity
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
@@ -100,7 +101,7 @@ class OrchestratorNode(Node):
 
     def publish_region(self) -> None:
         """Publish what is surveyed, and where the map lies on the earth."""
-        region = conversions.region_of_scenario(self._scenario)
+        region = goal_conversions.region_of_scenario(self._scenario)
         region.header.stamp = self.get_clock().now().to_msg()
         region.header.frame_id = 'earth'
         self._region.publish(region)

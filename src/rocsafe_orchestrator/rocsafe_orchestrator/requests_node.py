@@ -16,13 +16,15 @@ from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.leases_node import Leases
+from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.operator_watch import Verb
 from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.retreat import retreat
 from rocsafe_orchestrator.mission.status import Monitor
-from rocsafe_orchestrator.processes.node_parameters import FLEET
+from rocsafe_orchestrator.parameters import goal_conversions
+from rocsafe_orchestrator.parameters.node_parameters import FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
+from rocsafe_orchestrator.watches.operator_watch import Verb
+from rocsafe_orchestrator.watches.retreat import retreat
 from rocsafe_ros import topics
 from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
@@ -31,6 +33,7 @@ SERVICES = (
     topics.WORLD_RUN,
     topics.SAVE_MOSAIC,
     topics.SUGGEST_VIEWPOINTS,
+    topics.SUGGEST_GAS_VIEWPOINTS,
     topics.FLEET_HOLD,
     topics.FLEET_RETURN_HOME,
 )
@@ -39,11 +42,24 @@ _VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
 BROKEN_OFF = 'broke off with an error, see its log'
 
 
+def searches_of(scenario: Scenario) -> dict[str, Search]:
+    """Return the searches of a scenario by the name of the service that says where to go."""
+    blocks = {
+        topics.SUGGEST_VIEWPOINTS.name: scenario.radiation.search,
+        topics.SUGGEST_GAS_VIEWPOINTS.name: scenario.air.search,
+    }
+    return {
+        name: Search(extra_rounds=block.extra_rounds, viewpoints_a_round=block.viewpoints_a_round)
+        for name, block in blocks.items()
+    }
+
+
 class Requests:
-    """Clients of the planner, of every vehicle, of the world, the map maker and the localizer.
+    """Clients of the planner, the vehicles, the world, the map maker, localizer and estimator.
 
     Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``<vehicle>/hold``,
-    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``.
+    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``,
+    ``hazard/suggest_gas_viewpoints``.
 
     Parameters
     ----------
@@ -68,6 +84,7 @@ class Requests:
         self._plan: SurveyPlan | None = None
         self._routes: dict[tuple[str, str], Route] = {}
         self._viewpoints: list[GeoPoint] = []
+        self._advice: Advice[GeoPoint] = Advice(searches_of(scenario))
         self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
         self._vehicles = {
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
@@ -123,7 +140,7 @@ class Requests:
         return bool(client.server_is_ready())
 
     def command_fleet(self, verb: Verb) -> None:
-        """Command all vehicles; what they refuse is told."""
+        """Command all vehicles, and report their refusals."""
         spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
         answer = self._services[spec.name].call_async(FleetCommand.Request())
         answer.add_done_callback(self._on_fleet)
@@ -134,17 +151,26 @@ class Requests:
                 self._remark(answer.message)
 
     def _send_plan(self, order: Order) -> None:
-        goal = conversions.plan_goal(self._scenario)
-        if self._mission is not None and self._mission.is_gathering and self._plan is not None:
-            goal = conversions.rest_goal(
-                self._scenario, (self._plan, self._routes), self._monitor, self._mission.able
+        goal = goal_conversions.plan_goal(self._scenario)
+        if (
+            self._mission is not None
+            and self._mission.fleet.is_gathering
+            and self._plan is not None
+        ):
+            goal = goal_conversions.rest_goal(
+                self._scenario,
+                (self._plan, self._routes),
+                self._monitor,
+                self._mission.fleet.others,
             )
             self._visited = list(goal.visited)
-            if len(self._visited) == conversions.viewpoint_count(self._plan):
+            if len(self._visited) == goal_conversions.viewpoint_count(self._plan):
                 self._mission.nothing_left()
                 return
         elif self._viewpoints:
-            goal = conversions.further_goal(goal, self._viewpoints, list(self._plans.values()))
+            goal = goal_conversions.further_goal(
+                goal, self._viewpoints, list(self._plans.values())
+            )
         self._send_goal(self._planner, goal, order, self._on_plan)
 
     def _send_fly(self, order: Order) -> None:
@@ -226,20 +252,20 @@ class Requests:
         elif self._mission is not None:
             self._mission.answered(order)
 
-    def _send_advise(self, order: Order) -> None:
-        request = SuggestViewpoints.Request(
-            count=self._scenario.radiation.search.viewpoints_a_round
-        )
-        client = self._services[topics.SUGGEST_VIEWPOINTS.name]
-        client.call_async(request).add_done_callback(partial(self._on_advice, order))
+    def _send_advise(self, _order: Order) -> None:
+        for name, count in self._advice.open_questions:
+            answer = self._services[name].call_async(SuggestViewpoints.Request(count=count))
+            answer.add_done_callback(partial(self._on_advice, name))
 
-    def _on_advice(self, _order: Order, future: Any) -> None:
+    def _on_advice(self, name: str, future: Any) -> None:
         answer = future.result()
-        # The localizer is still working: the request is repeated.
+        # It is still working: the request is repeated.
         if self._mission is None or answer is None or answer.status == answer.NOT_YET:
             return
-        self._viewpoints = list(answer.viewpoints)
-        self._mission.advised(len(self._viewpoints), answer.reason)
+        joined = self._advice.add(name, list(answer.viewpoints), answer.reason)
+        if joined is not None:
+            self._viewpoints, reason = joined
+            self._mission.advised(len(self._viewpoints), reason)
 
     def _send_goal(
         self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]
@@ -268,11 +294,11 @@ class Requests:
         if result.error_code != result.NONE:
             self._mission.refused(order, f'planner: {result.error_msg}')
             return
-        if unseen := conversions.unseen_viewpoint(self._scenario, result.plan):
+        if unseen := goal_conversions.unseen_viewpoint(self._scenario, result.plan):
             self._mission.refused(order, unseen)
             return
         visited, self._visited = self._visited, []
-        if self._mission.is_gathering and self._plan is not None:
+        if self._mission.fleet.is_gathering and self._plan is not None:
             self._photographed += len(visited)
             self._replaces = True
             del self._plans[self._plan.plan_id]
@@ -280,14 +306,14 @@ class Requests:
         self._routes.update(((result.plan.plan_id, r.vehicle), r) for r in result.plan.routes)
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
-        expected = sum(map(conversions.viewpoint_count, self._plans.values()))
+        expected = sum(map(goal_conversions.viewpoint_count, self._plans.values()))
         self._monitor.images_expected = expected + self._photographed
-        viewpoints = conversions.viewpoint_count(result.plan)
+        viewpoints = goal_conversions.viewpoint_count(result.plan)
         self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._routed = [route.vehicle for route in routed]
         real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
         # The rest of a plan that was confirmed needs no confirmation of its own.
-        if real and not self._mission.is_gathering:
+        if real and not self._mission.fleet.is_gathering:
             self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
         else:
             self._mission.planned(self._routed, len(visited))
@@ -299,7 +325,7 @@ class Requests:
             self._mission.planned(self._routed)
 
     def reject(self, text: str) -> None:
-        """Do not fly the plan that waits for a confirmation, and say why."""
+        """Refuse the plan that waits for a confirmation, with the reason."""
         self.unconfirmed = ''
         if self._mission is not None:
             self._mission.refused(Order(kind=OrderKind.PLAN), text)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.scene_export import export_scenes
-from rocsafe_orchestrator.processes.terrain_parameters import ground_options
 from rocsafe_orchestrator.products.readings_table import write_readings
 from rocsafe_orchestrator.products.run_reading import read_run
 from rocsafe_orchestrator.products.run_record import RunRecord

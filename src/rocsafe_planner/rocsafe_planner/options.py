@@ -5,9 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rocsafe_geo.limits import require_count
-from rocsafe_planner.plan.survey_options import GRIDS, METHODS, require_one_of
-
-MAX_VIEWPOINTS_LIMIT = 1_000_000
+from rocsafe_planner.plan.survey_options import (
+    GRIDS,
+    MAX_VIEWPOINTS_LIMIT,
+    METHODS,
+    USUAL_VIEWPOINTS_LIMIT,
+    require_one_of,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +27,7 @@ class PlannerOptions:
         metadata={'doc': f'circum-rectangle of the region: {", ".join(GRIDS)}'},
     )
     max_viewpoints: int = field(
-        default=5000,
+        default=USUAL_VIEWPOINTS_LIMIT,
         metadata={
             'doc': 'largest number of viewpoints of any plan',
             'min': 1,

@@ -128,6 +128,10 @@ class PlannerNode(Node):
         """Plan, check and export; runs in the thread of the job."""
         plan = checked_plan(request, lambda *figures: report(figures))
         self._plans[plan.plan_id] = plan
+        if plan.left_out:
+            self.get_logger().warning(
+                f'plan {plan.plan_id}: the batteries do not do for {len(plan.left_out)} viewpoints'
+            )
         is_wanted = report((plan.makespan_s, plan.lower_bound_s))
         if self._options.export_directory and is_wanted:
             folder = self._options.export_folder(

@@ -3,15 +3,20 @@
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import shapely
+
 from rocsafe_planner.coverage.sight import Sight, sight
-from rocsafe_planner.errors import PlanningCancelledError
+from rocsafe_planner.errors import BeyondEnduranceError, PlanningCancelledError
 from rocsafe_planner.flights.keeping_apart import KeptApart, kept_apart
 from rocsafe_planner.flights.routes import SECONDS_PER_HOUR
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.problem.fleet_problem import Order
+from rocsafe_planner.routing.boustrophedon import boustrophedon_minmax
+from rocsafe_planner.routing.costs import objective_value
 from rocsafe_planner.routing.methods import METHODS, Optimised
 from rocsafe_planner.site.given_viewpoints import footprints_of
 from rocsafe_planner.site.survey_site import SurveySite, survey_site
@@ -52,7 +57,7 @@ def plan_survey(
     _go_on(on_progress)
     site = survey_site(request)
     _go_on(on_progress)
-    found = _found(site, request, on_progress)
+    site, found = _served(site, on_progress)
     stranded = _stranded(site, found)
     if stranded:
         homeward = tuple(
@@ -76,9 +81,66 @@ def plan_survey(
         lower_bound_method=bound.method,
         objective_bound=min(bound.makespan_s, makespan) if is_time else found.bound,
         region_area_m2=sight.region_area_m2,
+        forbidden_area_m2=sight.forbidden_area_m2,
         covered_area_m2=sight.covered_area_m2,
         largest_hole_m2=sight.largest_hole_m2,
         minimum_separation_m=apart.separation_m,
+        left_out=site.left_out,
+    )
+
+
+def _served(site: SurveySite, on_progress: Progress) -> tuple[SurveySite, Optimised]:
+    """Return routes within the batteries, and the site of the viewpoints that they visit.
+
+    The rest of a survey goes without the viewpoints that its batteries do not do for.
+
+    Raises
+    ------
+    BeyondEnduranceError
+        If batteries do not do for all viewpoints of a new survey, or for any one of a rest.
+    """
+    # Loaded when it is asked for: see `_found`.
+    from rocsafe_planner.routing import battery_reach as reach
+
+    request, simple = site.request, boustrophedon_minmax(site.problem)
+    if math.isfinite(objective_value(site.problem, simple, 'longest_time')):
+        return site, _found(site, on_progress, [simple])
+    beyond = reach.beyond_reach(site.problem)
+    if beyond and (not request.continuation.is_rest or len(beyond) == len(site.problem.points)):
+        raise next(iter(beyond.values()))
+    if beyond:
+        site = site.without(beyond)
+    shortage_s = reach.proven_shortage_s(site.problem)
+    if not request.continuation.is_rest:
+        if shortage_s:
+            raise BeyondEnduranceError(_shortage(site, shortage_s))
+        return site, _found(site, on_progress)
+    if not shortage_s:
+        found = _found(site, on_progress)
+        if math.isfinite(objective_value(site.problem, found.orders, 'longest_time')):
+            return site, found
+    return _partly_served(site, reach.most_served(site.problem, request.effort), on_progress)
+
+
+def _partly_served(
+    site: SurveySite, orders: list[Order], on_progress: Progress
+) -> tuple[SurveySite, Optimised]:
+    """Return good routes over the points of some, and the site of those points alone."""
+    served = sorted({point for order in orders for point in order})
+    if not served:
+        raise BeyondEnduranceError('the batteries do for no viewpoint')
+    part = site.without(set(range(len(site.problem.points))) - set(served))
+    number = {point: new for new, point in enumerate(served)}
+    known = [[number[point] for point in order] for order in orders]
+    return part, _found(part, on_progress, [known])
+
+
+def _shortage(site: SurveySite, needed_s: float) -> str:
+    """Return that no plan keeps to the batteries, as one line."""
+    longest_s = max(vehicle.first_endurance_s for vehicle in site.problem.vehicles)
+    return (
+        f'no plan for {len(site.problem.points)} viewpoints keeps to the batteries: the last '
+        f'vehicle needs at least {needed_s:.0f} s, and endurance_s is at most {longest_s:.0f} s'
     )
 
 
@@ -113,11 +175,15 @@ def _sight(site: SurveySite, apart: KeptApart) -> Sight:
         return site.coverage.sight
     views = [view for route in apart.routes for view in route.viewpoints]
     seen = footprints_of(site.frame, (*views, *site.request.continuation.visited))
-    return sight(site.polygons, seen)
+    zones = [zone.polygon(site.frame) for zone in site.request.exclusions]
+    return sight(site.polygons, seen, shapely.union_all(zones) if zones else None)
 
 
-def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> Optimised:
+def _found(
+    site: SurveySite, on_progress: Progress, known: Sequence[list[Order]] = ()
+) -> Optimised:
     """Return the routes of the request's method, and what it proved of its objective, if any."""
+    request = site.request
     if request.effort.method != 'solver':
         orders = METHODS[request.effort.method](site.problem)
         return Optimised(orders=orders)
@@ -130,6 +196,7 @@ def _found(site: SurveySite, request: SurveyRequest, on_progress: Progress) -> O
         request.effort,
         # What is not a time is not told.
         on_progress if is_time else lambda _value, _bound: on_progress(math.nan, math.nan),
+        known,
     )
     if request.effort.objective == 'energy':
         return dataclasses.replace(found, bound=found.bound / SECONDS_PER_HOUR)

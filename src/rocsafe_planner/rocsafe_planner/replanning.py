@@ -61,6 +61,9 @@ def replan(
 ) -> SurveyPlan:
     """Return the plan for the rest of a survey; times count from now.
 
+    Where the batteries do not do for all, it visits as many viewpoints as a search finds, and
+    `left_out` of the plan names the others.
+
     Raises
     ------
     ValueError
@@ -116,7 +119,7 @@ def _proposals(points: int) -> int:
 
 def unreachable(plan: SurveyPlan) -> tuple[int, ...]:
     """Return the ids of viewpoints that exclusions shut off: a plan for the rest leaves them."""
-    flown = {view.id for route in plan.routes for view in route.viewpoints}
+    flown = {view.id for route in plan.routes for view in route.viewpoints} | set(plan.left_out)
     return tuple(view.id for view in plan.request.continuation.viewpoints if view.id not in flown)
 
 

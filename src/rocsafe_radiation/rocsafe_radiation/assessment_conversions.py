@@ -13,6 +13,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.conversions import MAP_FRAME, grid_message
 from rocsafe_interfaces.msg import HazardSource, HazardSourceArray
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.belief.belief_search import BeliefMap
@@ -28,7 +29,6 @@ from rocsafe_ros.conversions import point_of_position, stamp_of_ns
 
 # Cells of the dose map: 0 is 0.1 uSv/h or less, each 10 is a factor of 4, 100 is 1e5 or more.
 LOWEST_CELL_USVH, DECADES = 0.1, 6.0
-MAP_FRAME = 'map'
 # Lines lie above the ground, so that they can be seen.
 LINE_HEIGHT_M = 0.1
 LINE_WIDTH_M = {True: 1.0, False: 0.4}
@@ -81,30 +81,12 @@ def _source_message(
 def dose_map_message(found: DoseMap, time_ns: int) -> OccupancyGrid:
     """Return the mean of `found`, log-scaled: 0 at 0.1 uSv/h and below, 100 at 1e5 and above."""
     decades = np.log10(np.maximum(found.mean_usvh, LOWEST_CELL_USVH) / LOWEST_CELL_USVH)
-    return _grid_message(100.0 * decades / DECADES, found.corner_m, found.cell_m, time_ns)
+    return grid_message(100.0 * decades / DECADES, found.corner_m, found.cell_m, time_ns)
 
 
 def belief_message(found: BeliefMap, time_ns: int) -> OccupancyGrid:
     """Return the probability of a source in each cell, percent."""
-    return _grid_message(100.0 * found.probabilities, found.corner_m, found.cell_m, time_ns)
-
-
-def _grid_message(
-    percent: FloatArray, corner_m: tuple[float, float], cell_m: float, time_ns: int
-) -> OccupancyGrid:
-    """Return values of 0 to 100 at nodes as cells around these, in the frame of the mission."""
-    rows, columns = percent.shape
-    cells = np.clip(np.round(percent), 0, 100).astype(np.int8)
-    message = OccupancyGrid(data=cells.ravel().tolist())
-    message.header.stamp = stamp_of_ns(time_ns)
-    message.header.frame_id = MAP_FRAME
-    message.info.resolution = float(cell_m)
-    message.info.width, message.info.height = columns, rows
-    # The origin of a message is the corner of a cell, a node is its middle.
-    message.info.origin.position.x = corner_m[0] - cell_m / 2.0
-    message.info.origin.position.y = corner_m[1] - cell_m / 2.0
-    message.info.origin.orientation.w = 1.0
-    return message
+    return grid_message(100.0 * found.probabilities, found.corner_m, found.cell_m, time_ns)
 
 
 def cordon_markers(found: Sequence[Cordon], ground: Ground, time_ns: int) -> MarkerArray:

@@ -23,9 +23,8 @@ from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.physics.field import require_point
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.fix_pairs_node import FixPairs
 from rocsafe_ros.lockstep import Participant
-from rocsafe_ros.pairing import StampPairing
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
@@ -49,39 +48,16 @@ class Detector:
             if kind
             else None
         )
-        self._pairing: StampPairing[NavSatFix, NavSatFix] = StampPairing()
         self._unanswered = 0
-        self._reported_lost = 0
         self._readings = topics.create_publisher(node, topics.RADIATION, vehicle)
-        pair = ((topics.GROUND_TRUTH_FIX, self._on_truth), (topics.FIX, self._on_fix))
-        lone = ((topics.FIX, self._on_lone_fix),)
-        self._fixes = [
-            topics.create_subscription(node, spec, callback, vehicle)
-            for spec, callback in (lone if vehicle in options.vehicles_at_their_fix else pair)
-        ]
+        self.fixes = FixPairs(
+            node,
+            vehicle,
+            is_at_its_fix=vehicle in options.vehicles_at_their_fix,
+            on_pair=self._answer,
+        )
 
-    @property
-    def is_ready(self) -> bool:
-        """Whether the vehicle's fixes arrive when it sends them."""
-        return all(fixes.get_publisher_count() for fixes in self._fixes)
-
-    def _on_fix(self, fix: NavSatFix) -> None:
-        self._answer(self._pairing.add_left(ns_of_stamp(fix.header.stamp), fix))
-
-    def _on_truth(self, truth: NavSatFix) -> None:
-        self._answer(self._pairing.add_right(ns_of_stamp(truth.header.stamp), truth))
-
-    def _on_lone_fix(self, fix: NavSatFix) -> None:
-        self._on_fix(fix)
-        self._on_truth(fix)
-
-    def _answer(self, pair: tuple[NavSatFix, NavSatFix] | None) -> None:
-        if self._pairing.lost > self._reported_lost:
-            self._reported_lost = self._pairing.lost
-            self._log.warning(f'{self._vehicle}: {self._pairing.lost} fixes lost their partner')
-        if pair is None:
-            return
-        fix, place = pair
+    def _answer(self, fix: NavSatFix, place: NavSatFix) -> None:
         try:
             require_point(*coordinates_of_fix(place))
         except UnknownPointError as error:
@@ -132,7 +108,7 @@ class FieldNode(Node):
             self._participant = Participant(self, self.get_name(), self._on_step, self._hears_all)
 
     def _hears_all(self) -> bool:
-        return all(detector.is_ready for detector in self._detectors)
+        return all(detector.fixes.is_ready for detector in self._detectors)
 
     def _on_step(self, _time_ns: int) -> bool:
         return True

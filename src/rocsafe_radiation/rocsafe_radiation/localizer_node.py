@@ -7,6 +7,7 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from rocsafe_hazard.pending_request import PendingRequest
 from rocsafe_interfaces.msg import RadiationReading, Region
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.assessment_conversions import (
@@ -16,7 +17,6 @@ from rocsafe_radiation.assessment_conversions import (
     fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.decision.assessment_steps import PendingRequest
 from rocsafe_radiation.localization.localize import TooFewReadingsError
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.products.assessment import Assessment, assess, suggested_waypoints

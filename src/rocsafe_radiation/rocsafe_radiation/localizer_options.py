@@ -9,6 +9,7 @@ from typing import ClassVar
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.ground_heights import read_heights
 from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL, response_of
 from rocsafe_radiation.detection.dosimeter import (
     DEFAULT_DOSE_RATES_USVH,
     DEFAULT_DOSES_USV,
@@ -50,6 +51,13 @@ class LocalizerOptions:
     )
     nuclide: str = field(
         default=DEFAULT_NUCLIDE, metadata={'doc': 'nuclide whose photons air attenuates'}
+    )
+    detector: str = field(
+        default=IDEAL,
+        metadata={
+            'doc': 'kind of detector, which counts scattered photons, too: '
+            + ', '.join(DETECTOR_NAMES)
+        },
     )
     origin_latitude_deg: float = field(
         default=0.0,
@@ -247,7 +255,11 @@ class LocalizerOptions:
             self.model == AUTO_MODEL and models == {PAPER_MODEL}
         )
         known = LocalizationOptions(
-            kernel=Kernel(is_lossy=not is_paper, nuclide=self.nuclide),
+            kernel=Kernel(
+                is_lossy=not is_paper,
+                nuclide=self.nuclide,
+                response=response_of(self.detector),
+            ),
             source_up_m=self.source_height_m,
             source_up_std_m=self.source_height_std_m,
             position_std_m=self.position_std_m,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The control lease of a vehicle: who may give it orders. Time is an argument.
+"""The control lease of a vehicle: the right to command it. Time is an argument.
 
 A lease only decides who may give orders. Its end never moves the vehicle: a flight under way
 continues on its verified route. It is kept by steady time of the machine, because it says whether
@@ -47,7 +47,7 @@ class Lease:
 
     @property
     def number(self) -> str:
-        """What orders carry; empty if nobody has the lease."""
+        """The token that orders carry; empty without a holder of the lease."""
         return f'{self.server}/{self.epoch}' if self.holder else ''
 
     @property
@@ -86,7 +86,7 @@ class LeaseKeeper:
         self._vehicle = vehicle
 
     def is_valid(self, now_s: float) -> bool:
-        """Return whether somebody leads the vehicle."""
+        """Return whether the lease has a holder."""
         return bool(self.lease.holder) and not self.lease.void and now_s < self.expires_s
 
     def take(self, asked: Lease, now_s: float, *, takes_over: bool = False) -> None:
@@ -115,7 +115,7 @@ class LeaseKeeper:
             self.text += f', taken over from {before.who}'
 
     def renew(self, number: str, duration_s: float, now_s: float) -> None:
-        """Extend the lease `number`, also after its end if nobody has taken it since.
+        """Extend the lease `number`, also after its end unless it was taken since.
 
         Raises
         ------
@@ -134,7 +134,7 @@ class LeaseKeeper:
         self.lease = replace(self.lease, holder='', mission='')
 
     def revoke(self, why: str) -> None:
-        """Make the lease void until it is taken again: somebody else has the vehicle."""
+        """Make the lease void until it is taken again: another has the vehicle."""
         if self.lease.holder and not self.lease.void:
             self.lease = replace(self.lease, void=why)
             self.text = f'the lease of {self.lease.who} is void: {why}'

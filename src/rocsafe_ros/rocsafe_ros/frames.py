@@ -84,7 +84,7 @@ class VehicleFrames:
 
 
 def publish_origin(node: Node, frame: LocalFrame) -> None:
-    """Broadcast where the map lies on the earth: one node of a mission does so, once."""
+    """Broadcast the pose of the map on the earth; one node of a mission does so, once."""
     place, rotation = frame.earth_pose()
     transform = Transform(rotation=quaternion_message(rotation))
     to = transform.translation

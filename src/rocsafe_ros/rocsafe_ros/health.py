@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Health of a node on /diagnostics: one status a node, and those that it tells of others."""
+"""Health of a node on /diagnostics: its own status, and those that it reports of others."""
 
 import os
 import time
@@ -11,7 +11,7 @@ from rclpy.node import Node
 
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, key_values
-from rocsafe_ros.interface_versions import InterfaceVersions
+from rocsafe_ros.domain.interface_versions import InterfaceVersions
 
 PERIOD_S = 1.0
 

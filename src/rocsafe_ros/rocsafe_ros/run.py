@@ -20,8 +20,8 @@ from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.health import HealthReporter
-from rocsafe_ros.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 EXIT_OK = 0

@@ -26,24 +26,27 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from rocsafe_interfaces.action import FlyRoute, PlanSurvey
+from rocsafe_interfaces.action import FlyRoute, PlanGroundRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
     Control,
     Decision,
     DoseAlarm,
     DoseRate,
+    EvidencePointArray,
     GasReading,
     GeoPoint,
     GeotaggedImage,
     GimbalCommand,
     GimbalState,
+    GroundRoute,
     HazardSourceArray,
     MissionState,
     Mosaic,
     ParticleReading,
     RadiationReading,
     Region,
+    ReleaseEstimateArray,
     ShotReceipt,
     StepDone,
     SurveyPlan,
@@ -76,7 +79,7 @@ MEASUREMENTS_KEPT = 50
 PICTURES_KEPT = 8
 # States that a recorder which falls behind does not miss: at full speed several come at once.
 STATES_KEPT = 10
-# All decisions of a mission: whoever comes late reads what happened.
+# All decisions of a mission, so that a late subscriber gets all of them.
 DECISIONS_KEPT = 500
 # Topics of a further camera have its name instead of this one.
 FIRST_CAMERA = 'camera'
@@ -281,6 +284,23 @@ CORDONS = _fleet(
 BELIEF_MAP = _fleet(
     'hazard/belief', OccupancyGrid, _latched(), 'on change', 'probability of a source, percent'
 )
+EVIDENCE = _fleet(
+    'evidence', EvidencePointArray, _latched(), 'on change', 'where a ground vehicle is sent'
+)
+GROUND_ROUTE = _fleet(
+    'ground/route', GroundRoute, _latched(), 'on change', 'drive of a ground vehicle, with bound'
+)
+GROUND_PATH = _fleet('ground/path', Path, _latched(), 'on change', 'the same, poses for Nav2')
+GROUND_COSTS = _fleet(
+    'ground/costs', OccupancyGrid, _latched(), 'on change', 'where it can drive; dose rate, log'
+)
+RELEASES = _fleet(
+    'hazard/release', ReleaseEstimateArray, _latched(), 'on change', 'estimated releases of gas'
+)
+PLUME = _fleet('hazard/plume', OccupancyGrid, _latched(), 'on change', 'concentration, log ppm')
+THREAT_ZONES = _fleet(
+    'hazard/threat_zones', MarkerArray, _latched(), 'on change', 'ground above response levels'
+)
 MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
@@ -314,11 +334,21 @@ SET_HOME = _call(
     'set_home', SetHome, 'service', Scope.VEHICLE, 'before take-off; simulated vehicles only'
 )
 PLAN_SURVEY = _call('plan_survey', PlanSurvey, 'action', Scope.FLEET, 'region to routes')
+PLAN_GROUND_ROUTE = _call(
+    'plan_ground_route', PlanGroundRoute, 'action', Scope.FLEET, 'evidence to a drive and back'
+)
 QUERY_FIELD = _call(
     'radiation_field/query', QueryRadiationField, 'service', Scope.FLEET, 'dose rates at points'
 )
 SUGGEST_VIEWPOINTS = _call(
     'hazard/suggest_viewpoints', SuggestViewpoints, 'service', Scope.FLEET, 'where to measure next'
+)
+SUGGEST_GAS_VIEWPOINTS = _call(
+    'hazard/suggest_gas_viewpoints',
+    SuggestViewpoints,
+    'service',
+    Scope.FLEET,
+    'where to measure gas next',
 )
 WORLD_RUN = _call('world/run', SetBool, 'service', Scope.FLEET, 'start or pause simulated time')
 FLEET_HOLD = _call('fleet/hold', FleetCommand, 'service', Scope.FLEET, 'hold of all vehicles')

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from rocsafe_ros2cli.command import CommandError, Verb
-from rocsafe_ros2cli.run_command import add_run_arguments, run
+from rocsafe_ros2cli.verbs.run_command import add_run_arguments, run
 
 PROGRAM = 'ros2'
 
@@ -108,7 +108,8 @@ def _add_rows(
 
 def _add_verbs(parser: argparse.ArgumentParser, command: str) -> None:
     """Give the parser of a command its verbs and their arguments."""
-    verbs: tuple[Verb, ...] = importlib.import_module(f'rocsafe_ros2cli.{command}_command').VERBS
+    module = importlib.import_module(f'rocsafe_ros2cli.verbs.{command}_command')
+    verbs: tuple[Verb, ...] = module.VERBS
     rows = _add_rows(parser, f'{PROGRAM} {command}', {verb.name: verb.summary for verb in verbs})
     for verb in verbs:
         for add_to in verb.arguments:

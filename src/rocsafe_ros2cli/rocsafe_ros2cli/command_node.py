@@ -14,7 +14,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
-from rocsafe_ros.discovery import await_discovery
+from rocsafe_ros.domain.discovery import await_discovery
 from rocsafe_ros2cli.command import CommandError
 
 SLICE_S = 0.1

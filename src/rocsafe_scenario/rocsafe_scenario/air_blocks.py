@@ -71,6 +71,24 @@ class AirWindBlock(Block):
     gust_scale_s: float = Field(default=20.0, ge=1.0, le=3600.0)
 
 
+class GasSearchBlock(Block):
+    """How releases are looked for, and when that is enough.
+
+    With `extra_rounds`, after the survey the vehicles fly up to so many more times to
+    `viewpoints_a_round` places from which readings tell most, until it is enough. `agent` is what
+    is known to leak, e.g. from a placard; empty: what the sensors are made for. Places count as
+    searched where less than `smallest_g_s` may be released unseen.
+    """
+
+    agent: ReleasedAgent | Literal[''] = ''
+    release_height_m: float = Field(default=1.0, ge=0.0, le=30.0)
+    smallest_g_s: float = Field(default=0.5, ge=1e-9, le=1e9)
+    region_m: float = Field(default=10.0, ge=0.1, le=1e4)
+    hidden_share: float = Field(default=0.05, ge=1e-3, le=0.9)
+    extra_rounds: int = Field(default=0, ge=0, le=20)
+    viewpoints_a_round: int = Field(default=12, ge=1, le=100)
+
+
 class AirBlock(Block):
     """What is in the air, and the sensors that every simulated vehicle carries for it."""
 
@@ -82,6 +100,7 @@ class AirBlock(Block):
     dilution: float = Field(default=0.7, ge=0.01, le=1.0)
     intake_delay_s: float = Field(default=1.0, ge=0.0, le=60.0)
     window_s: float = Field(default=1.0, ge=0.1, le=600.0)
+    search: GasSearchBlock = GasSearchBlock()
 
     @property
     def is_used(self) -> bool:

@@ -8,7 +8,7 @@ from pydantic import Field
 from rocsafe_scenario.scenario_blocks import Block
 
 CameraName = Annotated[str, Field(pattern=r'^[A-Za-z][A-Za-z0-9_]*$', max_length=32)]
-# Of the survey's camera, whose topics are /rav1/camera/...
+# The survey's camera, whose topics are /rav1/camera/...
 FIRST_CAMERA = 'camera'
 
 

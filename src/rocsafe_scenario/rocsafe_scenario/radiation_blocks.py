@@ -151,7 +151,7 @@ class LevelsBlock(Block):
 
 
 class CrewBlock(Block):
-    """Somebody at a place, and the dose that is not to be exceeded, microsievert."""
+    """A person at a place, with the largest dose allowed, microsievert."""
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
     position: LatLon
@@ -184,6 +184,7 @@ class RadiationBlock(Block):
         search, levels = self.search, self.levels.cordon_levels_usvh
         return (
             f'--model={self.estimator_model}',
+            f'--detector={self.detector}',
             f'--method={search.method}',
             f'--errors={max(search.false_alarm, search.missed)}',
             f'--smallest={search.smallest_source_usvh}',

@@ -117,6 +117,11 @@ class Scenario(Block):
         )
 
     @property
+    def extra_rounds(self) -> int:
+        """Largest number of flights after the survey, of any search."""
+        return max(self.radiation.search.extra_rounds, self.air.search.extra_rounds)
+
+    @property
     def engine_scene(self) -> str:
         """Path of the scene file that the game engine shows, '' if the ground is flat."""
         return self.camera.scene_file if self.camera.backend == 'engine' else ''

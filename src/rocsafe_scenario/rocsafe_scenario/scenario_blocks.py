@@ -12,8 +12,10 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.regions.area import MOST_CORNERS
 from rocsafe_geo.storage.utc_time import in_utc, time_of_text
 from rocsafe_planner.plan.survey_options import (
+    MAX_VIEWPOINTS_LIMIT,
     AirspaceOptions,
     CoverageOptions,
     Effort,
@@ -32,9 +34,9 @@ EARLIEST_START = datetime(1970, 1, 1, tzinfo=timezone.utc)
 LATEST_START = datetime(2038, 1, 1, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
-    {'air', 'clock', 'collector', 'fleet', 'fleet_verbs', 'hazard', 'localizer', 'mission',
-     'mosaic', 'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder', 'region', 'scene',
-     'shots', 'sim', 'world'}
+    {'air', 'clock', 'collector', 'estimator', 'fleet', 'fleet_verbs', 'hazard', 'localizer',
+     'mission', 'mosaic', 'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder',
+     'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
 
 
@@ -119,7 +121,7 @@ class RegionBlock(Block):
     Only vehicles that carry all `sensors` survey it.
     """
 
-    polygon: tuple[LatLon, ...] | None = Field(default=None, min_length=3, max_length=10_000)
+    polygon: tuple[LatLon, ...] | None = Field(default=None, min_length=3, max_length=MOST_CORNERS)
     holes: tuple[Annotated[tuple[LatLon, ...], Field(min_length=3)], ...] = ()
     file: str | None = None
     sensors: tuple[SensorName, ...] = ()
@@ -170,7 +172,7 @@ class SurveyBlock(Block):
         default=_COVERAGE['front_overlap_fraction'], ge=0.0, le=0.95
     )
     grid: Grid = _COVERAGE['grid']
-    max_viewpoints: int = Field(default=_COVERAGE['max_viewpoints'], ge=1, le=100_000)
+    max_viewpoints: int = Field(default=_COVERAGE['max_viewpoints'], ge=1, le=MAX_VIEWPOINTS_LIMIT)
     terrain_file: str = ''
     airspace: AirspaceBlock = AirspaceBlock()
     separation: SeparationBlock = SeparationBlock()
@@ -193,7 +195,7 @@ class SimulationBlock(Block):
     collision_radius_m: float = Field(default=0.4, ge=0.0, le=10.0)
 
 
-# Of a real vehicle whose home the scenario leaves out: it is told by the vehicle.
+# Home of a real vehicle where the scenario leaves it out: the vehicle reports it.
 HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
 # Keys of a vehicle that say where it is found, not what it can do.
 LINK_KEYS = frozenset({'link', 'drone'})

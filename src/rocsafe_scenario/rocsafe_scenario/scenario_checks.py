@@ -142,6 +142,9 @@ def _unclear_releases(scenario: Scenario) -> Iterator[str]:
             f'survey.airspace.wind_mps = {speed:g} m/s: must be at least {LEAST_WIND_MPS:g} m/s '
             'with air.releases'
         )
+    air = scenario.air
+    if air.search.extra_rounds and not (air.gas_sensors and air.anemometer):
+        yield 'air.search.extra_rounds: needs air.gas_sensors and air.anemometer'
 
 
 def _missing_sensors(scenario: Scenario) -> Iterator[str]:

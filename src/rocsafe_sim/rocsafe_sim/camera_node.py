@@ -6,8 +6,8 @@ from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
-from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
+from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of

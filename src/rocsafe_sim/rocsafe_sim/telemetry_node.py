@@ -9,7 +9,6 @@ from std_msgs.msg import Header
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_ros import topics
-from rocsafe_ros.audience import Audience
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -20,6 +19,7 @@ from rocsafe_ros.conversions import (
     vehicle_diagnostic,
     velocity_message,
 )
+from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence

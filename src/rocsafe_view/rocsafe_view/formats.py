@@ -51,7 +51,7 @@ def about(value: float) -> str:
 
 
 def stay(hours: float) -> str:
-    """Return a time that somebody may stay, as ``36 s``, ``12 min``, ``20 h`` or ``330 d``."""
+    """Return a time of stay, as ``36 s``, ``12 min``, ``20 h`` or ``330 d``."""
     for limit_h, per_h, unit in ((1 / 60, 3600.0, 's'), (1.0, 60.0, 'min'), (72.0, 1.0, 'h')):
         if hours < limit_h:
             return f'{about(hours * per_h)}{GAP}{unit}'
@@ -91,9 +91,10 @@ def duration(seconds: float | None) -> str:
 
 
 def clock(seconds: float) -> str:
-    """Return a time since take-off as ``06:05``."""
-    whole = round(seconds)
-    return f'{whole // 60:02d}:{whole % 60:02d}'
+    """Return a time as ``06:05``, from an hour on as ``1:06:05``."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f'{hours}:{minutes:02}:{rest:02}' if hours else f'{minutes:02}:{rest:02}'
 
 
 def length(metres: float | None) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a map shows, ready to be drawn by the template ``map.html``.
+"""Content of a map, prepared for the template ``map.html``.
 
 Map coordinates are metres east and south of the origin: those of SVG, north up.
 """

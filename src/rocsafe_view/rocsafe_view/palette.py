@@ -69,10 +69,8 @@ class DoseScale:
         return [self.low_usvh, *between, self.high_usvh]
 
 
-def scale_of(
-    dose_rates_usvh: Iterable[float], tail: float = 0.0, decades: float = _DECADES_SHOWN
-) -> DoseScale:
-    """Return a scale that holds `dose_rates_usvh`, at most `decades` down from the highest.
+def scale_of(dose_rates_usvh: Iterable[float], tail: float = 0.0) -> DoseScale:
+    """Return a scale that holds `dose_rates_usvh`, at most four decades down from the highest.
 
     Its ends are 1, 2 or 5 times a power of ten, at least one decade apart. Of the lowest rates a
     fraction `tail` may lie below it.
@@ -82,7 +80,7 @@ def scale_of(
         return DoseScale(low_usvh=0.1, high_usvh=10.0)
     high = _round_up(max(values[-1], 10 * _LOWEST_USVH))
     least = values[int(tail * (len(values) - 1))]
-    low = _round_down(max(least, high / 10.0**decades, _LOWEST_USVH))
+    low = _round_down(max(least, high / 10.0**_DECADES_SHOWN, _LOWEST_USVH))
     return DoseScale(low_usvh=min(low, high / 10.0), high_usvh=high)
 
 

@@ -15,11 +15,11 @@ def number(value: float, digits: int = 2) -> str:
     return '0' if text == '-0' else text
 
 
-def polyline(line: Sequence[Point], digits: int = _DECIMETRE_DIGITS) -> str:
+def polyline(line: Sequence[Point]) -> str:
     """Return path data through `line`; a single point becomes a dot of a round-capped stroke."""
     if not line:
         return ''
-    steps = [f'{number(x, digits)} {number(y, digits)}' for x, y in line]
+    steps = [f'{number(x, _DECIMETRE_DIGITS)} {number(y, _DECIMETRE_DIGITS)}' for x, y in line]
     distinct = [
         step for step, before in zip(steps, [None, *steps], strict=False) if step != before
     ]

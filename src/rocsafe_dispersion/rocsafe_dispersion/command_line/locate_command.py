@@ -12,13 +12,14 @@ import numpy as np
 
 from rocsafe_dispersion.agents.agent_table import agent
 from rocsafe_dispersion.atmosphere.stability import CLASSES, layer_of_class
+from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
-from rocsafe_dispersion.estimation.locate import FoundRelease, LocatedReleases, locate_releases
+from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.mission_gas.release_assessment import search_area
 from rocsafe_geo.frame import LocalFrame
 
 EXIT_OK, EXIT_REFUSED = 0, 2
-CELLS_ACROSS = 25
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -26,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
-        area = search_area(gas, options.margin, options.release_height)
+        area = search_area(gas.survey.places_m, options.margin, options.release_height)
         found = _located(gas, area, options)
     except ValueError as error:
         sys.stderr.write(f'error: {error}\n')
@@ -58,20 +59,6 @@ def parser() -> argparse.ArgumentParser:
     found.add_argument('--most', type=int, default=3, metavar='N', help='releases [3]')
     found.add_argument('--json', action='store_true', help='print JSON')
     return found
-
-
-def search_area(gas: GasFile, margin_m: float, height_m: float) -> SearchArea:
-    """Return the area around the readings."""
-    places = gas.survey.places_m[:, :, :2].reshape(-1, 2)
-    low, high = places.min(axis=0) - margin_m, places.max(axis=0) + margin_m
-    return SearchArea(
-        west_m=float(low[0]),
-        south_m=float(low[1]),
-        east_m=float(high[0]),
-        north_m=float(high[1]),
-        cell_m=max(float((high - low).max()) / CELLS_ACROSS, 1.0),
-        height_m=height_m,
-    )
 
 
 def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, Any]:
@@ -110,7 +97,7 @@ def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
         'rate_g_s': release.rate_g_s,
         'rate_95_g_s': [release.rate_low_g_s, release.rate_high_g_s],
         'std_m': np.sqrt(np.diag(release.covariance_m2)).tolist(),
-        'region_95_m2': len(release.region_m) * release.cell_m**2,
+        'region_95_m2': release.region_m2,
     }
 
 

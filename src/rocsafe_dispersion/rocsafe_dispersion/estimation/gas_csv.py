@@ -8,8 +8,6 @@ and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or ``win
 ``above``: the value is only a bound) and ``instrument``. Other columns are not read.
 """
 
-import csv
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,10 +19,10 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between, require_positive
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.csv_rows import Row, column, read_table
 from rocsafe_geo.wind.anemometer_file import FROM, VECTOR, is_vector_record
 from rocsafe_geo.wind.wind_vector import wind_from
 
-Row = dict[str, str]
 GEODETIC, LOCAL = ('latitude_deg', 'longitude_deg'), ('east_m', 'north_m')
 LIMITS = ('', 'below', 'above')
 # Without a column: noise as this share of the largest reading.
@@ -55,15 +53,7 @@ def read_gas(path: Path, g_m3_of_ppm: Callable[[float], float] | None = None) ->
     ValueError
         In one line, naming file, line, column, value and limit.
     """
-    try:
-        with path.open(encoding='utf-8-sig', newline='') as stream:
-            rows = list(csv.DictReader(stream, strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f'{path}: {error}') from error
-    try:
-        return _gas_file(rows, g_m3_of_ppm)
-    except ValueError as error:
-        raise ValueError(f'{path}: {error}') from error
+    return read_table(path, lambda rows: _gas_file(rows, g_m3_of_ppm))
 
 
 def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None) -> GasFile:
@@ -74,7 +64,7 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
     unit = 'g_m3' if 'value_g_m3' in names else 'ppm'
     places, frame = _places(rows, names)
     limits = [_limit(number, row) for number, row in enumerate(rows, 2)]
-    values = factor * _column(rows, f'value_{unit}')
+    values = factor * column(rows, f'value_{unit}')
     return GasFile(
         survey=GasSurvey(
             places_m=places[:, None],
@@ -85,7 +75,7 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
             is_below=np.array([limit == 'below' for limit in limits]),
             is_above=np.array([limit == 'above' for limit in limits]),
             times_s=(
-                _column(rows, 'time_s') if 'time_s' in names else np.arange(len(rows), dtype=float)
+                column(rows, 'time_s') if 'time_s' in names else np.arange(len(rows), dtype=float)
             ),
             instruments=_instruments(rows, names),
         ),
@@ -108,14 +98,14 @@ def _places(rows: Sequence[Row], names: set[str]) -> tuple[FloatArray, LocalFram
     heights = np.array(
         [
             require_between(f'line {number}: height_m', height, -5.0, 500.0, 'm')
-            for number, height in enumerate(_column(rows, 'height_m').tolist(), 2)
+            for number, height in enumerate(column(rows, 'height_m').tolist(), 2)
         ]
     )
     if names >= set(LOCAL):
-        east, north = (_column(rows, name) for name in LOCAL)
+        east, north = (column(rows, name) for name in LOCAL)
         frame = None
     elif names >= set(GEODETIC):
-        latitudes, longitudes = (_column(rows, name) for name in GEODETIC)
+        latitudes, longitudes = (column(rows, name) for name in GEODETIC)
         for number, (latitude, longitude) in enumerate(zip(latitudes, longitudes, strict=True), 2):
             require_between(f'line {number}: latitude_deg', latitude, -90.0, 90.0, 'degrees')
             require_between(f'line {number}: longitude_deg', longitude, -180.0, 180.0, 'degrees')
@@ -131,7 +121,7 @@ def _places(rows: Sequence[Row], names: set[str]) -> tuple[FloatArray, LocalFram
 
 def _winds(rows: Sequence[Row], names: set[str]) -> FloatArray:
     is_vector = is_vector_record(names)
-    first, second = (_column(rows, name) for name in (VECTOR if is_vector else FROM))
+    first, second = (column(rows, name) for name in (VECTOR if is_vector else FROM))
     if is_vector:
         return np.column_stack([first, second])
     winds = [wind_from(speed, angle) for speed, angle in zip(first, second, strict=True)]
@@ -144,7 +134,7 @@ def _stds(
     if f'std_{unit}' not in names:
         largest = require_positive('largest value', float(np.abs(values).max()))
         return np.full(len(rows), DEFAULT_NOISE_SHARE * largest)
-    return factor * _column(rows, f'std_{unit}')
+    return factor * column(rows, f'std_{unit}')
 
 
 def _instruments(rows: Sequence[Row], names: set[str]) -> np.ndarray:  # type: ignore[type-arg]
@@ -160,20 +150,3 @@ def _limit(number: int, row: Row) -> str:
     if text not in LIMITS:
         raise ValueError(f'line {number}: limit is {text!r}: must be below, above or empty')
     return text
-
-
-def _column(rows: Sequence[Row], name: str) -> FloatArray:
-    if name not in rows[0]:
-        raise ValueError(f'column {name} is missing')
-    return np.array([_number(number, row, name) for number, row in enumerate(rows, 2)])
-
-
-def _number(number: int, row: Row, name: str) -> float:
-    text = row.get(name)
-    try:
-        value = float(text or '')
-    except (TypeError, ValueError):
-        raise ValueError(f'line {number}: {name} is {text!r}: must be a number') from None
-    if not math.isfinite(value):
-        raise ValueError(f'line {number}: {name} is {text!r}: must be finite')
-    return value

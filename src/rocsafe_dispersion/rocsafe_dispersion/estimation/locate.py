@@ -8,56 +8,30 @@ from itertools import product
 
 import numpy as np
 
+from rocsafe_dispersion.estimation.found_release import FoundRelease, drawn, found_release
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_dispersion.estimation.hidden import HIDDEN_MULTIPLES, HiddenReleases
 from rocsafe_dispersion.estimation.plume_kernel import (
     LEAST_SPEED_MPS,
     MEANDER_WEIGHTS,
     PlumeShape,
     unit_readings,
 )
-from rocsafe_dispersion.estimation.rate_fit import MULTIPLE_WEIGHTS, MULTIPLES, RateFits, fit_rates
+from rocsafe_dispersion.estimation.rate_fit import (
+    MULTIPLE_WEIGHTS,
+    MULTIPLES,
+    RateFits,
+    fit_rates,
+    log_likelihoods,
+)
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
 
-REGION_SHARE = 0.95
 # Values that one release more brings: two of its place and its rate.
 _VALUES_A_RELEASE = 3
 _EXCHANGES = 4
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FoundRelease:
-    """A release that was found.
-
-    Attributes
-    ----------
-    place_m
-        Most probable place, east and north, metres.
-    mean_m, covariance_m2
-        Mean and covariance of its place, (2,) and (2, 2).
-    rate_g_s, rate_low_g_s, rate_high_g_s
-        Rate: median, and the bounds of the middle 0.95, g/s.
-    region_m : (r, 2)
-        Cells that together hold the place with a probability of 0.95.
-    cell_m
-        Size of the cells.
-    """
-
-    place_m: tuple[float, float]
-    mean_m: FloatArray
-    covariance_m2: FloatArray
-    rate_g_s: float
-    rate_low_g_s: float
-    rate_high_g_s: float
-    region_m: FloatArray
-    cell_m: float
-
-    def holds(self, east_m: float, north_m: float) -> bool:
-        """Return whether a place is within the region of 0.95."""
-        offset = np.abs(self.region_m - (east_m, north_m))
-        return bool((offset <= self.cell_m / 2.0 + 1e-9).all(axis=1).any())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,6 +51,8 @@ class LocatedReleases:
         The most probable shape of the plume.
     scatter
         The most probable scatter.
+    hidden
+        Where a release may still be if none was found; None: there is one.
     """
 
     releases: tuple[FoundRelease, ...]
@@ -84,6 +60,7 @@ class LocatedReleases:
     background_g_m3: FloatArray
     shape: PlumeShape
     scatter: float
+    hidden: HiddenReleases | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -156,6 +133,7 @@ def locate_releases(
         background_g_m3=background,
         shape=case.shape,
         scatter=case.scatter,
+        hidden=None if chosen else _hidden(survey, cases, empty, places, options),
     )
 
 
@@ -257,34 +235,35 @@ def _regions(
         )
         rates = np.array([fit.rates_g_s[:, -1:] * MULTIPLES for fit in fits])
         weights = np.exp(logs - logs.max()) * MULTIPLE_WEIGHTS
-        found.append(_found(weights, rates, places, area.cell_m))
+        shapes = [case.shape for case in own]
+        found.append(found_release(weights, rates, places, shapes, area.cell_m))
     return found
 
 
-def _found(
-    weights: FloatArray, rates: FloatArray, places: FloatArray, cell_m: float
-) -> FoundRelease:
-    """Return a release from weights and rates (cases, places, multiples)."""
-    weights = weights / weights.sum()
-    masses = weights.sum(axis=(0, 2))
-    mean = masses @ places
-    offset = places - mean
-    order = np.argsort(-masses)
-    count = int(np.searchsorted(np.cumsum(masses[order]), REGION_SHARE)) + 1
-    by_rate = np.argsort(rates.ravel())
-    total = np.cumsum(weights.ravel()[by_rate])
-    low, middle, high = (
-        float(rates.ravel()[by_rate[min(int(np.searchsorted(total, share)), len(total) - 1)]])
-        for share in ((1.0 - REGION_SHARE) / 2.0, 0.5, (1.0 + REGION_SHARE) / 2.0)
-    )
-    east, north = places[order[0]].tolist()
-    return FoundRelease(
-        place_m=(east, north),
-        mean_m=mean,
-        covariance_m2=np.einsum('m,mi,mj->ij', masses, offset, offset),
-        rate_g_s=middle,
-        rate_low_g_s=low,
-        rate_high_g_s=high,
-        region_m=places[order[:count]],
-        cell_m=cell_m,
+def _hidden(
+    survey: GasSurvey,
+    cases: list[_Case],
+    empty: list[RateFits],
+    places: FloatArray,
+    options: LocateOptions,
+) -> HiddenReleases:
+    """Return what readings that tell of no release say of one that they may have missed."""
+    rates = np.full((len(places), 1), options.smallest_g_s)
+    logs = []
+    for case, none in zip(cases, empty, strict=True):
+        # The background is that without a release: a hidden one adds little to it.
+        background = none.backgrounds_g_m3[0][survey.instruments]
+        background = np.broadcast_to(background[:, None], (len(background), len(places)))
+        fixed = log_likelihoods(
+            survey, case.units[..., None], rates, background, case.scatter, options,
+            HIDDEN_MULTIPLES,
+        )  # fmt: skip
+        logs.append(options.information_share * (fixed - none.log_likelihoods[:, :1]))
+    priors = np.array([math.exp(case.log_prior) for case in cases])
+    weights = np.exp(np.minimum(logs, 50.0)) * (priors / priors.sum())[:, None, None]
+    amounts = np.broadcast_to(options.smallest_g_s * HIDDEN_MULTIPLES, weights.shape)
+    return HiddenReleases(
+        places_m=places,
+        ratios=weights[:, :, 0].sum(axis=0),
+        samples=drawn(weights, amounts, places, [case.shape for case in cases]),
     )

@@ -97,7 +97,7 @@ def fit_rates(
     return RateFits(
         rates_g_s=rates,
         backgrounds_g_m3=found[:, releases:] / scale[:, releases:],
-        log_likelihoods=_log_likelihoods(survey, units, rates, background, scatter, options),
+        log_likelihoods=log_likelihoods(survey, units, rates, background, scatter, options),
     )
 
 
@@ -129,25 +129,30 @@ def _solved(design: FloatArray, weights: FloatArray, values: FloatArray) -> Floa
     return np.asarray(found)
 
 
-def _log_likelihoods(
+def log_likelihoods(
     survey: GasSurvey,
     units: FloatArray,
     rates: FloatArray,
     background: FloatArray,
     scatter: float,
     options: LocateOptions,
+    multiples: FloatArray = MULTIPLES,
 ) -> FloatArray:
-    """Return the logarithms of the likelihood, (m, multiples)."""
+    """Return the logarithms of the likelihood, (m, multiples).
+
+    The rate of the last release is multiplied by each of `multiples`; other arguments are as in
+    `fit_rates`, rates are (m, releases) and the background of each reading is (n, m).
+    """
     noise = np.broadcast_to(survey.std_g_m3[:, None], background.shape)
     missed = options.missed_probability * _densities(survey, background, noise)
     releases = rates.shape[1]
     if not releases:
         logs = np.log(np.maximum(missed / options.missed_probability, _TINY)).sum(axis=0)
-        return np.repeat(logs[:, None], len(MULTIPLES), axis=1)
+        return np.repeat(logs[:, None], len(multiples), axis=1)
     others = np.einsum('onmp,mp->onm', units[..., :-1], rates[:, :-1])
     last = units[..., -1] * rates[:, -1]
-    found = np.empty((background.shape[1], len(MULTIPLES)))
-    for index, multiple in enumerate(MULTIPLES):
+    found = np.empty((background.shape[1], len(multiples)))
+    for index, multiple in enumerate(multiples):
         density = missed.copy()
         for share, gas in zip(MEANDER_WEIGHTS, others + multiple * last, strict=True):
             spread = np.hypot(noise, scatter * gas)

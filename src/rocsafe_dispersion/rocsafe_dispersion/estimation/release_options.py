@@ -61,6 +61,9 @@ class LocateOptions:
         Largest number of releases, at most 3.
     least_gain
         Gain of the logarithm of the likelihood, beyond the penalty of BIC, for one release more.
+    smallest_g_s
+        Rate of the weakest release that matters, g/s: what is said of releases that were not
+        found is said of this rate.
     """
 
     spread_y: tuple[float, ...] = (0.7, 1.4)
@@ -72,6 +75,7 @@ class LocateOptions:
     information_share: float = 0.3
     most_releases: int = 3
     least_gain: float = 4.0
+    smallest_g_s: float = 0.5
 
     def __post_init__(self) -> None:
         for name in ('spread_y', 'spread_z'):
@@ -83,4 +87,5 @@ class LocateOptions:
         require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
         require_between('missed_probability', self.missed_probability, 0.0, 0.9)
         require_between('information_share', self.information_share, 0.01, 1.0)
+        require_between('smallest_g_s', self.smallest_g_s, 1e-9, 1e9, 'g/s')
         require_count('most_releases', self.most_releases, 0, 3)

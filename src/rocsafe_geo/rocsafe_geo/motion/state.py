@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""State of a motion at one time, and what every motion has."""
+"""State of a motion at one time, and the interface of every motion."""
 
 import math
 from dataclasses import dataclass

@@ -20,8 +20,14 @@ MAX_LATITUDE_DEG = 85.0
 MAX_EXTENT_M = 500_000.0
 """No corner is further than this from the first one: a local plane would be no map."""
 
+MOST_CORNERS = 10_000
+"""Of a ring; one with more is no region drawn by hand, and grids over it take minutes."""
+
 MIN_AREA_M2 = 0.01
 """What encloses less is a line or a point."""
+
+MIN_WIDTH_M = 0.1
+"""What is narrower in the mean is a line: positions are written with six decimals, 0.1 m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +40,10 @@ class SurveyArea:
     Raises
     ------
     ValueError
-        If a ring has fewer than three corners, crosses itself or the antimeridian, comes nearer to
-        a pole than `MAX_LATITUDE_DEG`, is larger than `MAX_EXTENT_M` or encloses nothing; or if a
-        hole reaches outside the boundary or overlaps another one.
+        If a ring has fewer than three corners or more than `MOST_CORNERS`, crosses itself or the
+        antimeridian, comes nearer to a pole than `MAX_LATITUDE_DEG`, is larger than
+        `MAX_EXTENT_M`, encloses nothing or is narrower than `MIN_WIDTH_M`; or if a hole reaches
+        outside the boundary or overlaps another one.
     """
 
     boundary: Ring
@@ -80,6 +87,10 @@ def _check_ring(what: str, ring: Ring, first_of_area: Ring) -> None:
     """Refuse what cannot be put into a plane."""
     if len(ring) < 3:
         raise ValueError(f'{what} has {len(ring)} distinct corners: must have at least 3')
+    if len(ring) > MOST_CORNERS:
+        raise ValueError(
+            f'{what} has {len(ring)} corners: must have at most {MOST_CORNERS} (simplify it)'
+        )
     for corner in ring:
         if abs(corner.latitude_deg) > MAX_LATITUDE_DEG:
             raise ValueError(
@@ -90,7 +101,7 @@ def _check_ring(what: str, ring: Ring, first_of_area: Ring) -> None:
         if abs(a.longitude_deg - b.longitude_deg) > 180.0:
             raise ValueError(
                 f'{what} goes from longitude {b.longitude_deg:g} to {a.longitude_deg:g} deg: '
-                'must not cross the antimeridian (180 deg)'
+                'must not cross the antimeridian (180 deg): divide the region there'
             )
     extent = max(distance_m(first_of_area[0], corner) for corner in ring)
     if extent > MAX_EXTENT_M:
@@ -131,6 +142,12 @@ def _simple_polygon(what: str, ring: Ring, frame: LocalFrame) -> shapely.Polygon
         raise ValueError(
             f'{what} encloses {polygon.area:.2g} m2: must enclose at least '
             f'{MIN_AREA_M2:g} m2 (its corners lie on a line)'
+        )
+    width_m = 2.0 * polygon.area / polygon.length
+    if polygon.is_valid and width_m < MIN_WIDTH_M:
+        raise ValueError(
+            f'{what} is {width_m:.2g} m wide in the mean: must be at least {MIN_WIDTH_M:g} m '
+            '(it is a line)'
         )
     if not polygon.is_valid:
         reason = shapely.is_valid_reason(polygon)

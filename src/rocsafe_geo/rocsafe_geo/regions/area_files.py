@@ -58,19 +58,24 @@ def _areas(file: Path, most: int) -> tuple[SurveyArea, ...]:
         if not 1 <= len(polygons) <= most:
             limit = 'exactly 1' if most == 1 else f'1 to {most}'
             raise ValueError(f'has {len(polygons)} polygons: must have {limit}')  # noqa: TRY301
-        return tuple(
-            _area(rings, name or (f'{file.stem} {number}' if number > 1 else file.stem))
-            for number, (rings, name) in enumerate(polygons, start=1)
-        )
+        return tuple(_numbered(file, polygons, number) for number in range(1, len(polygons) + 1))
     except (ValueError, RecursionError) as error:
         reason = 'is nested too deeply' if isinstance(error, RecursionError) else error
         raise ValueError(f'{file}: {reason}') from error
 
 
-def _area(rings: list[Ring], name: str) -> SurveyArea:
+def _numbered(file: Path, polygons: list[_NamedRings], number: int) -> SurveyArea:
+    """Return one polygon of a file, the first of which has the number 1."""
+    rings, name = polygons[number - 1]
+    which = f'polygon {number}: ' if len(polygons) > 1 else ''
     if not rings:
-        raise ValueError('has a polygon without coordinates')
-    return SurveyArea(rings[0], tuple(rings[1:]), name)
+        raise ValueError(f'{which}has a polygon without coordinates')
+    try:
+        return SurveyArea(
+            rings[0], tuple(rings[1:]), name or file.stem + (f' {number}' if number > 1 else '')
+        )
+    except ValueError as error:
+        raise ValueError(f'{which}{error}') from error
 
 
 def _reader_of(file: Path) -> Callable[[str], list[_NamedRings]]:
@@ -169,9 +174,15 @@ def _geo_position(values: Sequence[Any]) -> GeoPosition:
     try:
         return GeoPosition(values[1], values[0])
     except ValueError as error:
-        raise ValueError(
-            f'has the position {_short(list(values))}: {error} (longitude comes first)'
-        ) from error
+        hint = _hint(values[0])
+        raise ValueError(f'has the position {_short(list(values))}: {error} ({hint})') from error
+
+
+def _hint(longitude: object) -> str:
+    """Return what is probably wrong with a position of this longitude."""
+    if isinstance(longitude, int | float) and 180.0 < abs(longitude) <= 540.0:
+        return 'a region must not cross the antimeridian, 180 deg: divide it there'
+    return 'longitude comes first'
 
 
 def _kml_polygons(text: str) -> list[_NamedRings]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which rays enter which upright boxes."""
+"""Intersections of rays with upright boxes."""
 
 import numpy as np
 from numpy.typing import NDArray

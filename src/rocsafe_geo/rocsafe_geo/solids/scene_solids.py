@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What stands in a scene and how high its ground is, as plain values."""
+"""Solids of a scene and heights of its ground, as plain values."""
 
 import math
 from dataclasses import dataclass

@@ -8,7 +8,7 @@ from stat import S_IMODE
 
 LARGEST_FILE = 4096
 FEWEST_BITS = 128
-# Fewer different letters are a pattern that somebody typed, not a random text.
+# Fewer different letters are a typed pattern, not a random text.
 FEWEST_LETTERS = 8
 # Alphabets of random texts, the smallest first: hexadecimal digits, Base64, all that is printed.
 _ALPHABETS = (
@@ -19,7 +19,7 @@ _ALPHABETS = (
 
 
 class SecretFileError(ValueError):
-    """A secret cannot be read, others could read it, or it is weak; its text is never told."""
+    """A secret is unreadable, readable by others, or weak; the message never contains its text."""
 
 
 def read_secret(path: Path) -> bytes:

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def time_of_text(value: Any) -> Any:
-    """Return the time that a quoted text says in ISO 8601; anything else as it is."""
+    """Return the time in a quoted ISO 8601 text; any other value unchanged."""
     if not isinstance(value, str):
         return value
     try:

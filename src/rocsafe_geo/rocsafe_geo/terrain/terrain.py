@@ -18,6 +18,8 @@ _KNOT = 16
 # Largest number of cells along the longer side of a relief, and their least size, metres.
 _MOST_CELLS = 1000
 _LEAST_CELL_M = 0.5
+# Least size of a cell in pixels: between pixels the ground is linear.
+_LEAST_CELL_PIXELS = 0.1
 
 
 class TerrainError(ValueError):
@@ -147,7 +149,9 @@ class LocalGround:
     def relief(self, places: FloatArray, clearance_m: float) -> Relief:
         """Return the relief of the ground between places (n, 2)."""
         low, high = places.min(axis=0) - 1.0, places.max(axis=0) + 1.0
-        cell = max(_LEAST_CELL_M, float((high - low).max()) / _MOST_CELLS)
+        extent = float((high - low).max())
+        least = max(_LEAST_CELL_M, _LEAST_CELL_PIXELS * self._pixel_m(low, high))
+        cell = max(least, extent / _MOST_CELLS)
         counts = np.ceil((high - low) / cell).astype(int) + 1
         spots = [np.arange(0, count + _KNOT, _KNOT) for count in counts]
         east, north = (low[i] + cell * spots[i] for i in (0, 1))
@@ -164,6 +168,14 @@ class LocalGround:
         known: FloatArray = np.where(np.isnan(tops), np.nanmax(tops), tops)
         ups = known + self.shift_m - self._frame.origin.altitude_m
         return Relief(low, cell, ups, clearance_m)
+
+    def _pixel_m(self, low: FloatArray, high: FloatArray) -> float:
+        """Return the size of a pixel between two places of the plane, metres; 0: not known."""
+        places = np.column_stack([np.stack([low, high]), np.zeros(2)])
+        geodetic = self._frame.to_geodetic(places)
+        spots = self._terrain.pixels_of(geodetic[:, 0], geodetic[:, 1])
+        pixels = float(np.hypot(*(spots[1] - spots[0])))
+        return float(np.hypot(*(high - low))) / pixels if pixels > 0.0 else 0.0
 
     def _raise(self, tops: FloatArray, low: FloatArray, cell: float, geodetic: FloatArray) -> None:
         """Lift each cell to the highest pixel in it: a fine raster has peaks between nodes."""

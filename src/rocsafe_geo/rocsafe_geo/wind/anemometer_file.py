@@ -7,8 +7,6 @@ columns are not read; a column ``direction`` or ``wind_direction`` is refused, a
 whether it is where the wind comes from or goes to.
 """
 
-import csv
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.storage.csv_rows import Row, column, number_in, read_table
 from rocsafe_geo.wind.similarity import SurfaceLayer
 from rocsafe_geo.wind.wind_field import towards
 from rocsafe_geo.wind.wind_vector import WindVector, wind_from
@@ -79,28 +78,17 @@ def read_wind(
     ValueError
         In one line, if the file is not there, or a column or value is missing or wrong.
     """
-    try:
-        with path.open(encoding='utf-8-sig', newline='') as stream:
-            rows = list(csv.DictReader(stream))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ValueError(f'wind {path}: {error}') from error
-    try:
-        return _recorded(rows, layer, height_m)
-    except ValueError as error:
-        raise ValueError(f'wind {path}: {error}') from error
+    return read_table(path, lambda rows: _recorded(rows, layer, height_m))
 
 
-def _recorded(
-    rows: Sequence[dict[str, str]], layer: SurfaceLayer | None, height_m: float
-) -> RecordedWind:
+def _recorded(rows: Sequence[Row], layer: SurfaceLayer | None, height_m: float) -> RecordedWind:
     if not 1 <= len(rows) <= LARGEST_ROWS:
         raise ValueError(f'has {len(rows)} rows: must be 1 to {LARGEST_ROWS}')
-    if 'time_s' not in rows[0]:
-        raise ValueError('column time_s is missing')
+    times_s = column(rows, 'time_s')
     is_vector = is_vector_record(set(rows[0]))
     winds = [_wind(number, row, is_vector) for number, row in enumerate(rows, 2)]
     return RecordedWind(
-        times_s=np.array([_number(number, row, 'time_s') for number, row in enumerate(rows, 2)]),
+        times_s=times_s,
         towards_mps=np.array([(one.towards_east_mps, one.towards_north_mps) for one in winds]),
         layer=layer,
         height_m=height_m,
@@ -127,22 +115,11 @@ def is_vector_record(names: set[str]) -> bool:
     raise ValueError(f'needs either {" and ".join(VECTOR)} or {" and ".join(FROM)}')
 
 
-def _wind(number: int, row: dict[str, str], is_vector: bool) -> WindVector:
-    first, second = (_number(number, row, name) for name in (VECTOR if is_vector else FROM))
+def _wind(number: int, row: Row, is_vector: bool) -> WindVector:
+    first, second = (number_in(number, row, name) for name in (VECTOR if is_vector else FROM))
     try:
         if not is_vector:
             return wind_from(first, second)
         return WindVector(towards_east_mps=first, towards_north_mps=second)
     except ValueError as error:
         raise ValueError(f'line {number}: {error}') from error
-
-
-def _number(number: int, row: dict[str, str], name: str) -> float:
-    text = row.get(name)
-    try:
-        value = float(text or '')
-    except (TypeError, ValueError):
-        raise ValueError(f'line {number}: {name} is {text!r}: must be a number') from None
-    if not math.isfinite(value):
-        raise ValueError(f'line {number}: {name} is {text!r}: must be finite')
-    return value

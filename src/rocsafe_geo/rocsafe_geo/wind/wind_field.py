@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What any wind answers, and the steady winds: uniform and profile."""
+"""The interface of all winds, and the steady winds: uniform and profile."""
 
 from dataclasses import dataclass
 from typing import Protocol

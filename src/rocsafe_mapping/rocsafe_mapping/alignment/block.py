@@ -7,17 +7,22 @@ together from the beginning: that result depends on the set of photographs alone
 """
 
 import dataclasses
-from collections.abc import Callable, Collection, Mapping
+import math
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from rocsafe_mapping.alignment.adjustment.clock_lag import without_lag
 from rocsafe_mapping.alignment.adjustment.least_squares import adjusted
+from rocsafe_mapping.alignment.initial.flown_path import FlownPath, clock_offset_s, fixed_by_path
 from rocsafe_mapping.alignment.initial.flying_height import with_heights
 from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
+from rocsafe_mapping.alignment.initial.location import locate
+from rocsafe_mapping.alignment.initial.pair_graph import groups_of
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.matching.pair_table import PairTable, ReadGray
+from rocsafe_mapping.alignment.model.mark import Mark
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.alignment.steps import (
@@ -27,6 +32,7 @@ from rocsafe_mapping.alignment.steps import (
     solve_block,
     without_yaw,
 )
+from rocsafe_mapping.alignment.structure.step import find_structure
 from rocsafe_mapping.alignment_options import AlignmentOptions
 from rocsafe_mapping.errors import PlacementError
 
@@ -68,6 +74,10 @@ class Block:
         self.lags_s: Mapping[str, float] = {}
         self._rejected: set[tuple[str, str]] = set()
         self.state = State(poses={})
+        self.marks: tuple[Mark, ...] = ()
+        self.path: FlownPath | None = None
+        self.clock_offset_s = math.nan
+        self.is_local = False
 
     def __len__(self) -> int:
         return len(self._photos)
@@ -96,27 +106,106 @@ class Block:
         self._photos[photo.name] = photo
         self.pair_table.add(photo)
 
-    def find_pairs(self) -> None:
-        """Match all photographs that may overlap; unknown heights are found first.
+    def find_pairs(self) -> tuple[str, ...]:
+        """Match all photographs that may overlap; unknown places and heights are found first.
+
+        Returns
+        -------
+        tuple
+            Names of the photographs that nothing places, which are forgotten.
 
         Raises
         ------
         PlacementError
             If heights above the ground are unknown and cannot be found.
         """
-        if not all(photo.has_height for photo in self._photos.values()):
-            self.pair_table.match_nearest()
-            pairs = tuple(self.pair_table.found.values())
-            found = with_heights(self._photos, pairs, self.options.initial)
-            if not found:
-                raise PlacementError(
-                    'no photograph tells its height above the ground, and too few overlap to '
-                    'find it from their fixes'
-                )
-            for name, photo in found.items():
-                self._photos[name] = photo
-                self.pair_table.replace(photo)
-        find_pairs(self.pair_table)
+        self._follow_path(())
+        if all(photo.has_height and photo.is_located for photo in self._photos.values()):
+            find_pairs(self.pair_table)
+            return ()
+        self.pair_table.match_nearest()
+        is_oblique = self._find_tilts()
+        pairs = tuple(self.pair_table.found.values())
+        self._follow_path(pairs)
+        lost = self._locate(pairs)
+        self._find_heights(pairs)
+        if not is_oblique:
+            find_pairs(self.pair_table)
+        return lost
+
+    def _find_tilts(self) -> bool:
+        """Where too few photographs are tied as if they looked down, find how they look.
+
+        Returns whether that was necessary and possible.
+        """
+        options = self.options.structure
+        pairs = tuple(self.pair_table.found.values())
+        tied = len(groups_of(pairs)[0]) if pairs else 0
+        count = len(self._photos)
+        level = sum(
+            p.tilt_std_rad < self.options.prior.tilt_std_rad for p in self._photos.values()
+        )
+        if (
+            tied >= options.least_tied_share * count
+            or 2 * level > count
+            or not 2 < count <= options.most_photos
+        ):
+            return False
+        found = find_structure(self._photos, self.pair_table.read_gray, self.options)
+        if found is None or len(found.photos) <= tied:
+            return False
+        for photo in found.photos.values():
+            self.replace(photo)
+        self.pair_table.adopt(found.pairs)
+        return True
+
+    def _follow_path(self, pairs: Sequence[Pair]) -> None:
+        """Give photographs the fixes of the track, if the offset of their clock is known.
+
+        From `pairs`, where there are any, it is found.
+        """
+        if self.path is None or all(photo.has_fix for photo in self._photos.values()):
+            return
+        options = self.options
+        if math.isnan(self.clock_offset_s):
+            if not pairs:
+                return
+            self.clock_offset_s = clock_offset_s(
+                self._photos, pairs, self.path, options.initial, options.path
+            )
+        found = fixed_by_path(self._photos, self.path, self.clock_offset_s, options.path)
+        for photo in found.values():
+            self.replace(photo)
+
+    def _locate(self, pairs: Sequence[Pair]) -> tuple[str, ...]:
+        """Find where photographs without a fix were taken; forget those that nothing places."""
+        if all(photo.is_located for photo in self._photos.values()):
+            return ()
+        found = locate(self._photos, pairs, self.marks, self.options.initial)
+        self.is_local = found.is_local
+        for name in found.lost:
+            self.remove(name)
+        for photo in found.photos.values():
+            self.replace(photo)
+        return found.lost
+
+    def _find_heights(self, pairs: Sequence[Pair]) -> None:
+        if all(photo.has_height for photo in self._photos.values()):
+            return
+        pairs = [pair for pair in pairs if self._photos.keys() >= {pair.first, pair.second}]
+        found = with_heights(self._photos, pairs, self.options.initial, self.marks)
+        if not found:
+            raise PlacementError(
+                'no photograph tells its height above the ground, and too few overlap to '
+                'find it from their fixes'
+            )
+        for photo in found.values():
+            self.replace(photo)
+
+    def replace(self, photo: Photo) -> None:
+        """Take over a new prior of a photograph."""
+        self._photos[photo.name] = photo
+        self.pair_table.replace(photo)
 
     def remove(self, name: str) -> None:
         """Forget a photograph that was added but never tied."""
@@ -159,7 +248,8 @@ class Block:
     def global_solution(self) -> Callable[[], Solution]:
         """Return the adjustment of all photographs, to be carried out, also by another thread."""
         photos, pairs = dict(self._photos), tuple(self.pair_table.found.values())
-        return lambda: solve_block(photos, pairs, self.options)
+        marks = self.marks
+        return lambda: solve_block(photos, pairs, self.options, marks)
 
     def adopt(self, solution: Solution) -> None:
         """Take over a solution; photographs that came since keep their place among the others."""
@@ -193,7 +283,7 @@ class Block:
         for other, pose in self.state.poses.items():
             fix = self._photos[other].prior.centre
             away = float(np.linalg.norm(fix[:2] - prior.centre[:2]))
-            if away < options.correcting_reach * prior.centre[2]:
+            if self._photos[other].has_fix and away < options.correcting_reach * prior.centre[2]:
                 offs.append((away, other, pose.centre - [*fix[:2], 0.0]))
         if len(offs) < options.correcting_fixes:
             return prior

@@ -18,6 +18,7 @@ from rocsafe_mapping.alignment.adjustment.least_squares import adjusted
 from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.matching.pair_table import PairTable
+from rocsafe_mapping.alignment.model.mark import Mark
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.alignment_options import AlignmentOptions
@@ -60,20 +61,27 @@ def find_pairs(table: PairTable) -> tuple[Pair, ...]:
 
 
 def solve_block(
-    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: AlignmentOptions
+    photos: Mapping[str, Photo],
+    pairs: Sequence[Pair],
+    options: AlignmentOptions,
+    marks: Sequence[Mark] = (),
 ) -> Solution:
-    """Return the adjustment of all photographs that `pairs` tie, from the beginning."""
+    """Return the adjustment of all photographs that `pairs` tie, from the beginning.
+
+    Surveyed `marks` hold it beside the fixes.
+    """
     # 5. Graph of pairs (`initial.pair_graph`): groups that hang together; pairs that contradict
     #    the loops which they close are rejected.
     # 6. First poses (`initial.initial_poses`): turns and heights, then places, near the fixes.
-    first = initial_poses(photos, pairs, options.initial)
+    first = initial_poses(photos, pairs, options.initial, marks)
     unbelieved = frozenset(
         name
         for names, is_believed in zip(first.groups, first.is_yaw_believed, strict=True)
         for name in names
         if not is_believed
     )
-    state, lags = State(poses=first.poses), {}
+    sighted = tuple(mark for mark in marks if first.poses.keys() & set(mark.sightings))
+    state, lags = State(poses=first.poses, marks=sighted), {}
     if first.poses:
         # 7. Adjustment (`adjustment.least_squares`): poses and lenses from ties and priors.
         # 8. Ground heights (`model.surface`): where the ties show that the ground is not level.

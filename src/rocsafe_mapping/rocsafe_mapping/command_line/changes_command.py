@@ -97,7 +97,7 @@ def _note(text: str) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='rocsafe changes',
-        description='Tell what changed between two flights: where and how much, as GeoJSON.',
+        description='Find changes between two flights: place and size of each, as GeoJSON.',
     )
     parser.add_argument('before', type=Path, metavar='BEFORE', help='folder of photographs')
     parser.add_argument('after', type=Path, metavar='AFTER', help='folder of photographs')
@@ -106,7 +106,7 @@ def _parser() -> argparse.ArgumentParser:
         '--resolution', type=float, default=0.2, metavar='M', help='of the comparison [0.2]'
     )
     parser.add_argument(
-        '--least-area', type=float, default=1.0, metavar='M2', help='smallest change told [1]'
+        '--least-area', type=float, default=1.0, metavar='M2', help='smallest change listed [1]'
     )
     return parser
 

@@ -2,6 +2,7 @@
 """`map`: the map of a folder of photographs, without ROS."""
 
 import argparse
+import math
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,11 @@ from rocsafe_geo.regions.area_files import read_area
 from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
+from rocsafe_mapping.mosaic.survey import Survey
+from rocsafe_mapping.photographs.geolocation import located, read_geolocations
+from rocsafe_mapping.photographs.ground_control import read_control
 from rocsafe_mapping.photographs.label_images import LABELS
+from rocsafe_mapping.photographs.track import read_track
 from rocsafe_mapping.products.map_products import ProductOptions, write_products
 from rocsafe_mapping.store.catalogue import MANIFEST, StoredShot, read_store
 from rocsafe_mapping.store.photograph_files import photographs_of
@@ -72,12 +77,7 @@ def make_map(options: argparse.Namespace) -> int:
     maker = Mapmaker(
         MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), _note
     )
-    maker.add_all(
-        [
-            Shot(name=shot.path.name, record=shot.record, read=shot.read_image)
-            for shot in shots_of(options.folder)
-        ]
-    )
+    maker.add_all(_shots(options), _survey(options))
     if not len(maker) or maker.frame is None:
         raise MappingError(f'{options.folder}: no photograph that can be placed')
     watch.lap('read')
@@ -96,6 +96,28 @@ def make_map(options: argparse.Namespace) -> int:
     alignment = maker.align(watch.lap)
     document = write_products(maker, alignment, wanted, watch.lap, watch.costs)
     return _conclude(document, folder)
+
+
+def _shots(options: argparse.Namespace) -> list[Shot]:
+    """Return the photographs, at the places that a ``geo.txt`` says."""
+    stored = {shot.path.name: shot for shot in shots_of(options.folder)}
+    records = {name: shot.record for name, shot in stored.items()}
+    if options.geo is not None:
+        records = located(records, read_geolocations(options.geo), _note)
+    return [
+        Shot(name=name, record=records[name], read=shot.read_image)
+        for name, shot in stored.items()
+    ]
+
+
+def _survey(options: argparse.Namespace) -> Survey:
+    if options.clock_offset is not None and options.track is None:
+        raise MappingError('--clock-offset is that of a --track, which is missing')
+    return Survey(
+        control=read_control(options.gcp) if options.gcp is not None else (),
+        track=read_track(options.track) if options.track is not None else None,
+        clock_offset_s=math.nan if options.clock_offset is None else options.clock_offset,
+    )
 
 
 def _labels_of(options: argparse.Namespace) -> Path | None:
@@ -121,6 +143,14 @@ def shots_of(folder: Path) -> tuple[StoredShot, ...]:
 
 def _conclude(document: Mapping[str, Any], folder: Path) -> int:
     photographs = document['photographs']
+    if document['is_local']:
+        sys.stdout.write('local map without scale or north: no KML, no tiles\n')
+    for kind, facts in document['control'].items():
+        if kind != 'points':
+            sys.stdout.write(
+                f'{facts["count"]} {kind} points: off by {facts["rmse_m"]:.2f} m, stated '
+                f'{facts["stated_error_m"]:.2f} m\n'
+            )
     sys.stdout.write(
         f'{photographs["total"]} photographs, {photographs["placed_by_features"]} placed by what '
         f'they show, {len(photographs["placed_by_gps"])} by their fix alone\n'
@@ -164,6 +194,22 @@ def _parser() -> argparse.ArgumentParser:
         metavar='DIR',
         help='PNG label images named like the photographs: writes labels.tif too',
     )
+    parser.add_argument(
+        '--geo', type=Path, metavar='FILE',
+        help="places of photographs, OpenDroneMap's geo.txt; they replace those of the tags",
+    )  # fmt: skip
+    parser.add_argument(
+        '--gcp', type=Path, metavar='FILE',
+        help="ground control points, OpenDroneMap's gcp_list.txt; CHK-... are check points",
+    )  # fmt: skip
+    parser.add_argument(
+        '--track', type=Path, metavar='FILE',
+        help='GPX or CSV track: places of photographs without a fix by their times',
+    )  # fmt: skip
+    parser.add_argument(
+        '--clock-offset', type=float, metavar='S',
+        help='time of the track less that of the camera in seconds [found]',
+    )  # fmt: skip
     parser.add_argument('--only-geotiff', action='store_true', help='no picture, KML and tiles')
     return parser
 

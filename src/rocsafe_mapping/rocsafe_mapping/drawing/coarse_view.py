@@ -27,11 +27,14 @@ class CoarseView:
         Blue, green, red, shape (height, width, 3).
     scores
         How well it shows each pixel, 0 where it does not.
+    squares
+        Squared distances from the middle of the image, 1 in its corners.
     """
 
     window: Window
     colours: NDArray[np.uint8]
     scores: Shares
+    squares: Shares
 
 
 def coarse_grid(
@@ -56,6 +59,7 @@ def coarse_view(
         window=window,
         colours=drawn(image, seen, cv2.INTER_LINEAR),
         scores=scores(placed.photo.camera, seen, edge_share),
+        squares=seen.squares(placed.photo.camera),
     )
 
 

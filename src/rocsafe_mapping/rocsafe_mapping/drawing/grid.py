@@ -19,6 +19,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.model.photo import GroundFrame
 from rocsafe_mapping.errors import PlacementError
 
+# Of a local map, which has neither scale nor north.
+LOCAL_EPSG = 0
 WGS84_EPSG, WEB_MERCATOR_EPSG = 4326, 3857
 # Half the side of the square of Web Mercator, metres; side of its tiles.
 WORLD_M = math.pi * 6_378_137.0
@@ -92,7 +94,7 @@ class MapGrid:
     Attributes
     ----------
     epsg
-        UTM zone, or 3857 for the tiles of web maps.
+        UTM zone, 3857 for the tiles of web maps, or 0 for a local map: the local frame itself.
     resolution_m
         Side of a pixel in the map's units.
     frame
@@ -105,6 +107,8 @@ class MapGrid:
 
     def ground_of(self, columns: FloatArray, rows: FloatArray) -> FloatArray:
         """Return the local (east, north) of grid places, (n, 2); integers are pixel edges."""
+        if self.epsg == LOCAL_EPSG:
+            return np.column_stack([columns, -rows]) * self.resolution_m
         longitudes, latitudes = _from_wgs84(self.epsg).transform(
             columns * self.resolution_m, -rows * self.resolution_m, direction='INVERSE'
         )
@@ -121,6 +125,8 @@ class MapGrid:
 
     def places_of(self, ground_m: FloatArray) -> FloatArray:
         """Return grid (column, row), (n, 2), of local points (n, 2); integers are pixel edges."""
+        if self.epsg == LOCAL_EPSG:
+            return ground_m * (1.0, -1.0) / self.resolution_m
         geodetic = self.frame.geodetic(ground_m)
         easts, norths = _from_wgs84(self.epsg).transform(geodetic[:, 1], geodetic[:, 0])
         return np.column_stack([easts, -np.asarray(norths)]) / self.resolution_m

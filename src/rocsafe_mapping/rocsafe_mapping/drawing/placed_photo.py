@@ -19,6 +19,8 @@ from rocsafe_mapping.photographs.shot import Intrinsics
 # between: the error is far below a tenth of a pixel.
 LATTICE_PX = 16
 LONGEST_REACH = 1.7
+# Three heights away.
+LEAST_COSINE_SQUARE = 0.1
 Shares = NDArray[np.float32]
 
 
@@ -45,6 +47,13 @@ class PixelMap:
     def cosines(self) -> Shares:
         """Squared cosines of the angles off nadir, (height, width)."""
         return spread_lattice(self.steepness, self.window)
+
+    def squares(self, camera: Intrinsics) -> Shares:
+        """Return the squared distances from the middle of the image, 1 in its corners."""
+        across = self.across - np.float32(0.5 * (camera.width_px - 1))
+        down = self.down - np.float32(0.5 * (camera.height_px - 1))
+        half = 0.25 * (camera.width_px**2 + camera.height_px**2)
+        return ((across**2 + down**2) / half).astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,14 +141,16 @@ def drawn(image: NDArray[np.uint8], seen: PixelMap, interpolation: int) -> NDArr
 def scores(camera: Intrinsics, seen: PixelMap, edge_share: float) -> Shares:
     """Return how well a photograph shows each place of `seen`: 0 not at all, 1 best.
 
-    The squared cosine of the angle off nadir, falling to zero at the edges of the photograph.
+    The squared cosine of the angle off nadir, falling to zero at the edges of the photograph, and
+    zero where it looks farther than three heights: there pixels are smeared over the map.
     """
     half_width, half_height = np.float32(0.5 * camera.width_px), np.float32(0.5 * camera.height_px)
     to_side = half_width - np.abs(seen.across + (np.float32(0.5) - half_width))
     to_end = half_height - np.abs(seen.down + (np.float32(0.5) - half_height))
     ramp = np.float32(edge_share * min(camera.width_px, camera.height_px))
     edge = np.clip(np.minimum(to_side, to_end) / ramp, 0.0, 1.0)
-    found: Shares = seen.cosines * edge
+    cosines = seen.cosines
+    found: Shares = np.where(cosines > LEAST_COSINE_SQUARE, cosines, np.float32(0.0)) * edge
     return found
 
 

@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -18,6 +19,7 @@ from rocsafe_mapping.drawing.pixel_cache import PixelCache
 from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, drawn
 from rocsafe_mapping.drawing.relief import Relief, relief
 from rocsafe_mapping.drawing.seams import owners
+from rocsafe_mapping.drawing.vignetting import FallOff, fall_offs
 from rocsafe_mapping.drawing_options import DrawingOptions
 
 Rgba = NDArray[np.uint8]
@@ -57,7 +59,11 @@ class Renderer:
         side_px = options.views.coarse_side_px
         self.coarse, self._step = coarse_grid(grid, placed_photos, side_px)
         views = self._coarse_views(options.views.edge_share)
-        # 2. Gains that make their brightness and colour alike.
+        # 2. The lenses' fall-off, and gains that make their brightness and colour alike.
+        lenses = {name: placed_photos[name].photo.lens for name in self.names}
+        fall_offs_by_lens = fall_offs(views, lenses, options.gains, options.vignetting)
+        self._fall_offs = {name: fall_offs_by_lens.get(lenses[name]) for name in self.names}
+        views = {name: _flattened(view, self._fall_offs[name]) for name, view in views.items()}
         self.gains = gains(views, options.gains)
         for name in self.names:
             views[name] = _evened(views[name], self.gains[name])
@@ -145,6 +151,9 @@ class Renderer:
         placed = self._placed_photos[name]
         seen = placed.pixel_map(self.grid, window)
         picture = drawn(self._pixels.colour(name), seen, cv2.INTER_LINEAR)
+        fall_off = self._fall_offs[name]
+        if fall_off is not None:
+            picture = fall_off.undone(picture, seen.squares(placed.photo.camera))
         gain = self.gains[name]
         if max(abs(factor - 1.0) for factor in gain) < 1e-3:
             return picture
@@ -228,9 +237,13 @@ def _spread_to(
 
 
 def _evened(view: CoarseView, gain: tuple[float, float, float]) -> CoarseView:
-    return CoarseView(
-        window=view.window, colours=cv2.LUT(view.colours, _table(gain)), scores=view.scores
-    )
+    return replace(view, colours=cv2.LUT(view.colours, _table(gain)))
+
+
+def _flattened(view: CoarseView, fall_off: FallOff | None) -> CoarseView:
+    if fall_off is None:
+        return view
+    return replace(view, colours=fall_off.undone(view.colours, view.squares))
 
 
 def _table(gain: tuple[float, float, float]) -> NDArray[np.uint8]:

@@ -27,13 +27,22 @@ from rocsafe_mapping.alignment.model.photo import (
 from rocsafe_mapping.alignment.model.state import Lens
 from rocsafe_mapping.alignment.model.surface import Surface
 from rocsafe_mapping.alignment_options import AlignmentOptions
-from rocsafe_mapping.drawing.grid import MapGrid, utm_epsg
+from rocsafe_mapping.drawing.grid import LOCAL_EPSG, MapGrid, utm_epsg
 from rocsafe_mapping.drawing.pixel_cache import PixelCache, ReadImage
 from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.drawing_options import DrawingOptions
 from rocsafe_mapping.errors import MappingError, PlacementError
 from rocsafe_mapping.mosaic.one_place import distances_from_most_m
+from rocsafe_mapping.mosaic.survey import (
+    FoundPoint,
+    Survey,
+    SurveyedMark,
+    control_in,
+    found_points,
+    frame_of,
+    path_in,
+)
 from rocsafe_mapping.photographs.shot import ShotRecord
 
 DEFAULT_MAX_PIXELS = 400_000_000
@@ -116,6 +125,10 @@ class Alignment:
         are without it.
     groups
         Numbers of photographs that are tied to each other, largest first.
+    control
+        Surveyed points of the ground.
+    is_local
+        Whether the map has neither scale nor north.
     """
 
     photos: Mapping[str, Photo]
@@ -127,6 +140,8 @@ class Alignment:
     heights_error: Surface = field(default_factory=Surface)
     lags_s: Mapping[str, float] = field(default_factory=dict)
     groups: tuple[int, ...] = ()
+    control: tuple[FoundPoint, ...] = ()
+    is_local: bool = False
 
     def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
         """Return the standard error of the ground that a photograph shows, or of points (n, 2)."""
@@ -176,7 +191,8 @@ class Mapmaker:
         self.pixels = PixelCache()
         self.block = Block(self.pixels.gray, options.alignment)
         self.frame: GroundFrame | None = None
-        self.epsg = 0
+        self.epsg = LOCAL_EPSG
+        self._control: tuple[SurveyedMark, ...] = ()
 
     def __len__(self) -> int:
         return len(self.block)
@@ -194,30 +210,41 @@ class Mapmaker:
         ]
         return round(float(np.median(sizes)), 4)
 
-    def add_all(self, shots: Sequence[Shot]) -> None:
-        """Take in photographs of one place, also those without a height above the ground.
+    def add_all(self, shots: Sequence[Shot], survey: Survey | None = None) -> None:
+        """Take in photographs of one place, also those without a fix or a height.
 
-        Photographs without a fix, and those far away from most others, are left out; `notice` is
-        told of each.
+        Photographs far away from most others are left out; `notice` is told of each.
+
+        Raises
+        ------
+        MappingError
+            If `survey` is of another place, or shows no photograph.
         """
-        placed = []
-        for shot in shots:
-            if math.isfinite(shot.record.latitude_deg + shot.record.longitude_deg):
-                placed.append(shot)
-            else:
-                self._notice(f'not on the map: {shot.name}: taken without a fix')
+        survey = survey or Survey()
+        placed = [shot for shot in shots if shot.record.has_fix]
         positions = [(shot.record.latitude_deg, shot.record.longitude_deg) for shot in placed]
+        far = set()
         for shot, away_m in zip(placed, distances_from_most_m(positions), strict=True):
             if away_m > 0.0:
+                far.add(shot.name)
                 self._notice(
                     f'not on the map: {shot.name}: its fix is {away_m / 1000.0:.0f} km from most '
                     'other photographs'
                 )
-                continue
+        left = [shot for shot in shots if shot.name not in far]
+        if not any(shot.record.has_fix for shot in left):
+            self.frame, self.epsg = frame_of(survey)
+        for shot in left:
             try:
                 self._take(shot)
             except PlacementError as error:
                 self._notice(f'not on the map: {shot.name}: {error}')
+        if self.frame is not None:
+            records = {shot.name: shot.record for shot in left if shot.name in self.block}
+            self._control = control_in(self.frame, survey, records)
+            self.block.marks = tuple(m.mark for m in self._control if not m.is_check)
+            self.block.path = path_in(self.frame, survey)
+            self.block.clock_offset_s = survey.clock_offset_s
 
     def add(self, record: ShotRecord, read: ReadImage) -> Photo:
         """Take in a photograph, placed by its fix until it is aligned.
@@ -227,6 +254,8 @@ class Mapmaker:
         PlacementError
             If its position, height or attitude is unknown, or it is far from the first one.
         """
+        if not record.has_fix:
+            raise PlacementError(f'{record.shot_id}: taken without a fix')
         if math.isnan(record.height_agl_m):
             raise PlacementError(f'{record.shot_id}: height_agl_m = nan is unknown')
         try:
@@ -239,13 +268,15 @@ class Mapmaker:
         frame = self.frame or ground_frame_of(record)
         photo = photo_of_record(record, frame, self.options.alignment.prior, shot.name)
         away_m = float(np.linalg.norm(photo.prior.centre[:2]))
+        # NaN, hence no, without a fix.
         if away_m > FARTHEST_M:
             raise PlacementError(
                 f'its fix is {away_m / 1000.0:.0f} km from the first photograph, more than '
                 f'{FARTHEST_M / 1000.0:g} km'
             )
-        epsg = self.epsg or utm_epsg(record.latitude_deg, record.longitude_deg)
-        self.frame, self.epsg = frame, epsg
+        if self.frame is None:
+            self.epsg = utm_epsg(record.latitude_deg, record.longitude_deg)
+            self.frame = frame
         self.pixels.add(photo, shot.read)
         self.block.add(photo)
         return photo
@@ -259,7 +290,14 @@ class Mapmaker:
             If heights above the ground are unknown and cannot be found.
         """
         self.drop_unreadable()
-        self.block.find_pairs()
+        for name in self.block.find_pairs():
+            self._notice(
+                f'not on the map: {name}: taken without a fix, and nothing ties it to the others'
+            )
+        if self.block.path is not None and math.isfinite(self.block.clock_offset_s):
+            self._notice(
+                f'clock of the camera: {self.block.clock_offset_s:+.1f} s to that of the track'
+            )
         step('match')
         self.block.place_all()
         alignment = self.alignment()
@@ -290,6 +328,8 @@ class Mapmaker:
             heights_error=height_error(state.surface, ties_m, above_m, options),
             lags_s=block.lags_s,
             groups=tuple(map(len, groups_of(pairs))),
+            control=found_points(self._control, photos, state),
+            is_local=block.is_local,
             errors_m=stated_error_m(photos, pairs, state, options.adjustment)
             if state.poses
             else {},

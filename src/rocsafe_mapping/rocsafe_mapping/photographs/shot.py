@@ -128,6 +128,11 @@ class ShotRecord:
                 raise ValueError(f'{name} must have {COVARIANCE_SIZE} values')
 
     @property
+    def has_fix(self) -> bool:
+        """Whether latitude and longitude are known."""
+        return math.isfinite(self.latitude_deg + self.longitude_deg)
+
+    @property
     def has_position(self) -> bool:
         """Whether latitude, longitude and altitude are known."""
         return math.isfinite(self.latitude_deg + self.longitude_deg + self.altitude_m)

@@ -21,7 +21,7 @@ from rocsafe_geo.storage.durable import (
     sync_directory,
     sync_file,
 )
-from rocsafe_mapping.drawing.grid import MapGrid, Window
+from rocsafe_mapping.drawing.grid import LOCAL_EPSG, MapGrid, Window
 from rocsafe_mapping.errors import MappingError
 
 COG_BLOCK_PX, RAW_BLOCK_PX = 512, 256
@@ -30,6 +30,11 @@ Colour = tuple[int, int, int]
 RAW_SUFFIX = '.raw'
 # What stands for no value where values are numbers: programs differ on NaN.
 NO_VALUE = -9999.0
+# A local map says in every raster that its numbers are no metres and its top is not north.
+LOCAL_WKT = (
+    'LOCAL_CS["local map without scale or north",'
+    'UNIT["hundredth of the flying height",1],AXIS["X",OTHER],AXIS["Y",OTHER]]'
+)
 # GDAL would else take a twentieth of the machine's memory for its cache of blocks.
 CACHE_BYTES = 64 * 2**20
 RAW = {
@@ -153,9 +158,13 @@ def _place(grid: MapGrid, window: Window) -> dict[str, Any]:
     west_m, north_m = window.column * grid.resolution_m, -window.row * grid.resolution_m
     scale = Affine.scale(grid.resolution_m, -grid.resolution_m)
     return {
-        'width': window.width, 'height': window.height, 'crs': rasterio.CRS.from_epsg(grid.epsg),
+        'width': window.width, 'height': window.height, 'crs': _crs(grid.epsg),
         'transform': Affine.translation(west_m, north_m) @ scale,
     }  # fmt: skip
+
+
+def _crs(epsg: int) -> rasterio.CRS:
+    return rasterio.CRS.from_wkt(LOCAL_WKT) if epsg == LOCAL_EPSG else rasterio.CRS.from_epsg(epsg)
 
 
 def _add_overviews(path: Path, resampling: Resampling) -> None:

@@ -98,7 +98,7 @@ def write_products(
             stem = wanted.folder / wanted.geotiff.stem
             picture = write_overlays(wanted.geotiff, stem)[0].name
             step('overlays')
-        if wanted.with_tiles:
+        if wanted.with_tiles and not alignment.is_local:
             stem = wanted.folder / wanted.geotiff.stem
             write_mbtiles(wanted.geotiff, stem.with_suffix('.mbtiles'))
             write_pmtiles(stem.with_suffix('.mbtiles'), stem.with_suffix('.pmtiles'))

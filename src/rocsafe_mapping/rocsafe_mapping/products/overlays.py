@@ -21,7 +21,7 @@ from rasterio.warp import calculate_default_transform, transform_bounds
 from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, write_whole
 from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.errors import MappingError
-from rocsafe_mapping.products.cog import CACHE_BYTES
+from rocsafe_mapping.products.cog import CACHE_BYTES, LOCAL_WKT
 
 LONGEST_SIDE_PX = 2048
 KML = """<?xml version="1.0" encoding="UTF-8"?>
@@ -38,7 +38,7 @@ KML = """<?xml version="1.0" encoding="UTF-8"?>
 def write_overlays(cog: Path, stem: Path) -> tuple[Path, ...]:
     """Write `stem`.png, its world file, its projection and `stem`.kml; return their paths.
 
-    The picture's longer side is at most 2048 pixels.
+    The picture's longer side is at most 2048 pixels. A local map has no KML.
 
     Raises
     ------
@@ -60,10 +60,14 @@ def write_overlays(cog: Path, stem: Path) -> tuple[Path, ...]:
         first = transform.c + 0.5 * pixel[0], transform.f + 0.5 * pixel[1]
         lines = (pixel[0], 0.0, 0.0, pixel[1], *first)
         write_whole(world, ''.join(f'{value:.10f}\n' for value in lines).encode())
-        write_whole(projection, CRS.from_epsg(crs.to_epsg()).to_wkt('WKT1_ESRI').encode())
+        epsg = crs.to_epsg()
+        if epsg is None:
+            write_whole(projection, LOCAL_WKT.encode())
+            return picture, world, projection
+        write_whole(projection, CRS.from_epsg(epsg).to_wkt('WKT1_ESRI').encode())
         east = transform.c + width * pixel[0]
         south = transform.f + height * pixel[1]
-        corners = _corners(crs.to_epsg(), (transform.c, south, east, transform.f))
+        corners = _corners(epsg, (transform.c, south, east, transform.f))
         text = KML.format(name=escape(stem.name), picture=escape(picture.name), corners=corners)
         write_whole(kml, text.encode())
     except (OSError, RasterioError) as error:

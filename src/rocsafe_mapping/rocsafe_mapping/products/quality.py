@@ -11,11 +11,17 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
-from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS
+from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS, Placement
+from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment.model.state import State
 from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
+from rocsafe_mapping.products.control_points import (
+    LEAST_FIXES,
+    control_facts,
+    control_violations,
+)
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
@@ -24,6 +30,8 @@ FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
+# Of a fix, where no photograph has one.
+HORIZONTAL_STD_M = 2.5
 # Of the image's width.
 LARGEST_TIE_SHARE = 0.002
 LARGEST_SCALE_OFF = 0.15
@@ -31,7 +39,10 @@ LARGEST_TILT_RAD = math.radians(12.0)
 LARGEST_FOCAL_STDS = 3.5
 LARGEST_RADIAL = 0.3
 LEAST_TIED_SHARE = 0.5
-LEAST_FIXES = 3
+NO_SCALE = (
+    'nothing tells where the photographs were taken: the map has neither scale nor north, its '
+    'unit is a hundredth of the flying height'
+)
 
 
 def quality(
@@ -62,7 +73,9 @@ def quality(
         'format': FORMAT,
         'is_georeferenced': not reasons,
         'why_not_georeferenced': reasons,
-        'epsg_code': renderer.grid.epsg,
+        'is_local': alignment.is_local,
+        'unit': 'hundredth of the flying height' if alignment.is_local else 'm',
+        'epsg_code': None if alignment.is_local else renderer.grid.epsg,
         'ground_resolution_m': resolution_m,
         'photographs': {
             'total': len(alignment.photos),
@@ -72,6 +85,7 @@ def quality(
         'held_out_ties': _ties(alignment.held_out_px, resolution_of(alignment)),
         'seams': _seams(alignment, renderer),
         'fixes': _fixes(alignment),
+        'control': control_facts(alignment),
         'stated_error_m': _stated(alignment),
         'stated_error_with_what_stands_m': errors.facts(),
         'ground': _ground(state),
@@ -98,7 +112,7 @@ def resolution_of(alignment: Alignment) -> float:
 def violations(alignment: Alignment, state: State) -> list[str]:
     """Return why the map must not be called georeferenced; empty if it may."""
     tied = [n for n, p in alignment.placements.items() if p.placed_by == BY_FEATURES]
-    found = []
+    found = [NO_SCALE] if alignment.is_local else []
     count = len(alignment.photos)
     if len(tied) < LEAST_TIED_SHARE * count or len(tied) < LEAST_FIXES:
         found.append(
@@ -110,7 +124,7 @@ def violations(alignment: Alignment, state: State) -> list[str]:
             f'the photographs fall into {len(alignment.groups)} groups that are not tied to each '
             f'other; the largest has {max(alignment.groups)} of {count}'
         )
-    found += _inexact(alignment)
+    found += _inexact(alignment) + control_violations(alignment)
     if state.noise.fix_factor > LARGEST_FIX_FACTOR:
         found.append(
             f'fixes scatter {state.noise.fix_factor:.1f} times as far as they claim, more than '
@@ -149,8 +163,9 @@ def _inexact(alignment: Alignment) -> list[str]:
                 f'{LARGEST_TIE_SHARE * width_px:.1f}'
             )
     stated_m = _stated(alignment)['rms']
-    usual_m = float(np.median([photo.horizontal_std_m for photo in alignment.photos.values()]))
-    if stated_m > LARGEST_FIX_FACTOR * usual_m:
+    stds = [photo.horizontal_std_m for photo in alignment.photos.values() if photo.has_fix]
+    usual_m = float(np.median(stds)) if stds and not alignment.is_local else HORIZONTAL_STD_M
+    if not alignment.is_local and stated_m > LARGEST_FIX_FACTOR * usual_m:
         found.append(
             f'the map may be off by {stated_m:.0f} m, more than {LARGEST_FIX_FACTOR:g} times the '
             f'{usual_m:.1f} m of a fix'
@@ -198,9 +213,11 @@ def _quantiles(values: FloatArray) -> dict[str, float]:
 
 def _fixes(alignment: Alignment) -> dict[str, Any]:
     """Return how far the fixes are from where the photographs were put, by vehicle."""
+    if alignment.is_local:
+        return {}
     by_vehicle: dict[str, list[FloatArray]] = {}
     for name, placement in sorted(alignment.placements.items()):
-        if placement.placed_by == BY_FEATURES:
+        if placement.placed_by == BY_FEATURES and alignment.photos[name].has_fix:
             photo = alignment.photos[name]
             off = photo.prior.centre - placement.pose.centre
             by_vehicle.setdefault(photo.vehicle, []).append(off)
@@ -246,17 +263,16 @@ def _placements(alignment: Alignment) -> list[dict[str, Any]]:
             'name': name,
             'placed_by': placement.placed_by,
             'error_m': round(alignment.error_m(name), 3),
-            'fix_off_m': round(
-                float(
-                    np.linalg.norm(
-                        (placement.pose.centre - alignment.photos[name].prior.centre)[:2]
-                    )
-                ),
-                3,
-            ),
+            'fix_off_m': _fix_off_m(alignment.photos[name], placement),
         }
         for name, placement in sorted(alignment.placements.items())
     ]
+
+
+def _fix_off_m(photo: Photo, placement: Placement) -> float | None:
+    if not photo.has_fix:
+        return None
+    return round(float(np.linalg.norm((placement.pose.centre - photo.prior.centre)[:2])), 3)
 
 
 def _tiles(alignment: Alignment, renderer: Renderer, errors: ErrorMap) -> list[dict[str, Any]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The quality of a map as a page to read."""
+"""The quality of a map as an HTML page."""
 
 import html
 import json
@@ -27,16 +27,17 @@ img {{ max-width: 100%; background: #eef1f4; }}
 <table>{figures}</table>
 {errors}
 <h2>Photographs</h2>
-<table><tr><th>photograph</th><th>placed by</th><th>may be off, m</th><th>from its fix, m</th></tr>
-{photographs}</table>
+<table><tr><th>photograph</th><th>placed by</th><th>error, m</th><th>distance to its fix, m</th>
+</tr>{photographs}</table>
 </body></html>
 """
 ERRORS = """<h2>What stands on the ground</h2>
-<p>The map is flat: roofs and trees lie where the photograph saw them, leaning outwards, and are
-off the more the higher they are. Where only one photograph shows a place, nothing tells what
-stands there; it is reckoned with as elsewhere on the map. The same, place by place: error.tif.</p>
-<table><tr><th>place</th><th>of the map</th><th>may be off, m</th></tr>{rows}</table>
-{image}<p>Dark: least off; bright: most. Greyed: seen by one photograph only, or not alike.</p>
+<p>The map is flat: roofs and trees appear displaced outwards, by more the higher they are. Where
+only one photograph shows a place, heights above the ground are unknown; the error there assumes
+the heights found elsewhere on the map. The error of each pixel is in error.tif.</p>
+<table><tr><th>place</th><th>share of the map</th><th>error, m</th></tr>{rows}</table>
+{image}<p>Dark: small error; bright: large error. Grey: heights unknown (only one photograph, or
+two that do not match).</p>
 """
 
 
@@ -62,9 +63,8 @@ def quality_text(document: Mapping[str, Any]) -> bytes:
 def _verdict(document: Mapping[str, Any]) -> str:
     if document['is_georeferenced']:
         error = document['stated_error_m']['rms']
-        return (
-            f'<p class="yes">Georeferenced; the ground may be {error:.2f} m off (one sigma).</p>'
-        )
+        stated = f'the error of the ground is {error:.2f} m (one sigma)'
+        return f'<p class="yes">Georeferenced; {stated}.</p>'
     reasons = ''.join(
         f'<li>{html.escape(text)}</li>' for text in document['why_not_georeferenced']
     )
@@ -74,9 +74,9 @@ def _verdict(document: Mapping[str, Any]) -> str:
 def _errors(errors: Mapping[str, Any], picture: str) -> str:
     """Return the errors of ground, of objects, and where heights are unknown."""
     kinds = (
-        ('level ground, as two photographs tell', 'ground'),
-        ('what stands on it, as two photographs tell', 'standing'),
-        ('seen by one photograph, or not alike in two', 'untold'),
+        ('level ground, seen by two photographs', 'ground'),
+        ('objects above it, seen by two photographs', 'standing'),
+        ('seen by one photograph, or by two that do not match', 'untold'),
     )
     rows = ''.join(
         f'<tr><td>{text}</td><td class="n">{100 * errors[kind]["share"]:.1f} %</td>'
@@ -92,10 +92,10 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     photographs, cover = document['photographs'], document['coverage']
     rows = [
         ('photographs', str(photographs['total'])),
-        ('placed by what they show', str(photographs['placed_by_features'])),
-        ('placed by their fix alone', str(len(photographs['placed_by_gps']))),
-        ('pixel on the ground', f'{100 * document["ground_resolution_m"]:.1f} cm'),
-        ('grid', f'EPSG:{document["epsg_code"]}'),
+        ('placed by image features', str(photographs['placed_by_features'])),
+        ('placed by their fix only', str(len(photographs['placed_by_gps']))),
+        ('pixel on the ground', _pixel(document)),
+        ('grid', 'local' if document['is_local'] else f'EPSG:{document["epsg_code"]}'),
         (f'covered of the {cover["of"]}', f'{100 * cover["share"]:.1f} %'),
         ('largest hole', f'{cover["largest_hole_m2"]:.0f} m²'),
     ]
@@ -104,7 +104,7 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
         px = ties['px']
         rows.append(
             (
-                f'{ties["count"]} ties kept out: median, 90 %, RMSE',
+                f'{ties["count"]} held-out ties: median, 90 %, RMSE',
                 f'{px["median"]:.2f}, {px["p90"]:.2f}, {px["rmse"]:.2f} px',
             )
         )
@@ -116,15 +116,28 @@ def _figures(document: Mapping[str, Any]) -> list[tuple[str, str]]:
         off = fixes['all']
         # Adding 0 turns -0.00 into 0.00.
         bias = [f'{round(off[f"bias_{axis}_m"], 2) + 0.0:.2f}' for axis in ('east', 'north', 'up')]
-        rows.append(('their bias east, north, up', ', '.join(bias) + ' m'))
+        rows.append(('mean offset from the fixes east, north, up', ', '.join(bias) + ' m'))
+    for kind, facts in document['control'].items():
+        if kind != 'points':
+            rows.append(
+                (
+                    f'{facts["count"]} {"check" if kind == "check" else "control"} points, RMSE',
+                    f'{facts["rmse_m"]:.2f} m (stated {facts["stated_error_m"]:.2f} m)',
+                )
+            )
     for vehicle, off in fixes.get('vehicles', {}).items():
         if off['clock_lag_s']:
             rows.append(
-                (f'fixes of {vehicle} are late by', f'{off["clock_lag_s"]:.2f} s, made good')
+                (f'fixes of {vehicle} are late by', f'{off["clock_lag_s"]:.2f} s, corrected')
             )
     for name, cost in document['costs'].items():
         rows.append((f'time, {name}', f'{cost["wall_s"]:.1f} s, processor {cost["cpu_s"]:.1f} s'))
     return rows
+
+
+def _pixel(document: Mapping[str, Any]) -> str:
+    size = document['ground_resolution_m']
+    return f'{size:.4f} x {document["unit"]}' if document['is_local'] else f'{100 * size:.1f} cm'
 
 
 def _row(name: str, value: str) -> str:
@@ -132,7 +145,9 @@ def _row(name: str, value: str) -> str:
 
 
 def _photograph(row: Mapping[str, Any]) -> str:
+    off_m = row['fix_off_m']
+    off = '' if off_m is None else f'{off_m:.2f}'
     return (
         f'<tr><td>{html.escape(row["name"])}</td><td>{row["placed_by"]}</td>'
-        f'<td class="n">{row["error_m"]:.2f}</td><td class="n">{row["fix_off_m"]:.2f}</td></tr>'
+        f'<td class="n">{row["error_m"]:.2f}</td><td class="n">{off}</td></tr>'
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of autopilots, read only: each is asked for by all of its names, in SI units.
+"""Parameters of autopilots, read only: each is requested by all of its names, in SI units.
 
 ArduPilot 4.7 renamed and rescaled many. A parameter that has two names is asked for by both, and
 the unit follows from the name that answered.

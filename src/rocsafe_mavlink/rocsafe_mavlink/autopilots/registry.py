@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The known autopilots: chosen by the heartbeat, never by a parameter."""
+"""The known autopilots; the heartbeat selects one, never a parameter."""
 
 from rocsafe_mavlink.autopilots.ardupilot import COPTER
 from rocsafe_mavlink.autopilots.autopilot import Autopilot

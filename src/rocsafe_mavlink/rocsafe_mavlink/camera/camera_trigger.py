@@ -17,21 +17,41 @@ from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import m_of_mm, position_of_e7
 
 TRIGGER, FEEDBACK, CAPTURED = 'CAMERA_TRIGGER', 'CAMERA_FEEDBACK', 'CAMERA_IMAGE_CAPTURED'
-# Of a trigger that only an image tells of.
+# Source and number of a trigger that is known only from its image.
 IMAGE, NO_INDEX = 'IMAGE', -1
 # Time of day, position, height above home, attitude.
 Place = tuple[float, GeoPosition, float, Attitude | None]
 RANKS = {TRIGGER: 1, FEEDBACK: 2, CAPTURED: 3}
-# A larger gap means that the camera counts anew, not a loss.
-LARGEST_GAP = 50
-TRACK_LENGTH = 1200
-# An earlier time of day was never set.
-EARLIEST_UNIX_S = 1e9
-# Between places of the track that are nearer in time, the way is known well.
-DENSE_TRACK_S = 2.0
-# A place is not told between two that differ by more: it may be anywhere, in any direction.
-LARGEST_GAP_M = 60.0
-LARGEST_TURN_RAD = 0.2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TriggerOptions:
+    """Options of filling in reports that were lost.
+
+    Attributes
+    ----------
+    largest_gap
+        A larger gap in the numbers means that the camera counts anew, not a loss.
+    track_length
+        Number of places of the track that are kept.
+    earliest_unix_s
+        An earlier time of day comes from a clock that was never set.
+    dense_track_s
+        Between places of the track that are nearer in time, the path is known well, seconds.
+    largest_gap_m, largest_turn_rad
+        Between two places that are farther apart, or whose yaw differs by more, no place is
+        interpolated.
+    """
+
+    largest_gap: int = 50
+    track_length: int = 1200
+    earliest_unix_s: float = 1e9
+    dense_track_s: float = 2.0
+    largest_gap_m: float = 60.0
+    largest_turn_rad: float = 0.2
+
+
+TRIGGERS = TriggerOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,7 +101,7 @@ class TriggerLog:
     def __init__(self, last: CameraTrigger | None = None) -> None:
         self._rank = 0
         self._last = last
-        self._track: deque[Place] = deque(maxlen=TRACK_LENGTH)
+        self._track: deque[Place] = deque(maxlen=TRIGGERS.track_length)
         if last is not None:
             self._track.append((last.unix_s, last.position, last.height_m, last.attitude))
 
@@ -91,16 +111,16 @@ class TriggerLog:
         return self._track[-1][0] if self._track else 0.0
 
     def found(self, unix_s: float, index: int = NO_INDEX) -> CameraTrigger | None:
-        """Return the trigger of an image that no report tells of, by its time alone.
+        """Return the trigger of an image without a report, from its time only.
 
-        None where the track does not tell place and direction: not between two known places, or
+        None where place and direction are unknown: not between two known places, or
         these are too far apart, or the vehicle has turned between them.
         """
         if not self._track or not self._track[0][0] <= unix_s <= self.newest_s:
             return None
         before, after = self._around(unix_s)
-        is_gap = after[0] - before[0] > DENSE_TRACK_S
-        if is_gap and distance_m(before[1], after[1]) > LARGEST_GAP_M:
+        is_gap = after[0] - before[0] > TRIGGERS.dense_track_s
+        if is_gap and distance_m(before[1], after[1]) > TRIGGERS.largest_gap_m:
             return None
         if is_gap and self._has_turned(before, after):
             return None
@@ -120,7 +140,9 @@ class TriggerLog:
         self._rank = rank
         trigger = self._trigger(message, vehicle, unix_s)
         last = self._last
-        if trigger is None or (last is not None and 0 <= last.index - trigger.index < LARGEST_GAP):
+        if trigger is None or (
+            last is not None and 0 <= last.index - trigger.index < TRIGGERS.largest_gap
+        ):
             return []
         self._last = trigger
         return [*self._missing(last, trigger), trigger]
@@ -175,7 +197,7 @@ class TriggerLog:
     def _missing(self, last: CameraTrigger | None, trigger: CameraTrigger) -> list[CameraTrigger]:
         """Return the triggers between two reports, evenly spread over the time between them."""
         count = 0 if last is None else trigger.index - last.index
-        if last is None or not 1 < count < LARGEST_GAP:
+        if last is None or not 1 < count < TRIGGERS.largest_gap:
             return []
         found = []
         for number in range(1, count):
@@ -192,7 +214,7 @@ class TriggerLog:
             return None
         before, after = self._around(unix_s)
         span_s = after[0] - before[0]
-        gap_m = distance_m(before[1], after[1]) if span_s > DENSE_TRACK_S else 0.0
+        gap_m = distance_m(before[1], after[1]) if span_s > TRIGGERS.dense_track_s else 0.0
         share = 0.0 if span_s <= 0.0 else (unix_s - before[0]) / span_s
         return CameraTrigger(
             index=index,
@@ -206,12 +228,12 @@ class TriggerLog:
         )
 
     def _has_turned(self, before: Place, after: Place) -> bool:
-        """Return whether the vehicle points elsewhere after a gap, or does not tell."""
+        """Return whether the yaw changes over a gap, or is unknown."""
         later = (place[3] for place in self._track if place[0] >= after[0])
         attitude = next((known for known in later if known is not None), None)
         if before[3] is None or attitude is None:
             return True
-        return abs(wrap_rad(attitude.yaw_rad - before[3].yaw_rad)) > LARGEST_TURN_RAD
+        return abs(wrap_rad(attitude.yaw_rad - before[3].yaw_rad)) > TRIGGERS.largest_turn_rad
 
     def _around(self, unix_s: float) -> tuple[Place, Place]:
         """Return the places of the track before and after a time; the nearest at its ends."""
@@ -230,7 +252,7 @@ class TriggerLog:
 
 def _time_of_day(told_s: float, arrived_s: float) -> float:
     """Return the time of a trigger: as reported, or its arrival if only the uptime is reported."""
-    return told_s if told_s > EARLIEST_UNIX_S else arrived_s
+    return told_s if told_s > TRIGGERS.earliest_unix_s else arrived_s
 
 
 def _between(a: GeoPosition, b: GeoPosition, share: float) -> GeoPosition:

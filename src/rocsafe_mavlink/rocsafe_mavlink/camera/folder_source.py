@@ -12,7 +12,7 @@ LARGEST_FILE = 64 * 1024 * 1024
 
 
 class FolderSource:
-    """JPEG files as they appear in a folder, each once and only when it is complete.
+    """JPEG files that appear in a folder, each once and only when it is complete.
 
     Parameters
     ----------

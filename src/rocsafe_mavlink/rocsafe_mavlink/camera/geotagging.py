@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From camera triggers and images to geotagged photographs."""
+"""Geotagged photographs, made of camera triggers and images."""
 
 import io
 import math
@@ -22,13 +22,33 @@ from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.knowledge.telemetry import Gps, VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
 
-# A trigger is reported within this time; an image whose trigger is not, is placed by its time.
-LATE_S = 5.0
-# What has found no partner for so long after the last news is named.
-SETTLED_S = 10.0
-LARGEST_NAMED = 5
-# Reports take less time; clocks that differ by more were not set by the same source.
-SET_ALIKE_S = 5.0
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GeotagOptions:
+    """Options of finding images and triggers that have no partner.
+
+    Attributes
+    ----------
+    late_s
+        A trigger is reported within this time, seconds. An image without such a report is
+        placed by its own time.
+    settled_s
+        Images and triggers that have no partner so long after the last news are reported,
+        seconds.
+    largest_named
+        Number of them that a report names.
+    set_alike_s
+        A trigger is reported in less time than this, seconds: clocks that differ by more were not
+        set by the same source.
+    """
+
+    late_s: float = 5.0
+    settled_s: float = 10.0
+    largest_named: int = 5
+    set_alike_s: float = 5.0
+
+
+GEOTAG = GeotagOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,7 +201,9 @@ class Geotagger:
         offset_s, pairs = self._pairing.offset_s, []
         for image in self._pairing.images if offset_s is not None else ():
             taken_s = image.unix_s - (offset_s or 0.0)
-            found = self._log.found(taken_s) if taken_s + LATE_S < self._log.newest_s else None
+            found = (
+                self._log.found(taken_s) if taken_s + GEOTAG.late_s < self._log.newest_s else None
+            )
             if found is not None:
                 guessed = self._pairing.settle(image)
                 pairs.append(ImagePair(found, image, guessed))
@@ -189,7 +211,7 @@ class Geotagger:
 
     def _unpaired(self, is_new: bool) -> list[str]:
         """Return a line that names what found no partner, once it has settled."""
-        if self._news_s is None or is_new or self._log.newest_s - self._news_s < SETTLED_S:
+        if self._news_s is None or is_new or self._log.newest_s - self._news_s < GEOTAG.settled_s:
             return []
         self._news_s = None
         shots = [f'shot {trigger.index}' for trigger in self._pairing.triggers]
@@ -242,13 +264,13 @@ def _without_image(trigger: CameraTrigger) -> str:
 
 
 def _named(names: list[str]) -> str:
-    more = len(names) - LARGEST_NAMED
-    return ', '.join(names[:LARGEST_NAMED]) + (f' and {more} more' if more > 0 else '')
+    more = len(names) - GEOTAG.largest_named
+    return ', '.join(names[: GEOTAG.largest_named]) + (f' and {more} more' if more > 0 else '')
 
 
 def _moment_of(trigger: CameraTrigger, arrived_s: float) -> float:
     """Return the time of a trigger by our clock: the autopilot's clock may never have been set."""
-    return trigger.unix_s if abs(trigger.unix_s - arrived_s) < SET_ALIKE_S else arrived_s
+    return trigger.unix_s if abs(trigger.unix_s - arrived_s) < GEOTAG.set_alike_s else arrived_s
 
 
 def viewpoint_of(trigger: CameraTrigger, assignment: Assignment | None) -> int:

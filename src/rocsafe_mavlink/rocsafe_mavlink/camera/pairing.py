@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which image belongs to which trigger, though the clocks of camera and autopilot differ.
+"""Pairing of images with triggers although the clocks of camera and autopilot differ.
 
 Both come in order. Where the clocks agree, or their difference is known, an image belongs to the
 trigger nearest in time. Before, the difference is searched with which most images and triggers
@@ -45,7 +45,7 @@ class PairingOptions:
     largest_waiting: int = 500
 
 
-PAIRING_OPTIONS = PairingOptions()
+PAIRING = PairingOptions()
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +70,10 @@ class ImagePairing:
 
     def __init__(
         self,
-        options: PairingOptions = PAIRING_OPTIONS,
         triggers: Iterable[CameraTrigger] = (),
         offset_s: float | None = None,
     ) -> None:
-        self._options = options
-        self._triggers = [*triggers][-options.largest_waiting :]
+        self._triggers = [*triggers][-PAIRING.largest_waiting :]
         self._images: list[CameraImage] = []
         self._offset_s = offset_s
 
@@ -110,29 +108,28 @@ class ImagePairing:
 
     def add(self, triggers: list[CameraTrigger], images: list[CameraImage]) -> list[ImagePair]:
         """Take new triggers and images; return the pairs that are certain now, by time."""
-        self._triggers = [*self._triggers, *triggers][-self._options.largest_waiting :]
-        self._images = [*self._images, *images][-self._options.largest_waiting :]
+        self._triggers = [*self._triggers, *triggers][-PAIRING.largest_waiting :]
+        self._images = [*self._images, *images][-PAIRING.largest_waiting :]
         if self._offset_s is None:
             self._offset_s = self._found_offset()
         return [] if self._offset_s is None else self._paired()
 
     def _found_offset(self) -> float | None:
         """Return the difference of the clocks with which most agree, the smallest of these."""
-        options = self._options
-        triggers = [trigger.unix_s for trigger in self._triggers[: options.searched_count]]
-        images = [image.unix_s for image in self._images[: options.searched_count]]
+        triggers = [trigger.unix_s for trigger in self._triggers[: PAIRING.searched_count]]
+        images = [image.unix_s for image in self._images[: PAIRING.searched_count]]
         candidates = [image_s - trigger_s for image_s in images for trigger_s in triggers]
         if not candidates:
             return None
 
         def agreeing(offset_s: float) -> int:
             return sum(
-                any(abs(image_s - offset_s - s) < options.agreement_s for s in triggers)
+                any(abs(image_s - offset_s - s) < PAIRING.agreement_s for s in triggers)
                 for image_s in images
             )
 
         best_s = max(candidates, key=lambda offset_s: (agreeing(offset_s), -abs(offset_s)))
-        is_sure = agreeing(best_s) >= options.fewest_agreeing or abs(best_s) < options.set_alike_s
+        is_sure = agreeing(best_s) >= PAIRING.fewest_agreeing or abs(best_s) < PAIRING.set_alike_s
         return best_s if is_sure else None
 
     def _paired(self) -> list[ImagePair]:
@@ -151,8 +148,8 @@ class ImagePairing:
         trigger = min(
             self._triggers, key=lambda trigger: abs(trigger.unix_s - taken_s), default=None
         )
-        if trigger is None or abs(trigger.unix_s - taken_s) > self._options.tolerance_s:
+        if trigger is None or abs(trigger.unix_s - taken_s) > PAIRING.tolerance_s:
             return None
         if not trigger.is_interpolated:
-            self._offset_s = offset_s + self._options.drift_share * (taken_s - trigger.unix_s)
+            self._offset_s = offset_s + PAIRING.drift_share * (taken_s - trigger.unix_s)
         return ImagePair(trigger, image)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Camera triggers and the photographs made of them, in files that survive a kill of the bridge.
+"""Camera triggers and their photographs, in files that survive a kill of the bridge.
 
 ``shots.csv`` has a row for each trigger, ``pictures.csv`` one for each photograph. The row of a
 photograph is written before the photograph is kept, so it counts only once its number was used.

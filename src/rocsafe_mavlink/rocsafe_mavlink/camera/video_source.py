@@ -15,18 +15,39 @@ import cv2
 
 from rocsafe_mavlink.camera.source import CameraImage
 
-# Number of frames that are kept until their trigger is known.
-FRAMES_KEPT = 60
-JPEG_QUALITY = 92
-# A camera that sends nothing for so long is opened again.
-OPEN_DEADLINE_S = READ_DEADLINE_S = 4.0
-RETRY_S = 1.0
-# If no frame is nearer to a trigger, the camera was away.
-LARGEST_DISTANCE_S = 0.5
 # What a process that opens streams sets in its environment, if its user has not: RTP over TCP, in
 # the connection that we open. Over UDP the decoder would listen on ports of its own, everywhere.
 DECODER_OPTIONS = ('OPENCV_FFMPEG_CAPTURE_OPTIONS', 'rtsp_transport;tcp')
 DEVICE_PREFIX = '/dev/'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VideoOptions:
+    """Options of reading a stream.
+
+    Attributes
+    ----------
+    frames_kept
+        Number of frames that are kept until their trigger is known.
+    jpeg_quality
+        Quality of the photographs, 0 to 100.
+    open_deadline_s, read_deadline_s
+        A camera that sends nothing for so long is opened again, seconds.
+    retry_s
+        Time between two attempts to open it, seconds.
+    largest_distance_s
+        If no frame is nearer to a trigger, the camera was away; seconds.
+    """
+
+    frames_kept: int = 60
+    jpeg_quality: int = 92
+    open_deadline_s: float = 4.0
+    read_deadline_s: float = 4.0
+    retry_s: float = 1.0
+    largest_distance_s: float = 0.5
+
+
+VIDEO = VideoOptions()
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +84,7 @@ class VideoSource:
 
     def __init__(self, address: str, clock: Callable[[], float]) -> None:
         self._clock = clock
-        self._frames: deque[VideoFrame] = deque(maxlen=FRAMES_KEPT)
+        self._frames: deque[VideoFrame] = deque(maxlen=VIDEO.frames_kept)
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._read, args=(address,), daemon=True)
         self._thread.start()
@@ -81,9 +102,11 @@ class VideoSource:
         if not dated:
             return None
         taken_s, pixels = min(dated, key=lambda frame: abs(frame[0] - unix_s))
-        if abs(taken_s - unix_s) > LARGEST_DISTANCE_S:
+        if abs(taken_s - unix_s) > VIDEO.largest_distance_s:
             return None
-        is_written, jpeg = cv2.imencode('.jpg', pixels, [cv2.IMWRITE_JPEG_QUALITY, JPEG_QUALITY])
+        is_written, jpeg = cv2.imencode(
+            '.jpg', pixels, [cv2.IMWRITE_JPEG_QUALITY, VIDEO.jpeg_quality]
+        )
         name = f'{taken_s:.3f}.jpg'
         return CameraImage(name=name, unix_s=taken_s, jpeg=jpeg.tobytes()) if is_written else None
 
@@ -104,7 +127,7 @@ class VideoSource:
                     break
                 self._keep(pixels, capture.get(cv2.CAP_PROP_POS_MSEC) / 1e3)
             capture.release()
-            self._is_over.wait(RETRY_S)
+            self._is_over.wait(VIDEO.retry_s)
 
     def _keep(self, pixels: cv2.typing.MatLike, told_s: float) -> None:
         arrived_s = self._clock()
@@ -120,7 +143,7 @@ def is_catching_up(frames: list[VideoFrame], now_s: float) -> bool:
     They come faster than they were taken, each with less delay than all before it. Until the last
     of them has come, the offset of the stream's clock is not known.
     """
-    if not frames or now_s - frames[-1].arrived_s > LARGEST_DISTANCE_S:
+    if not frames or now_s - frames[-1].arrived_s > VIDEO.largest_distance_s:
         return False
     if len(frames) < 2:
         return True
@@ -146,7 +169,7 @@ def _opened(address: str) -> cv2.VideoCapture:
     if address.startswith(DEVICE_PREFIX):
         return cv2.VideoCapture(address)
     deadlines = [
-        *(cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(1e3 * OPEN_DEADLINE_S)),
-        *(cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(1e3 * READ_DEADLINE_S)),
+        *(cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, round(1e3 * VIDEO.open_deadline_s)),
+        *(cv2.CAP_PROP_READ_TIMEOUT_MSEC, round(1e3 * VIDEO.read_deadline_s)),
     ]
     return cv2.VideoCapture(address, cv2.CAP_FFMPEG, deadlines)

@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator should be told of a flight at once, with the order that would answer it."""
+"""Alarms of a flight for its operator, each with the command that answers it."""
 
 from dataclasses import dataclass
 from functools import lru_cache
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.checks.check import CheckVerdict
+from rocsafe_mavlink.checks.way_checks import fence_check
+from rocsafe_mavlink.checks.wind_checks import wind_fault
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
-from rocsafe_mavlink.flight.check import CheckVerdict
-from rocsafe_mavlink.flight.fence import Fence
-from rocsafe_mavlink.flight.flight_limits import FlightLimits, VehicleSettings
-from rocsafe_mavlink.flight.flight_plan import FlightPlan
-from rocsafe_mavlink.flight.way_checks import fence_check
-from rocsafe_mavlink.flight.wind import wind_fault
 from rocsafe_mavlink.knowledge.traffic import encounters
+from rocsafe_mavlink.plan.fence import Fence
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
+from rocsafe_mavlink.plan.flight_plan import FlightPlan
 
 HOLD, RETURN_HOME = 'hold', 'return_home'
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Commands that people give to one vehicle: begun, or refused with the reason.
+"""Commands of an operator to one vehicle, started or refused with the reason.
 
 Nothing here is ever called by the suite itself, but by services and actions.
 """
@@ -7,17 +7,17 @@ Nothing here is ever called by the suite itself, but by services and actions.
 from collections.abc import Callable, Sequence
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.checks.check import Check, failures
+from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.check import Check, failures
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
-from rocsafe_mavlink.flight.fence import Fence, rally_items
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.flight.homeward import homeward_plan, leg_fault
-from rocsafe_mavlink.flight.preflight import route_checks
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
 from rocsafe_mavlink.knowledge.telemetry import Contact
+from rocsafe_mavlink.plan.fence import Fence, rally_items
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
+from rocsafe_mavlink.plan.homeward import homeward_plan, leg_fault
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -154,11 +154,11 @@ class DroneCommands:
 
     def _require_verified(self) -> None:
         """Refuse to fly a mission that is not known to be the one of the plan."""
-        mission = self._session.readout.mission
-        if mission.condition is MissionCondition.TORN:
+        condition = self._session.mission_condition()
+        if condition is MissionCondition.TORN:
             raise CommandRefusedError('its mission was not verified: send a route again')
-        if mission.condition is MissionCondition.UNKNOWN:
-            is_read = mission.items is not None
+        if condition is MissionCondition.UNKNOWN:
+            is_read = self._session.readout.mission.items is not None
             words = 'another mission lies on it' if is_read else 'its mission is still being read'
             raise CommandRefusedError(words)
 
@@ -179,12 +179,12 @@ class DroneCommands:
             raise CommandRefusedError(refusal)
 
     def _require_within_fence(self, place: GeoPosition) -> None:
-        readout = self._session.readout
-        if readout.fence is None and not readout.fence_error:
+        settings = self._session.readout.settings
+        if settings.fence is None and not settings.fence_error:
             raise CommandRefusedError('its fence is still being read')
-        if readout.fence is None:
-            raise CommandRefusedError(f'its fence cannot be read: {readout.fence_error}')
-        if not readout.fence.holds(place):
+        if settings.fence is None:
+            raise CommandRefusedError(f'its fence cannot be read: {settings.fence_error}')
+        if not settings.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
     def _require_clear(self, place: GeoPosition) -> None:

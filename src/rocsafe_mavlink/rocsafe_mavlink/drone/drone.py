@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One real vehicle, looked at as the rest of the suite looks at vehicles."""
+"""One real vehicle, with the interface of a simulated one."""
 
 import math
 from collections.abc import Callable
@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import FlightState
+from rocsafe_mavlink.checks.check import Check, failures, is_failed_for_good
+from rocsafe_mavlink.checks.preflight import preflight
 from rocsafe_mavlink.drone.advice import RETURN_HOME, advice_of
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.drone.flight_record import FlightRecord, FlightSummary
@@ -22,14 +24,12 @@ from rocsafe_mavlink.drone.status import (
 )
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
-from rocsafe_mavlink.flight.check import Check, failures, is_failed_for_good
 from rocsafe_mavlink.flight.flight import MissionFlight, adopted, fly
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal, JournalEntry
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
-from rocsafe_mavlink.flight.flight_plan import FlightPlan
-from rocsafe_mavlink.flight.preflight import preflight
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Landed, VehicleTelemetry
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import FlightPlan
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.wire.dialect import Message
 

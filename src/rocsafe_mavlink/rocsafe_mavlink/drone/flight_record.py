@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is noted of the flights of one vehicle: plan, progress, distance, duration, outcome."""
+"""Record of the flights of one vehicle: plan, progress, distance, duration, outcome."""
 
 from dataclasses import dataclass, replace
 

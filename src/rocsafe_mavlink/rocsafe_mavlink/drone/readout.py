@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is read from a vehicle without anybody asking for it: rates, settings, fence, mission.
+"""Background reads of a vehicle: message rates, settings, fence, mission.
 
 Reading changes nothing of what a vehicle does: message rates that are missing are asked for,
 settings and fence are read on the ground, the mission of a vehicle that is found in the air.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
-from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
-from rocsafe_mavlink.flight.fence import Fence, fence_of, rally_of
-from rocsafe_mavlink.flight.flight_limits import VehicleSettings
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.plan.fence import fence_of, rally_of
+from rocsafe_mavlink.plan.flight_limits import VehicleSettings
 from rocsafe_mavlink.protocols.command_call import set_interval
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
 from rocsafe_mavlink.protocols.mission_item import MissionItem
@@ -41,49 +41,26 @@ class Readout:
         (system, component) of the vehicle.
     rates
         Watches the rates of its messages.
-    parameters
-        Reader of its parameters, from when its kind is known.
+    settings
+        Its parameters, fence and rally points, as far as they are read.
     mission
-        What is known of the mission on the vehicle.
-    fence
-        Polygons of its fence; None: not read.
-    fence_error
-        Why its fence cannot be read; empty while it may be.
-    rally
-        Its rally points; None: not read.
-    rally_error
-        Why its rally points cannot be read; empty while they may be.
+        State of the mission on the vehicle.
     """
 
     target: Target
     rates: StreamRates
-    parameters: ParameterReader | None = None
+    settings: VehicleSettings = field(default_factory=VehicleSettings)
     mission: OnboardMission = field(default_factory=OnboardMission)
-    fence: Fence | None = None
-    fence_error: str = ''
-    rally: tuple[GeoPosition, ...] | None = None
-    rally_error: str = ''
     _download: Download | None = None
     _was_lost: bool = False
     _fence_read_s: float = -math.inf
     _rally_read_s: float = -math.inf
     _quiet_until_s: float = -math.inf
 
-    @property
-    def settings(self) -> VehicleSettings:
-        """What the pre-flight checks need of it."""
-        return VehicleSettings(
-            parameters=self.parameters,
-            fence=self.fence,
-            fence_error=self.fence_error,
-            rally=self.rally,
-            rally_error=self.rally_error,
-        )
-
     def on_message(self, message: Message, now_s: float) -> list[Message]:
         """Take a message of the vehicle; return what to send."""
-        if self.parameters is not None:
-            self.parameters = self.parameters.on_message(message)
+        if self.settings.parameters is not None:
+            self._note(parameters=self.settings.parameters.on_message(message))
         if self._download is None:
             return []
         self._download, sent = self._download.on_message(message, now_s)
@@ -119,7 +96,8 @@ class Readout:
     def forget(self) -> None:
         """Forget all that a vehicle that was started again may have changed."""
         self.mission = self.mission.forgotten()
-        self.parameters = self._download = None
+        self._download = None
+        self._note(parameters=None)
         self.forget_fence()
         self._forget_rally()
 
@@ -142,13 +120,14 @@ class Readout:
 
     def forget_fence(self) -> None:
         """Forget the fence, which may be another by now, and what was read of it so far."""
-        self.fence, self.fence_error = None, ''
+        self._note(fence=None, fence_error='')
         self._fence_read_s = -math.inf
         if self._download is not None and self._download.mission_type == MissionType.FENCE:
             self._download = None
 
     def _forget_rally(self) -> None:
-        self.rally, self.rally_error, self._rally_read_s = None, '', -math.inf
+        self._note(rally=None, rally_error='')
+        self._rally_read_s = -math.inf
 
     def _missing_rates(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         due = self.rates.due(now_s, frozenset() if kind is None else kind.unsent)
@@ -177,7 +156,8 @@ class Readout:
             self._fence_read_s = now_s
             return self._begin(MissionType.FENCE, now_s)
         asked = self._read_parameters(kind, now_s)
-        is_next = self.parameters is not None and self.parameters.is_over
+        parameters = self.settings.parameters
+        is_next = parameters is not None and parameters.is_over
         if is_next and now_s - self._rally_read_s > READ_AGAIN_S:
             self._rally_read_s = now_s
             return self._begin(MissionType.RALLY, now_s)
@@ -197,22 +177,25 @@ class Readout:
             self.mission = self.mission.read(done.items)
         elif done.mission_type == MissionType.RALLY:
             is_read = done.stage is DownloadStage.DONE
-            self.rally, self.rally_error = rally_of(done.items) if is_read else None, done.error
+            self._note(rally=rally_of(done.items) if is_read else None, rally_error=done.error)
         elif done.stage is DownloadStage.DONE:
             self._keep_fence(done.items)
         else:
-            self.fence, self.fence_error = None, done.error
+            self._note(fence=None, fence_error=done.error)
 
     def _keep_fence(self, items: tuple[MissionItem, ...]) -> None:
         try:
-            self.fence, self.fence_error = fence_of(items), ''
+            self._note(fence=fence_of(items), fence_error='')
         except ValueError as error:
-            self.fence, self.fence_error = None, str(error)
+            self._note(fence=None, fence_error=str(error))
 
     def _read_parameters(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         if kind is None:
             return []
-        if self.parameters is None:
-            self.parameters = ParameterReader(autopilot=kind.number, target=self.target, found={})
-        self.parameters, sent = self.parameters.on_tick(now_s)
+        new = ParameterReader(autopilot=kind.number, target=self.target, found={})
+        parameters, sent = (self.settings.parameters or new).on_tick(now_s)
+        self._note(parameters=parameters)
         return sent
+
+    def _note(self, **changes: Any) -> None:
+        self.settings = replace(self.settings, **changes)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A ground station for the drones on one link: the one place where bytes come and go.
+"""A ground station for the drones on one link: the only place where bytes are sent and received.
 
 Drones are told apart by (system, component), never by address alone. Heartbeats are sent only
 while the supervisor lives: without them a drone notices that it is alone.
@@ -107,7 +107,7 @@ class Station:
         drone.take(message, now_s)
 
     def _carrier_of(self, system: int, address: Address) -> Drone | None:
-        """Return the drone of a system that speaks from an address; any of its components may."""
+        """Return the drone whose system sends from an address; any of its components may send."""
         for target, drone in self._drones.items():
             if target[0] == system and drone.session.address == address:
                 return drone

@@ -10,15 +10,15 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
+from rocsafe_mavlink.checks.preflight import LEVEL_ALLOWANCE
 from rocsafe_mavlink.drone.advice import Advice
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.flight.flight_journal import JournalEntry
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.preflight import LEVEL_ALLOWANCE
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.prediction import Prediction, predict
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, Motion, VehicleTelemetry
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
 
 _SILENT = (Contact.STALE, Contact.LOST)
 
@@ -47,7 +47,7 @@ class RemainingRoute:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusInputs:
-    """Inputs of a status; `frame` is that of the mission, `advice` what an operator is told."""
+    """Inputs of a status; `frame` is that of the mission, `advice` the alarms for the operator."""
 
     session: VehicleSession
     entry: JournalEntry | None

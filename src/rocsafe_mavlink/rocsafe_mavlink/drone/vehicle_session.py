@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The exchange of messages with one vehicle: what it said, what is under way, what to send next.
+"""The exchange of messages with one vehicle: its state, operations under way, messages to send.
 
 All that is sent to the vehicle goes through `VehicleSession.send`. Commands come from the
 sequences of its flight and of its operator, all else only reads.
@@ -133,7 +133,7 @@ class VehicleSession:
         return VehicleCommands(autopilot=self.autopilot(), target=self.target, us=self.us)
 
     def may_hear(self, address: Address, link: Link, now_s: float) -> bool:
-        """Whether `address` may speak for the vehicle: one at a time, until it falls silent.
+        """Whether the vehicle may be heard at `address`: at one address, until it is silent.
 
         With signatures a few seconds of silence suffice, since every sender has the key: a vehicle
         behind a router changes its port. Without them the vehicle has to be lost first.
@@ -172,7 +172,6 @@ class VehicleSession:
             is_new = self.sequence.is_over and not sequence.is_over
             if is_new and not self.sequence.error:
                 self.custody = self.custody.obeyed(self.sequence.mode)
-        self._compare_mission()
         kind, is_commanded = self.known_autopilot(), self.is_commanded
         self.send(self.readout.on_tick(self.telemetry, kind, now_s, is_commanded=is_commanded))
 
@@ -193,6 +192,16 @@ class VehicleSession:
         # What is commanded is what was there when the order was given.
         self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
+
+    def mission_condition(self) -> MissionCondition:
+        """Return how well the mission is known; one read in the air is compared with the plan."""
+        mission, flight = self.readout.mission, self.flight
+        is_new = mission.condition is MissionCondition.UNKNOWN and mission.items is not None
+        if is_new and flight is not None and flight.stage is FlightStage.FLYING:
+            first = flight.autopilot.first_own_item
+            if not compare(flight.mission.items, mission.items or (), first):
+                self.readout.mission = mission.verified(mission.items or ())
+        return self.readout.mission.condition
 
     def send(self, messages: list[Message]) -> None:
         """Queue messages for the vehicle."""
@@ -246,7 +255,7 @@ class VehicleSession:
             self.custody = self.custody.seen(self.telemetry, kind, expected, now_s)
 
     def _look_at(self, now_s: float) -> None:
-        """Withdraw what is under way if somebody took the vehicle over."""
+        """Withdraw the commands under way after a takeover of the vehicle."""
         if self.flight is not None:
             self.flight = self.flight.looked_at(self.telemetry, now_s)
         if self.sequence is not None:
@@ -262,16 +271,6 @@ class VehicleSession:
             self.flight = self.flight.restarted()
         if self.sequence is not None:
             self.sequence = self.sequence.withdrawn('the autopilot was started again')
-
-    def _compare_mission(self) -> None:
-        """Verify a mission that was read in the air by the plan of the flight."""
-        mission, flight = self.readout.mission, self.flight
-        is_new = mission.condition is MissionCondition.UNKNOWN and mission.items is not None
-        if not is_new or flight is None or flight.stage is not FlightStage.FLYING:
-            return
-        first = flight.autopilot.first_own_item
-        if not compare(flight.mission.items, mission.items or (), first):
-            self.readout.mission = mission.verified(mission.items or ())
 
     def _note_verified(
         self, before: CommandSequence | None, after: CommandSequence | None

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.flight.flight_outcome import failsafe_of
-from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import MODE_SHOWS_S, Contact, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_results import MissionType
@@ -29,8 +29,6 @@ from rocsafe_mavlink.protocols.mission_transfer import Transfer, TransferStage
 from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM
 from rocsafe_mavlink.wire.dialect import Message
 
-# A mode that was accepted shows in a heartbeat within this time, even if two of them are lost.
-SHOWS_WITHIN_S = 3.5
 # A step waits so long for an obstacle to go away, e.g. a gap in the telemetry.
 OBSTACLE_LASTS_S = 10.0
 Shown = Callable[[VehicleTelemetry], bool]
@@ -112,7 +110,7 @@ class CommandStep:
             return ''
         if self.call.is_over and self.call.stage is not CallStage.ACCEPTED:
             return self.call.error
-        is_late = self.accepted_s >= 0.0 and now_s - self.accepted_s > SHOWS_WITHIN_S
+        is_late = self.accepted_s >= 0.0 and now_s - self.accepted_s > MODE_SHOWS_S
         number = self.call.command['command']
         return f'command {number} accepted, but heartbeats do not show it' if is_late else ''
 
@@ -320,7 +318,7 @@ class CommandSequence:
         return True
 
     def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
-        """Return the sequence after a look at the vehicle, withdrawn if somebody took it over.
+        """Return the sequence after a check of the vehicle, withdrawn after a takeover.
 
         Called when the sequence is given, at each heartbeat and at each tick: not even a request
         of the autopilot is answered between a heartbeat that shows a takeover and the next tick.

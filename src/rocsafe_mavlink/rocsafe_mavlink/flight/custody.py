@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who has a vehicle in the air: this bridge, its pilot, another station, or a failsafe.
+"""Control of a vehicle in the air: by this bridge, its pilot, another station, or a failsafe.
 
 A command is refused while somebody else has the vehicle. What counts is what the vehicle says:
 its mode, its status, and the failsafes that it announces.
@@ -11,12 +11,10 @@ from dataclasses import dataclass, replace
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_signs import shown_failsafe
-from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import MODE_SHOWS_S, VehicleTelemetry
 
 # Modes in which an autopilot carries out what a station commands.
 COMMANDED_MODES = (Verb.MISSION, Verb.HOLD, Verb.GUIDED)
-# An announced failsafe shows in the mode within this time, seconds, even if heartbeats are lost.
-FAILSAFE_SHOWS_S = 3.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +95,7 @@ class Custody:
         if not vehicle.is_armed:
             return ''
         mode = autopilot.mode_name(vehicle.custom_mode)
-        is_announced = now_s - self.failsafe_s < FAILSAFE_SHOWS_S
+        is_announced = now_s - self.failsafe_s < MODE_SHOWS_S
         if self.failsafe is not None and (is_announced or not is_always_taken):
             return f'it is not ours to command: {self.failsafe.value}, in {mode}'
         if vehicle.is_in_failsafe and not is_always_taken:
@@ -109,7 +107,7 @@ class Custody:
         return f'it is not ours to command: it is in {mode}'
 
     def holder(self, vehicle: VehicleTelemetry, autopilot: Autopilot) -> str:
-        """Return who has an armed vehicle instead of this bridge; empty: nobody.
+        """Return who controls an armed vehicle instead of this bridge; empty: this bridge does.
 
         ``'pilot'`` is whoever switched it to a mode of its own: a remote control, or another
         station.

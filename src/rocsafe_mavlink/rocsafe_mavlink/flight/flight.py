@@ -14,10 +14,10 @@ from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep, Refusal
 from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, Mission, mission_of
 from rocsafe_mavlink.flight.flight_signs import shown_failsafe
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, Mission, mission_of
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.wire.dialect import Message
@@ -112,7 +112,7 @@ class MissionFlight:
         return going._after_success() if sequence.is_over else going, sent
 
     def looked_at(self, vehicle: VehicleTelemetry, now_s: float) -> 'MissionFlight':
-        """Return the flight after a look at the vehicle: its commands may be withdrawn."""
+        """Return the flight after a check of the vehicle: its commands may be withdrawn."""
         if self.sequence is None:
             return self
         return replace(self, sequence=self.sequence.looked_at(vehicle, now_s))

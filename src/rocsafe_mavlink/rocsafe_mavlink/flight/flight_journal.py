@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Journal of flights: which plan a vehicle was given, kept over restarts of the bridge.
+"""Journal of flights: the plan of each vehicle, kept over restarts of the bridge.
 
 Position, state and progress are always asked of the vehicle itself.
 """
@@ -12,7 +12,7 @@ from typing import Any
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.flight.flight_plan import FlightPlan, FlightWaypoint
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

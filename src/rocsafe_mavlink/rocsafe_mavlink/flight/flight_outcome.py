@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a flight ended, and which failsafe the autopilot's texts announce."""
+"""Outcomes of a flight, and the failsafe that an autopilot's text announces."""
 
 from enum import Enum
 
@@ -18,14 +18,6 @@ class FlightOutcome(Enum):
     LOST = 'lost'
 
 
-FAILSAFES = frozenset(
-    {
-        FlightOutcome.FAILSAFE_BATTERY,
-        FlightOutcome.FAILSAFE_LINK,
-        FlightOutcome.FAILSAFE_FENCE,
-        FlightOutcome.FAILSAFE_GPS,
-    }
-)
 _WORDS = (
     ('battery failsafe', FlightOutcome.FAILSAFE_BATTERY),
     ('gcs failsafe', FlightOutcome.FAILSAFE_LINK),

@@ -19,11 +19,11 @@ from rocsafe_mavlink.flight.command_sequence import (
     Step,
     TransferStep,
 )
-from rocsafe_mavlink.flight.fence import Fence, fence_items
-from rocsafe_mavlink.flight.flight_limits import FlightLimits
-from rocsafe_mavlink.flight.flight_plan import Mission
 from rocsafe_mavlink.flight.flight_signs import home_moved
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed, MissionPhase, VehicleTelemetry
+from rocsafe_mavlink.plan.fence import Fence, fence_items
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import Mission
 from rocsafe_mavlink.protocols import command_call as calls
 from rocsafe_mavlink.protocols.command_call import CommandCall
 from rocsafe_mavlink.protocols.mission_item import GLOBAL_INT, RELATIVE_INT, MissionItem

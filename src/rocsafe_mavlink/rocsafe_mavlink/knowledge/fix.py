@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a position can be used: messages keep coming long after the receiver lost its fix."""
+"""Check that a position is usable: messages continue long after the receiver lost its fix."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Expected position of a vehicle that is not heard: it is assumed to fly on.
+"""Expected position of a silent vehicle: it is assumed to fly on.
 
 From its last known place it follows the rest of its plan at the speed of the plan, and then flies
 home. A vehicle that stands still or is on the ground is assumed to stay.

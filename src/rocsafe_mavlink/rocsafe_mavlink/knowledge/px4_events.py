@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Why a PX4 left its mission: its texts say only that a failsafe acts, its events say which.
+"""Reasons for which a PX4 left its mission, from its events; its texts do not name the failsafe.
 
 An event is a number made from its name, with arguments that only PX4's own source describes
 (events.h, failsafe/framework.cpp and geofenceCheck.cpp of August 2025). The few that matter are

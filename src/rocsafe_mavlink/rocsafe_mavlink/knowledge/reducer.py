@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages change what is known of a vehicle; nothing else does.
+"""Updates of the known state of a vehicle by its messages.
 
 `reduce` is a pure function, so that a recorded flight gives the same states every time.
 """
@@ -226,13 +226,6 @@ def _wind(vehicle: VehicleTelemetry, message: Message, now_s: float) -> VehicleT
     return replace(vehicle, wind=vehicle.wind.after(float(speed_mps), now_s))
 
 
-def _time(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
-    if not message['time_unix_usec']:
-        return vehicle
-    boot_s = message['time_unix_usec'] / 1e6 - message['time_boot_ms'] / 1e3
-    return replace(vehicle, boot_unix_s=boot_s)
-
-
 _REDUCERS: Mapping[str, Reducer] = {
     'ADSB_VEHICLE': with_aircraft,
     'ATTITUDE': _attitude,
@@ -246,7 +239,6 @@ _REDUCERS: Mapping[str, Reducer] = {
     'HOME_POSITION': _home,
     'MISSION_CURRENT': _mission,
     'MISSION_ITEM_REACHED': _reached,
-    'SYSTEM_TIME': _time,
     'SYS_STATUS': _sys_status,
     'WIND': _wind,
     'WIND_COV': _wind,

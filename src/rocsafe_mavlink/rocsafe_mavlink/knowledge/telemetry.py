@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What one autopilot said of itself: a value that only messages change, see `reducer`."""
+"""State of one autopilot as its messages report it; `reducer` updates it."""
 
 import math
 from dataclasses import dataclass
@@ -11,6 +11,8 @@ from rocsafe_geo.position import GeoPosition
 NEVER = -math.inf
 # Age of the last heartbeat from which a vehicle counts as stale, as lost.
 STALE_AFTER_S = 3.0
+# A mode that was accepted or announced shows within this time, even if two heartbeats are lost.
+MODE_SHOWS_S = 3.5
 LOST_AFTER_S = 10.0
 # Estimates of the wind are kept so long: the mean and the gust are of the last minute.
 WIND_KEPT_S = 60.0
@@ -183,7 +185,7 @@ class MissionStatus:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Aircraft:
-    """Another aircraft, as its own transponder tells.
+    """Another aircraft, as its transponder reports it.
 
     Attributes
     ----------
@@ -265,8 +267,6 @@ class VehicleTelemetry:
         Height of the geoid above the ellipsoid; NaN if not known; kept while armed.
     jumped_s
         Steady time at which the position last moved faster than any multicopter flies.
-    boot_unix_s
-        Time of day at its start; NaN if not known.
     is_fence_breached
         Whether it reports a breach of its fence.
     traffic
@@ -295,7 +295,6 @@ class VehicleTelemetry:
     mission: MissionStatus = MissionStatus()
     geoid_separation_m: float = math.nan
     jumped_s: float = NEVER
-    boot_unix_s: float = math.nan
     is_fence_breached: bool = False
     traffic: tuple[Aircraft, ...] = ()
     wind: Wind = Wind()

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Other aircraft that the receiver of a vehicle hears (ADS-B), and which of them come close."""
+"""Other aircraft that the receiver of a vehicle reports (ADS-B), and close encounters."""
 
 import math
 from dataclasses import dataclass, replace
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, level_offset_m
 from rocsafe_mavlink.knowledge.telemetry import Aircraft, Motion, VehicleTelemetry
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import deg_of_e7, m_of_mm
@@ -14,7 +14,6 @@ COORDINATES, ALTITUDE, HEADING, VELOCITY, CALLSIGN = 1, 2, 4, 8, 16
 PRESSURE = 0
 # Aircraft kept at most; the nearest in time are heard again.
 LARGEST_COUNT = 64
-METRES_A_DEGREE = 111_195.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +68,7 @@ class Encounter:
 
     @property
     def text(self) -> str:
-        """What people are told."""
+        """The warning for people."""
         name = self.aircraft.callsign or f'{self.aircraft.icao:06X}'
         above = 'height not known' if math.isnan(self.above_m) else f'{self.above_m:+.0f} m high'
         nearest = f'{self.closest_m:.0f} m in {self.closest_in_s:.0f} s'
@@ -98,29 +97,22 @@ def with_aircraft(vehicle: VehicleTelemetry, message: Message, now_s: float) -> 
     return replace(vehicle, traffic=(*others, aircraft)[-LARGEST_COUNT:])
 
 
-def encounter(
-    aircraft: Aircraft, motion: Motion, now_s: float, limits: TrafficLimits = TRAFFIC_LIMITS
-) -> Encounter:
+def encounter(aircraft: Aircraft, motion: Motion, now_s: float) -> Encounter:
     """Return an aircraft as seen from a vehicle at `now_s`: both are taken to fly straight on."""
-    shrink = math.cos(math.radians(motion.position.latitude_deg))
-    turn_deg = math.remainder(
-        aircraft.position.longitude_deg - motion.position.longitude_deg, 360.0
-    )
     age_s = now_s - aircraft.heard_s
     theirs = aircraft.velocity_enu_mps or (0.0, 0.0, 0.0)
-    east_m = METRES_A_DEGREE * shrink * turn_deg + age_s * theirs[0]
-    north_m = (
-        METRES_A_DEGREE * (aircraft.position.latitude_deg - motion.position.latitude_deg)
-        + age_s * theirs[1]
-    )
+    heard_east_m, heard_north_m = level_offset_m(motion.position, aircraft.position)
+    east_m, north_m = heard_east_m + age_s * theirs[0], heard_north_m + age_s * theirs[1]
     ours = motion.velocity_enu_mps
     east_mps, north_mps = theirs[0] - ours[0], theirs[1] - ours[1]
     square = east_mps**2 + north_mps**2
     meeting_s = -(east_m * east_mps + north_m * north_mps) / square if square else 0.0
-    in_s = min(max(meeting_s, 0.0), limits.ahead_s)
+    in_s = min(max(meeting_s, 0.0), TRAFFIC_LIMITS.ahead_s)
     closest_m = math.hypot(east_m + in_s * east_mps, north_m + in_s * north_mps)
     above_m = aircraft.altitude_msl_m - motion.altitude_msl_m
-    allowed_m = limits.height_m + (limits.pressure_m if aircraft.is_pressure else 0.0)
+    allowed_m = TRAFFIC_LIMITS.height_m + (
+        TRAFFIC_LIMITS.pressure_m if aircraft.is_pressure else 0.0
+    )
     # Climb and descent within the time looked ahead count as if they were flown at once.
     drift_m = in_s * (theirs[2] - ours[2])
     heights_m = (above_m, above_m + drift_m)
@@ -133,19 +125,17 @@ def encounter(
         above_m=above_m,
         closest_m=closest_m,
         closest_in_s=in_s,
-        is_close=closest_m < limits.level_m and is_level,
+        is_close=closest_m < TRAFFIC_LIMITS.level_m and is_level,
     )
 
 
-def encounters(
-    vehicle: VehicleTelemetry, now_s: float, limits: TrafficLimits = TRAFFIC_LIMITS
-) -> tuple[Encounter, ...]:
+def encounters(vehicle: VehicleTelemetry, now_s: float) -> tuple[Encounter, ...]:
     """Return all aircraft that were heard lately, the nearest to come first."""
     if vehicle.motion is None:
         return ()
     seen = [
-        encounter(aircraft, vehicle.motion, now_s, limits)
+        encounter(aircraft, vehicle.motion, now_s)
         for aircraft in vehicle.traffic
-        if now_s - aircraft.heard_s <= limits.old_s
+        if now_s - aircraft.heard_s <= TRAFFIC_LIMITS.old_s
     ]
     return tuple(sorted(seen, key=lambda one: one.closest_m))

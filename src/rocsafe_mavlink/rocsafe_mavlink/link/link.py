@@ -7,6 +7,7 @@ No input or output: a transport hands in the bytes of an address and takes those
 from collections.abc import Hashable
 from dataclasses import dataclass
 
+from rocsafe_mavlink.link.link_limits import LINK_LIMITS
 from rocsafe_mavlink.link.peer import Peer
 from rocsafe_mavlink.wire.authority import Authority
 from rocsafe_mavlink.wire.counters import Counters, Reason
@@ -15,11 +16,6 @@ from rocsafe_mavlink.wire.framing import pack_frame
 from rocsafe_mavlink.wire.signing import SignatureGate, Signer
 
 Address = Hashable
-# Addresses that are remembered beside those of the vehicles, which are never forgotten.
-LARGEST_PEER_COUNT = 32
-# Holders of the key whose clock is behind, and for how long one is greeted.
-LARGEST_LATE_COUNT = 8
-LATE_FOR_S = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,16 +183,16 @@ class Link:
 
     def _note_late(self, address: Address, now_s: float, *, is_late: bool) -> None:
         """Note who holds the key and is behind in time, for some seconds."""
-        if is_late and (address in self._late or len(self._late) < LARGEST_LATE_COUNT):
+        if is_late and (address in self._late or len(self._late) < LINK_LIMITS.late_holders):
             self._late[address] = now_s
         if self._late:
-            kept = {one: s for one, s in self._late.items() if now_s - s < LATE_FOR_S}
+            kept = {one: s for one, s in self._late.items() if now_s - s < LINK_LIMITS.late_for_s}
             self._late = kept
 
     def _join(self, address: Address) -> Peer:
         """Return a new peer; of too many the one that was heard longest ago is forgotten."""
         others = [known for known in self._peers if known not in self.held]
-        if len(others) >= LARGEST_PEER_COUNT:
+        if len(others) >= LINK_LIMITS.peers:
             del self._peers[others[0]]
         peer = self._peers[address] = self._new_peer(is_stream=self._rules.is_stream)
         return peer

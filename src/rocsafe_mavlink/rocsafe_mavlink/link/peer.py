@@ -5,6 +5,7 @@ The order of checks: size, frame and checksum, signature, rate, use, plausibilit
 frame says is stored before its signature was found good.
 """
 
+from rocsafe_mavlink.link.link_limits import LINK_LIMITS
 from rocsafe_mavlink.wire.counters import Counters, Reason
 from rocsafe_mavlink.wire.dialect import Message, decode
 from rocsafe_mavlink.wire.framing import LARGEST_FRAME, MavlinkFrame, scan
@@ -12,11 +13,6 @@ from rocsafe_mavlink.wire.plausibility import fault_of, is_read
 from rocsafe_mavlink.wire.rate_limit import RateLimit
 from rocsafe_mavlink.wire.signing import SignatureGate, SignatureVerdict
 
-LARGEST_DATAGRAM = 4096
-LARGEST_RATE_PER_S = 2000.0
-LARGEST_SENDER_COUNT = 64
-# A larger gap is a restart of the sender, not a loss.
-LARGEST_GAP = 128
 # RADIO_STATUS, which a radio modem inserts; it has no key.
 UNSIGNED_ALLOWED = frozenset({109})
 _REASONS = {
@@ -52,7 +48,7 @@ class Peer:
         self._gate = gate
         self._is_stream = is_stream
         self._rest = b''
-        self._rate = RateLimit(LARGEST_RATE_PER_S)
+        self._rate = RateLimit(LINK_LIMITS.messages_per_s)
         self._sequences: dict[tuple[int, int], int] = {}
         self.is_late = False
 
@@ -89,7 +85,7 @@ class Peer:
         return messages
 
     def _frames(self, data: bytes) -> list[MavlinkFrame]:
-        if not self._is_stream and len(data) > LARGEST_DATAGRAM:
+        if not self._is_stream and len(data) > LINK_LIMITS.datagram_bytes:
             self._counters.drop(Reason.OVERSIZE)
             return []
         found = scan(self._rest + data, is_whole=not self._is_stream)
@@ -119,11 +115,11 @@ class Peer:
     def _count_lost(self, frame: MavlinkFrame) -> None:
         sender = (frame.system, frame.component)
         last = self._sequences.get(sender)
-        if last is None and len(self._sequences) >= LARGEST_SENDER_COUNT:
+        if last is None and len(self._sequences) >= LINK_LIMITS.senders:
             return
         self._sequences[sender] = frame.sequence
         gap = 0 if last is None else (frame.sequence - last - 1) % 256
-        if gap < LARGEST_GAP:
+        if gap < LINK_LIMITS.sequence_gap:
             self._counters.lost += gap
 
     def _believable(self, frame: MavlinkFrame) -> Message | None:

@@ -16,11 +16,8 @@ from typing import Protocol
 from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind
 from rocsafe_mavlink.link.link import Address
+from rocsafe_mavlink.link.link_limits import LINK_LIMITS
 
-# One call takes at most this many pieces, so that a flood cannot block its caller.
-LARGEST_TAKE = 256
-LARGEST_PIECE = 65_535
-RETRY_S = 1.0
 Piece = tuple[Address, bytes]
 
 
@@ -68,9 +65,9 @@ class UdpTransport:
     def take(self, now_s: float) -> list[Piece]:  # noqa: ARG002 - nothing to open again
         """Return the datagrams that have arrived."""
         pieces: list[Piece] = []
-        for _ in range(LARGEST_TAKE):
+        for _ in range(LINK_LIMITS.pieces):
             try:
-                data, sender = self._socket.recvfrom(LARGEST_PIECE)
+                data, sender = self._socket.recvfrom(LINK_LIMITS.piece_bytes)
             except BlockingIOError:
                 break
             except OSError:
@@ -110,7 +107,7 @@ class StreamTransport:
         self._address = address
         self._open_stream = open_stream
         self._descriptor: int | None = None
-        self._retry_at_s = -RETRY_S
+        self._retry_at_s = -LINK_LIMITS.retry_s
 
     @property
     def is_open(self) -> bool:
@@ -121,9 +118,9 @@ class StreamTransport:
         """Return the bytes that have arrived; open the connection if it is not open."""
         self._ensure_open(now_s)
         pieces: list[Piece] = []
-        while self._descriptor is not None and len(pieces) < LARGEST_TAKE:
+        while self._descriptor is not None and len(pieces) < LINK_LIMITS.pieces:
             try:
-                data = os.read(self._descriptor, LARGEST_PIECE)
+                data = os.read(self._descriptor, LINK_LIMITS.piece_bytes)
             except BlockingIOError:
                 break
             except OSError:
@@ -156,7 +153,7 @@ class StreamTransport:
 
     def _ensure_open(self, now_s: float) -> None:
         if self._descriptor is None and now_s >= self._retry_at_s:
-            self._retry_at_s = now_s + RETRY_S
+            self._retry_at_s = now_s + LINK_LIMITS.retry_s
             with contextlib.suppress(OSError):
                 self._descriptor = self._open_stream()
 

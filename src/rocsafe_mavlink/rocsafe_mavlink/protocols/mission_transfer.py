@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Verified upload: a mission is on the vehicle when what was read back is what was sent.
+"""Verified upload: a mission is read back after its upload and compared.
 
 An acknowledgement is no proof, and an upload that failed has overwritten the mission before it. So
 after an upload the mission is read back and compared. If it differs it is sent again, and if that

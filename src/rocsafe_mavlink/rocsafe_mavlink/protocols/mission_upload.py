@@ -164,7 +164,7 @@ class Upload:
 
 
 def cancelled(request: Message) -> Message:
-    """Return the answer to a request for an item of an upload that nobody makes any more.
+    """Return the answer to a request for an item of an upload that was given up.
 
     A PX4 ends its transfer then; an ArduPilot ignores it, and ends its own after 8 s.
     """

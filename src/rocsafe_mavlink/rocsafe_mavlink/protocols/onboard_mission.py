@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of the mission that lies on a vehicle: verified, torn or unknown."""
+"""State of the mission stored on a vehicle: verified, torn or unknown."""
 
 from dataclasses import dataclass, replace
 from enum import Enum

@@ -19,13 +19,12 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'SYS_STATUS': (1, 2.0),
     'MISSION_CURRENT': (42, 2.0),
     'EXTENDED_SYS_STATE': (245, 2.0),
-    'SYSTEM_TIME': (2, 1.0),
     'HOME_POSITION': (242, 1.0),
     'ADSB_VEHICLE': (246, 2.0),
     'WIND': (168, 1.0),
     'WIND_COV': (231, 1.0),
 }
-# Messages that come only where there is something to tell.
+# Messages that a vehicle sends only while it has such data.
 OCCASIONAL = frozenset({'ADSB_VEHICLE', 'WIND', 'WIND_COV'})
 MISSING_PERIODS = 3.0
 # An answer takes time; messages that a vehicle does not have are asked for rarely.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages and commands that may be sent to an autopilot; all others are refused before the wire.
+"""Messages and commands that may be sent to an autopilot; all others are refused.
 
 Ending a flight by force, rebooting and writing parameters are not among them.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Counts of what was received, sent and dropped, with the reason: nothing is dropped unseen."""
+"""Counts of received, sent and dropped messages, with the reason of each drop."""
 
 from collections import Counter
 from enum import Enum

@@ -54,7 +54,7 @@ class _Layout:
         self.unpack = table.unpacker.unpack
         self.size = int(table.unpacker.size)
         self.names = tuple(table.ordered_fieldnames)
-        # For struct a text is one value, an array of numbers as many as it is long.
+        # For struct, a text is one value; an array has as many values as numbers.
         self.counts = tuple(table.lengths)
         self.is_flat = all(count == 1 for count in self.counts)
 

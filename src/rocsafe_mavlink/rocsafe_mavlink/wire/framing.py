@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames in bytes: where a message begins and ends, and whether it arrived whole.
+"""Frames in bytes: begin and end of each message, and its checksum.
 
 Format: https://mavlink.io/en/guide/serialization.html. A frame counts only if its message is known
 and its checksum right. Anything else is skipped by one byte, so that a false start cannot swallow
@@ -8,7 +8,6 @@ a good message behind it.
 
 import re
 import struct
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 from rocsafe_mavlink.wire.dialect import CRC_EXTRAS, checksum
@@ -66,7 +65,7 @@ class Scan:
     false_starts: int = 0
 
 
-def scan(data: bytes, *, is_whole: bool, extras: Mapping[int, bytes] = CRC_EXTRAS) -> Scan:
+def scan(data: bytes, *, is_whole: bool) -> Scan:
     """Return the frames in `data`.
 
     With `is_whole` (a datagram) nothing follows. Otherwise (a stream) the rest may hold the start
@@ -79,7 +78,7 @@ def scan(data: bytes, *, is_whole: bool, extras: Mapping[int, bytes] = CRC_EXTRA
         is_cut = size == 0 or found.used + size > len(data)
         if is_cut and not is_whole:
             return found
-        frame = None if is_cut else _frame(data[found.used : found.used + size], extras)
+        frame = None if is_cut else _frame(data[found.used : found.used + size])
         if frame is None:
             found.false_starts += 1
             found.used += 1
@@ -123,7 +122,7 @@ def _frame_size(data: bytes, start: int) -> int:
     return HEADER_2 + length + signature
 
 
-def _frame(data: bytes, extras: Mapping[int, bytes]) -> MavlinkFrame | None:
+def _frame(data: bytes) -> MavlinkFrame | None:
     """Return the frame that `data` is, or None."""
     if data[0] == MAGIC_1:
         head, is_signed, message_id = HEADER_1, False, data[5]
@@ -136,7 +135,7 @@ def _frame(data: bytes, extras: Mapping[int, bytes]) -> MavlinkFrame | None:
             # The standard forbids reading a frame with an unknown flag.
             return None
     end = head + data[1]
-    extra = extras.get(message_id)
+    extra = CRC_EXTRAS.get(message_id)
     if extra is None or not system or not component:
         return None
     if checksum(data[1:end] + extra) != int.from_bytes(data[end : end + 2], 'little'):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Limits within which the numbers of a message can be true; a right checksum does not tell that.
+"""Limits of plausible numbers in a message, which a right checksum does not prove.
 
 Only messages named here pass. Each number that is used later must be within its limits, or the
 whole message is dropped. A comparison with NaN is false, so what is not finite never passes.
@@ -76,7 +76,6 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
     'PARAM_VALUE': {},
     'RADIO_STATUS': {},
     'STATUSTEXT': {'severity': (0, 7)},
-    'SYSTEM_TIME': {},
     'SYS_STATUS': {'battery_remaining': PERCENT},
     'WIND': {'speed': (0.0, 100.0)},
     'WIND_COV': {'wind_x': WIND_MPS, 'wind_y': WIND_MPS},

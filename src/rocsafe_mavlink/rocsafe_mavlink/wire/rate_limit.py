@@ -9,17 +9,15 @@ class RateLimit:
     ----------
     per_s
         Permits a second.
-    now_s
-        Time at the start, seconds of any steady clock.
     """
 
-    def __init__(self, per_s: float, now_s: float = 0.0) -> None:
+    def __init__(self, per_s: float) -> None:
         self._per_s = per_s
         self._left = per_s
-        self._then_s = now_s
+        self._then_s = 0.0
 
     def take(self, now_s: float, count: int = 1) -> bool:
-        """Take `count` permits if there are so many; return whether there were."""
+        """Take `count` permits at `now_s` of a steady clock; return False if there are fewer."""
         passed_s = max(0.0, now_s - self._then_s)
         self._then_s = max(self._then_s, now_s)
         self._left = min(self._per_s, self._left + passed_s * self._per_s)

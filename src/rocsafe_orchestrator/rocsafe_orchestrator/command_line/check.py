@@ -29,9 +29,9 @@ def _check(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
     if arguments.file.suffix.lower() == '.json':
-        from rocsafe_orchestrator.command_line.check_plan_command import check_plan_file
+        from rocsafe_orchestrator.planning_commands.check_plan_command import check_plan_file
 
         return check_plan_file(arguments.file, arguments.terrain, Console())
-    from rocsafe_orchestrator.command_line.check_command import check
+    from rocsafe_orchestrator.planning_commands.check_command import check
 
     return check(arguments.file, Console())

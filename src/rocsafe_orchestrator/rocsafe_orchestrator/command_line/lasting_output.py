@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Output of a command that goes on when nobody reads it any more."""
+"""Output of a command that continues after its reader has gone."""
 
 import os
 import sys
@@ -37,7 +37,7 @@ class LastingStream:
             self._lose()
 
     def _lose(self) -> None:
-        """Send all further output to nowhere, also what lies in the buffer."""
+        """Discard all further output, also what is in the buffer."""
         nowhere = os.open(os.devnull, os.O_WRONLY)
         with suppress(OSError, ValueError):
             os.dup2(nowhere, self._stream.fileno())

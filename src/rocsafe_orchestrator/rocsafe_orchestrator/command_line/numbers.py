@@ -4,6 +4,7 @@
 import argparse
 import math
 
+from rocsafe_planner.plan.survey_options import MAX_VIEWPOINTS_LIMIT
 from rocsafe_scenario.limits import (
     LARGEST_BUDGET_S,
     LARGEST_FLEET,
@@ -63,6 +64,11 @@ def seed(text: str) -> int:
 def count(text: str) -> int:
     """Return a number of vehicles; an error names value and limits."""
     return _whole(text, 1, LARGEST_FLEET)
+
+
+def viewpoint_count(text: str) -> int:
+    """Return a number of viewpoints; an error names value and limits."""
+    return _whole(text, 1, MAX_VIEWPOINTS_LIMIT)
 
 
 def waiting_time(text: str) -> float:

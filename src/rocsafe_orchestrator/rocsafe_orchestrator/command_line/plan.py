@@ -36,7 +36,7 @@ def add_to(commands: Commands) -> None:
     add_options(
         group, 'objective', 'grid', 'overlap', 'front-overlap', 'spacing-rule', 'clearance',
         'wind', 'separation', 'separation-by', 'terrain', 'terrain-clearance',
-        'max-height', 'seed',
+        'max-height', 'max-viewpoints', 'seed',
     )  # fmt: skip
     group = parser.add_argument_group('vehicles', 'values for all vehicles')
     add_options(group, 'speed', 'hover', 'endurance', 'swap', 'open')
@@ -46,7 +46,7 @@ def add_to(commands: Commands) -> None:
 def _plan(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.plan_command import PlanRequest, plan
+    from rocsafe_orchestrator.planning_commands.plan_command import PlanRequest, plan
 
     request = PlanRequest(
         files=tuple(arguments.files),
@@ -58,6 +58,7 @@ def _plan(arguments: argparse.Namespace) -> int:
         seed=arguments.seed,
         survey=_given(
             grid=arguments.grid,
+            max_viewpoints=arguments.max_viewpoints,
             overlap_fraction=arguments.overlap,
             front_overlap_fraction=arguments.front_overlap,
             spacing_rule=arguments.spacing_rule,

@@ -14,6 +14,7 @@ from rocsafe_orchestrator.command_line.numbers import (
     seconds,
     seed,
     vehicle_speed,
+    viewpoint_count,
     wind,
 )
 from rocsafe_planner.plan.survey_options import (
@@ -22,10 +23,11 @@ from rocsafe_planner.plan.survey_options import (
     OBJECTIVES,
     SEPARATIONS,
     SPACING_RULES,
+    USUAL_VIEWPOINTS_LIMIT,
 )
 
 _AGAIN: dict[str, Any] = {'action': 'append', 'default': []}
-# By name: what argparse is told.
+# Arguments of argparse, by the name of the option.
 _OPTIONS: dict[str, dict[str, Any]] = {
     'out': {
         'type': Path,
@@ -47,7 +49,8 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     'budget': {
         'type': budget,
         'metavar': 'S',
-        'help': "time to improve the plan, seconds (default: the scenario's, or none)",
+        'help': 'time to improve the plan, seconds; 0: a fixed number of steps, which may take '
+        "longer than a short budget (default: the scenario's, or 0)",
     },
     'method': {
         'default': '',
@@ -88,6 +91,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     'grid': {
         'choices': GRIDS,
         'help': 'orientation of the grid of viewpoints',
+    },
+    'max-viewpoints': {
+        'type': viewpoint_count,
+        'metavar': 'N',
+        'help': f'refuse a survey that needs more (default: {USUAL_VIEWPOINTS_LIMIT})',
     },
     'objective': {'choices': OBJECTIVES, 'help': 'quantity to minimise'},
     'clearance': {

@@ -29,6 +29,6 @@ def add_to(commands: Commands) -> None:
 def _preflight(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.preflight_command import preflight
+    from rocsafe_orchestrator.planning_commands.preflight_command import preflight
 
     return preflight(arguments.scenario, arguments.wait, Console())

@@ -31,7 +31,7 @@ def add_to(commands: Commands) -> None:
 def _replan(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.replan_command import ReplanRequest, replan
+    from rocsafe_orchestrator.planning_commands.replan_command import ReplanRequest, replan
 
     request = ReplanRequest(
         plan=arguments.plan,

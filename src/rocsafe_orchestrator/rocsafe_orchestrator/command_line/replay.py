@@ -27,6 +27,6 @@ def add_to(commands: Commands) -> None:
 def _replay(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.replay_command import replay
+    from rocsafe_orchestrator.mission_commands.replay_command import replay
 
     return replay(arguments.run, arguments.out, Console())

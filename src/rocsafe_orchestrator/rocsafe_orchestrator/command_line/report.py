@@ -18,6 +18,6 @@ def add_to(commands: Commands) -> None:
 def _report(arguments: argparse.Namespace) -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.report_command import report
+    from rocsafe_orchestrator.mission_commands.report_command import report
 
     return report(arguments.run, Console())

@@ -60,7 +60,7 @@ def _run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from rich.console import Console
 
-    from rocsafe_orchestrator.command_line.run_command import RunRequest, run_scenario
+    from rocsafe_orchestrator.mission_commands.run_command import RunRequest, run_scenario
 
     request = RunRequest(
         scenario=arguments.scenario,

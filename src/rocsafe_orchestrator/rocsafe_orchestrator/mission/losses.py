@@ -55,7 +55,7 @@ class Losses:
 
     @property
     def lets_time_run(self) -> bool:
-        """Whether vehicles have been told to hold and need time to come to a stop."""
+        """Whether vehicles were commanded to hold and need time to stop."""
         return self._requests.all_done(OrderKind.HOLD) and not self.is_paused
 
     @property
@@ -207,7 +207,7 @@ class Losses:
 
 
 def _remark(name: str, before: Member, after: Member) -> list[str]:
-    """Return what people are told of a change of presence."""
+    """Return the remark on a change of presence."""
     if after.presence is Presence.SILENT:
         return [f'{name}: silent, it gets no orders']
     if after.presence is Presence.RETURNED:

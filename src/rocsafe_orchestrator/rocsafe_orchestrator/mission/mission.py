@@ -1,27 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""State machine of a mission: its phases and what each waits for. Time is an argument.
+"""State machine of a mission: its phases and their conditions. Time is an argument.
 
 `Mission.advance` returns orders; the caller carries them out and reports with `accepted`,
 `answered` and `refused`. A failure ends the present phase only: the mosaic and the products are
 still made from what was recorded.
 """
 
-from collections.abc import Callable, Container, Iterable
+from collections.abc import Callable, Iterable
 
+from rocsafe_orchestrator.mission.closing import MOSAIC, REPORT, Closing
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.phase_record import PhaseRecord
 from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
 from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.situation import Crew, Situation
-from rocsafe_orchestrator.mission.standstill import Standstill
 from rocsafe_orchestrator.mission.time_watch import TimeWatch
 
-MOSAIC, REPORT = 'mosaic', 'report'
 LOCALIZER = 'localizer'
 
 
-class Mission:
+class Mission(PhaseRecord):
     """One mission from the start of its processes to its report.
 
     Parameters
@@ -38,6 +38,11 @@ class Mission:
         Largest number of further flights to the places where readings are most informative.
     replans
         Whether the other vehicles take over the viewpoints of a lost one.
+
+    Attributes
+    ----------
+    fleet
+        Presence of the vehicles, and the replanning after losses.
     """
 
     def __init__(
@@ -50,16 +55,13 @@ class Mission:
         extra_rounds: int = 0,
         replans: bool = False,
     ) -> None:
-        self.phase = Phase.STARTING
-        self.faults: list[str] = []
-        self.remarks: list[str] = []
+        super().__init__()
         self._crew = crew
         self._deadlines = deadlines
         self._plan_timeout_s = deadlines.plan_s + planning_budget_s
         self._stall_timeout_s = deadlines.stall_timeout_s + slowest_beat_s
-        self._outcome = Phase.COMPLETE
         self._requests = RequestBook(deadlines.repeat_s)
-        self._losses = Losses(
+        self.fleet = Losses(
             crew,
             self._requests,
             deadlines.lease(slowest_beat_s),
@@ -68,11 +70,9 @@ class Mission:
         self._down_by_s: float | None = None
         self._rounds_left = extra_rounds
         self._is_extra = False
-        self._entered_s: float | None = None
         self._time = TimeWatch(self._requests)
-        self._collected = Standstill()
-        self._shots = self._shots_before = 0
-        self._is_cancelled = self._has_images = False
+        self._closing = Closing(self, self._requests, deadlines)
+        self._shots_before, self._has_images = 0, False
 
     @property
     def text(self) -> str:
@@ -84,26 +84,21 @@ class Mission:
         """Wall time for which simulated time has stood still, seconds."""
         return self._time.stalled_s
 
-    @property
-    def outcome(self) -> Phase:
-        """How the mission will end, as far as is known now."""
-        return self._outcome
-
     def advance(self, now_s: float, situation: Situation) -> list[Order]:
         """Enter the next phase if this one is over, and return the orders to send now."""
-        self._phase_s(now_s)
+        self.passed_s(now_s)
         self._has_images = situation.images_stored > 0
         step: Callable[[float, Situation], None] | None = {
             Phase.STARTING: self._start,
             Phase.PLANNING: self._plan,
             Phase.FLYING: self._fly,
-            Phase.COLLECTING: self._collect,
-            Phase.MAPPING: self._map,
-            Phase.REPORTING: self._report,
+            Phase.COLLECTING: self._closing.collect,
+            Phase.MAPPING: self._closing.save_map,
+            Phase.REPORTING: self._closing.write_products,
         }.get(self.phase)
         if step is not None:
             step(now_s, situation)
-        return self._due_orders(now_s)
+        return [] if self.phase.is_over else self._requests.due(now_s)
 
     # Reports of the caller.
 
@@ -114,8 +109,7 @@ class Mission:
 
     def answered(self, order: Order) -> None:
         """Note that `order` was carried out."""
-        if (request := self._requests.of(order)) is not None:
-            request.finish()
+        self._requests.finish(order.kind, order.vehicle)
 
     def refused(self, order: Order, text: str) -> None:
         """Note that `order` cannot be carried out, and why."""
@@ -129,14 +123,14 @@ class Mission:
             self.remarks.append(f'{text}: it is told to return home')
             self._requests.renew(OrderKind.RETURN, request.server, order.vehicle)
             return
-        if self._losses.is_gathering and order.kind is OrderKind.PLAN:
-            self._fault(f'no plan for the rest: {text}')
-            self._losses.go_on()
-            self._enter(Phase.FLYING)
+        if self.fleet.is_gathering and order.kind is OrderKind.PLAN:
+            self.fault(f'no plan for the rest: {text}')
+            self.fleet.go_on()
+            self.enter(Phase.FLYING)
         elif self._is_extra and self.phase is Phase.PLANNING:
             self._collect_next(f'no further round: {text}')
         else:
-            self._fault(text)
+            self.fault(text)
 
     def advised(self, place_count: int, text: str) -> None:
         """Note how many further places to measure at, 0 if the evidence suffices, and why."""
@@ -160,20 +154,19 @@ class Mission:
         if plan is None or plan.status is Status.DONE or self.phase is not Phase.PLANNING:
             return
         plan.finish()
-        if self._losses.is_gathering:
-            self._shots = self._shots_before = self._shots_before + visited
-            self._losses.go_on(routed)
-            self._enter(Phase.FLYING)
+        if self.fleet.is_gathering:
+            self._closing.shots = self._shots_before = self._shots_before + visited
+            self.fleet.go_on(routed)
+            self.enter(Phase.FLYING)
             return
-        self._shots_before = self._shots
+        self._shots_before = self._closing.shots
         for vehicle in routed:
-            process = self._crew.vehicle_processes[vehicle]
-            self._requests.add(OrderKind.FLY, process, vehicle)
+            self._requests.add(OrderKind.FLY, self._crew.vehicle_processes[vehicle], vehicle)
 
     def nothing_left(self) -> None:
         """Note that a lost vehicle has left nothing to photograph: the others fly on."""
-        self._losses.go_on()
-        self._enter(Phase.FLYING)
+        self.fleet.go_on()
+        self.enter(Phase.FLYING)
 
     def flown(
         self, vehicle: str, shots: int, fault: str = '', *, is_refused: bool = False
@@ -187,74 +180,50 @@ class Mission:
         if request is None or request.status is Status.DONE:
             return
         request.finish()
-        self._shots += shots
+        self._closing.shots += shots
         if not fault:
             return
         if not self._replaced([vehicle], fault):
-            self._fault(f'{vehicle}: {fault}')
+            self.fault(f'{vehicle}: {fault}')
         if is_refused:
-            self._losses.withdraw(vehicle, fault)
+            self.fleet.withdraw(vehicle, fault)
 
     def turn_back(self, vehicle: str, why: str) -> None:
         """Let a vehicle return by the way of least dose; others take over its work."""
-        is_aloft = self.phase is Phase.FLYING or self._losses.is_gathering
-        if not is_aloft or not self._losses.member(vehicle).takes_orders:
+        is_aloft = self.phase is Phase.FLYING or self.fleet.is_gathering
+        if not is_aloft or not self.fleet.member(vehicle).takes_orders:
             return
-        request = self._requests.get(OrderKind.FLY, vehicle)
-        if request is not None:
-            request.finish()
+        self._requests.finish(OrderKind.FLY, vehicle)
         if not self._replaced([vehicle], why):
-            self._fault(f'{vehicle}: {why}')
-        self._losses.withdraw(vehicle, why, OrderKind.RETREAT)
+            self.fault(f'{vehicle}: {why}')
+        self.fleet.withdraw(vehicle, why, OrderKind.RETREAT)
 
     def sent_home(self, vehicle: str) -> None:
         """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
-        if (request := self._requests.get(OrderKind.FLY, vehicle)) is not None:
-            request.finish()
-        self._losses.withdraw(vehicle, 'nothing is left for it')
-
-    @property
-    def is_gathering(self) -> bool:
-        """Whether the rest of the survey is being planned because a vehicle is lost."""
-        return self._losses.is_gathering
-
-    def silences_s(
-        self, waiting_for: Container[str], heard_ago_s: Callable[[str], float]
-    ) -> dict[str, float]:
-        """Return for how long each vehicle has been silent, see `Losses.silences_s`."""
-        return self._losses.silences_s(self.stalled_s, waiting_for, heard_ago_s)
-
-    @property
-    def able(self) -> frozenset[str]:
-        """Vehicles that can be given a route."""
-        return frozenset(self._losses.others)
-
-    @property
-    def losses(self) -> dict[str, str]:
-        """Vehicles that were lost in flight, and why."""
-        return dict(self._losses.lost)
+        self._requests.finish(OrderKind.FLY, vehicle)
+        self.fleet.withdraw(vehicle, 'nothing is left for it')
 
     def _replaced(self, vehicles: list[str], why: str, *, is_gone: bool = False) -> bool:
         """Let others take over from lost vehicles; return whether they do."""
-        is_aloft = self.phase is Phase.FLYING or self._losses.is_gathering
-        if not vehicles or not is_aloft or self._is_cancelled:
+        is_aloft = self.phase is Phase.FLYING or self.fleet.is_gathering
+        if not vehicles or not is_aloft or self.is_cancelled:
             return False
-        if not self._losses.note(vehicles, why, is_gone=is_gone):
+        if not self.fleet.note(vehicles, why, is_gone=is_gone):
             return False
         self._time.begin()
         self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
-        self._enter(Phase.PLANNING)
+        self.enter(Phase.PLANNING)
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
         """Repeat the requests to `process`, which has lost them by its restart."""
         self._time.rest(now_s)
-        self._collected.restart(now_s)
+        self._closing.restarted(now_s)
         for request in self._requests:
             if request.server == process:
                 request.reset()
         if process == WORLD:
-            self._losses.dismiss_again()
+            self.fleet.dismiss_again()
         clock = self._requests.get(OrderKind.RUN_CLOCK)
         if clock is not None and (
             process == WORLD or process in self._crew.vehicle_processes.values()
@@ -268,26 +237,24 @@ class Mission:
         if process == REPORT:
             self.refused(Order(kind=OrderKind.WRITE_PRODUCTS), f'the products: {text}')
         elif self.phase is Phase.MAPPING and process != MOSAIC:
-            self._fault(f'{process} {text}')
-        elif self._replaced(self._losses.of_process(process), text, is_gone=True):
+            self.fault(f'{process} {text}')
+        elif self._replaced(self.fleet.of_process(process), text, is_gone=True):
             return
         elif self.phase < Phase.REPORTING:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
 
     def cancel(self, text: str) -> None:
         """Cancel the mission: time stops, map and products are made within a short time."""
-        if self.phase.is_over or self._is_cancelled:
+        if self.phase.is_over or self.is_cancelled:
             return
-        self._is_cancelled = True
-        self._outcome = Phase.CANCELLED
-        self.faults.append(text)
+        super().cancel(text)
         if self.phase >= Phase.MAPPING:
-            self._entered_s = None
+            super().enter(self.phase)
         elif self._has_images:
-            self._enter(Phase.MAPPING)
+            self.enter(Phase.MAPPING)
             self._requests.add(OrderKind.PAUSE_CLOCK, WORLD)
         else:
-            self._enter(Phase.REPORTING)
+            self.enter(Phase.REPORTING)
 
     def break_off(self, text: str) -> None:
         """End the flight for a reason outside of it; map and products are made."""
@@ -296,44 +263,44 @@ class Mission:
 
     def abandon(self) -> None:
         """End at once, without products."""
-        self._enter(self._outcome if self._is_cancelled else Phase.CANCELLED)
+        self.enter(self.outcome if self.is_cancelled else Phase.CANCELLED)
 
     # The phases.
 
     def _start(self, now_s: float, situation: Situation) -> None:
         missing = sorted(self._crew.processes - situation.ready)
         if not missing:
-            self._enter(Phase.PLANNING)
+            self.enter(Phase.PLANNING)
             self._requests.add(OrderKind.PLAN, PLANNER)
-        elif self._phase_s(now_s) > self._deadlines.start_timeout_s:
+        elif self.passed_s(now_s) > self._deadlines.start_timeout_s:
             limit = self._deadlines.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
 
     def _plan(self, now_s: float, situation: Situation) -> None:
-        if self._losses.is_gathering:
+        if self.fleet.is_gathering:
             self._gather(now_s, situation)
         elif self.faults:
             self._fail()
         elif self._requests.all_done(OrderKind.PLAN):
-            self._enter(Phase.FLYING)
-        elif self._is_extra and self._phase_s(now_s) > self._plan_timeout_s:
+            self.enter(Phase.FLYING)
+        elif self._is_extra and self.passed_s(now_s) > self._plan_timeout_s:
             self._collect_next(f'no further round planned within {self._plan_timeout_s:g} s')
-        elif self._phase_s(now_s) > self._plan_timeout_s:
+        elif self.passed_s(now_s) > self._plan_timeout_s:
             self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
 
     def _gather(self, now_s: float, situation: Situation) -> None:
         """Let the vehicles that are not lost hold, and plan the rest for them."""
         if self._watch_fleet(situation):
             return
-        self._losses.advance(now_s, situation)
-        if self._losses.is_paused:
+        self.fleet.advance(now_s, situation)
+        if self.fleet.is_paused:
             self._time.rest(now_s)
         else:
             self._watch_time(now_s, situation)
-        if self._losses.is_gathering and self._phase_s(now_s) > self._plan_timeout_s:
-            self._fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
-            self._losses.go_on()
-            self._enter(Phase.FLYING)
+        if self.fleet.is_gathering and self.passed_s(now_s) > self._plan_timeout_s:
+            self.fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
+            self.fleet.go_on()
+            self.enter(Phase.FLYING)
 
     def _fly(self, now_s: float, situation: Situation) -> None:
         if self._watch_fleet(situation):
@@ -351,35 +318,34 @@ class Mission:
 
     def _watch_fleet(self, situation: Situation) -> bool:
         """Look for vehicles that are lost or come back; return whether others take over now."""
-        lost, remarks = self._losses.look(situation.sightings)
+        lost, remarks = self.fleet.look(situation.sightings)
         self.remarks += remarks
         is_replaced = False
         for vehicle, why in lost.items():
             is_gone = not situation.sightings[vehicle].ending
             if self._replaced([vehicle], why, is_gone=is_gone):
                 is_replaced = True
-            elif is_gone and self._losses.others:
+            elif is_gone and self.fleet.others:
                 self._give_up_on(vehicle, why)
-        back = self._losses.regain()
+        back = self.fleet.regain()
         if back:
-            self._enter(Phase.PLANNING)
+            self.enter(Phase.PLANNING)
         return is_replaced or bool(back)
 
     def _give_up_on(self, vehicle: str, why: str) -> None:
-        """Wait no more for a vehicle that nobody replaces; the others fly on."""
-        self._fault(f'{vehicle}: {why}')
-        self._losses.dismiss_again()
-        if (request := self._requests.get(OrderKind.FLY, vehicle)) is not None:
-            request.finish()
+        """Stop waiting for a vehicle that cannot be replaced; the others fly on."""
+        self.fault(f'{vehicle}: {why}')
+        self.fleet.dismiss_again()
+        self._requests.finish(OrderKind.FLY, vehicle)
 
     def _are_down(self, now_s: float, situation: Situation) -> bool:
-        """Return whether every vehicle that is heard has landed, or had time enough for it."""
+        """Return whether every vehicle that reports has landed, or had time enough for it."""
         if self._down_by_s is None:
             self._down_by_s = now_s + self._deadlines.homecoming_s
         if situation.aloft and now_s < self._down_by_s:
             return False
         if situation.aloft:
-            self._fault(f'{", ".join(sorted(situation.aloft))}: still in the air')
+            self.fault(f'{", ".join(sorted(situation.aloft))}: still in the air')
         self._down_by_s = None
         return True
 
@@ -407,79 +373,35 @@ class Mission:
         self._time.begin()
         self._is_extra = True
         self._requests.forget()
-        self._enter(Phase.PLANNING)
+        self.enter(Phase.PLANNING)
         self._requests.add(OrderKind.ADVISE, LOCALIZER)
 
     def _collect_next(self, remark: str = '') -> None:
         if remark:
             self.remarks.append(remark)
-        self._enter(Phase.COLLECTING)
-        self._collected = Standstill()
+        self._closing.begin()
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
         self._time.look(now_s, situation.simulated_s)
-        if self._losses.lets_time_run or not self._losses.is_gathering:
-            self._time.run_again(now_s, is_answered=self._losses.is_gathering)
+        if self.fleet.lets_time_run or not self.fleet.is_gathering:
+            self._time.run_again(now_s, is_answered=self.fleet.is_gathering)
         if self.stalled_s > self._stall_timeout_s:
             names = ', '.join(situation.waiting_for) or 'an unknown node'
             text = f'simulated time stands still for {self.stalled_s:.0f} s'
             self._fail(f'{text}: waits for {names}')
 
-    def _collect(self, now_s: float, situation: Situation) -> None:
-        settled = situation.images_stored + situation.images_rejected
-        standing_s = self._collected.standing_s(settled, now_s)
-        if settled < self._shots and standing_s <= self._deadlines.collect_s:
-            return
-        if situation.images_stored < self._shots:
-            self._fault(f'only {situation.images_stored} of {self._shots} photographs are stored')
-        self._enter(Phase.MAPPING)
-
-    def _map(self, now_s: float, _situation: Situation) -> None:
-        self._requests.add(OrderKind.SAVE_MOSAIC, MOSAIC)
-        deadlines = self._deadlines
-        limit = deadlines.cancel_s if self._is_cancelled else deadlines.map_timeout_s
-        if not self._requests.all_done(OrderKind.SAVE_MOSAIC):
-            if self._phase_s(now_s) <= limit:
-                return
-            self._fault(f'{MOSAIC}: not written within {limit:g} s')
-        self._enter(Phase.REPORTING)
-
-    def _report(self, now_s: float, _situation: Situation) -> None:
-        self._requests.add(OrderKind.WRITE_PRODUCTS, REPORT)
-        deadlines = self._deadlines
-        limit = deadlines.cancel_s if self._is_cancelled else deadlines.report_s
-        if not self._requests.all_done(OrderKind.WRITE_PRODUCTS):
-            if self._phase_s(now_s) <= limit:
-                return
-            self._fault(f'the products were not written within {limit:g} s')
-        self._enter(self._outcome)
-
     # State.
-
-    def _fault(self, text: str) -> None:
-        """Note a reason why the mission is not complete, and continue."""
-        self.faults.append(text)
-        if self._outcome is Phase.COMPLETE:
-            self._outcome = Phase.FAILED
 
     def _fail(self, text: str = '', *, has_mosaic: bool = True) -> None:
         """End this phase; map and products are made from what was recorded."""
         if text:
-            self._fault(text)
+            self.fault(text)
         has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or self._is_extra
-        self._enter(Phase.MAPPING if has_images and has_mosaic else Phase.REPORTING)
+        self.enter(Phase.MAPPING if has_images and has_mosaic else Phase.REPORTING)
 
-    def _enter(self, phase: Phase) -> None:
-        self.phase = phase
+    def enter(self, phase: Phase) -> None:
+        """Begin a phase, or the present one again."""
+        super().enter(phase)
         self._time.stalled_s = 0.0
-        self._entered_s = None
         if phase >= Phase.MAPPING:
             self._requests.forget()
-
-    def _phase_s(self, now_s: float) -> float:
-        if self._entered_s is None:
-            self._entered_s = now_s
-        return now_s - self._entered_s
-
-    def _due_orders(self, now_s: float) -> list[Order]:
-        return [] if self.phase.is_over else self._requests.due(now_s)

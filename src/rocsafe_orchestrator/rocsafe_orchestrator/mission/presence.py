@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""State machine of the presence of one vehicle: whether it takes orders, or is replaced."""
+"""State machine of the presence of one vehicle: it takes orders, is silent, or is replaced."""
 
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -143,7 +143,7 @@ class Member:
         return self if self.presence is Presence.LOST else self.lost(why)
 
     def _back(self, *, is_grounded: bool) -> 'Member':
-        """Return a replaced member that is heard again: it holds, or has landed for good."""
+        """Return a replaced member that reports again: it holds, or has landed for good."""
         if is_grounded:
             return replace(self, presence=Presence.APART, why=self.why or 'it has landed')
         if self.presence is Presence.RETURNED:

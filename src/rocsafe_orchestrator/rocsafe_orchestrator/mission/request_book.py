@@ -48,6 +48,11 @@ class RequestBook:
         """Return the orders to send now."""
         return [order for order, request in self._requests.items() if request.is_due(now_s)]
 
+    def finish(self, kind: OrderKind, vehicle: str = '') -> None:
+        """Note that an order was carried out, if it is open."""
+        if (request := self.get(kind, vehicle)) is not None:
+            request.finish()
+
     def of_kind(self, kind: OrderKind) -> list[Request]:
         """Return all requests of one kind."""
         return [request for order, request in self._requests.items() if order.kind is kind]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Watches whether simulated time runs, and lets it run again after it was paused by news.
+"""Watches whether simulated time runs, and starts it again after a pause.
 
 The world pauses when a vehicle has news: a loss, or a hold that is obeyed.
 """
@@ -38,7 +38,7 @@ class TimeWatch:
         self._again_s = 0.0
 
     def begin(self) -> None:
-        """Measure anew, whatever time it was before."""
+        """Restart the measurement, from any time before."""
         self.stalled_s = 0.0
         self.is_begun = False
         self._progress = Standstill()

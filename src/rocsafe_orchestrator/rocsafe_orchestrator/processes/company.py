@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who else speaks in the ROS domain under names that a mission needs."""
+"""Other nodes in the ROS domain that use the names of a mission."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
 from rocsafe_ros import topics
-from rocsafe_ros.mission_identity import BOUND, MissionIdentity
+from rocsafe_ros.domain.mission_identity import BOUND, MissionIdentity
 from rocsafe_scenario.scenario import Scenario
 
 ELSEWHERE = 'wait for its end, or choose another domain, for instance ROS_DOMAIN_ID=1'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Room on the disk of a run: an estimate before the flight, a reserve during it."""
+"""Space on the disk of a run: an estimate before the flight, a reserve during it."""
 
 import shutil
 from pathlib import Path

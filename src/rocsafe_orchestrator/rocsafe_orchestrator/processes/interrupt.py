@@ -35,7 +35,7 @@ class Interrupt:
             signal.signal(number, self._note)
 
     def withdraw(self) -> None:
-        """Forget what came: the operator was heard, and the run goes on."""
+        """Forget the interrupts: they were handled, and the run goes on."""
         self.count, self._first, self._is_urgent = 0, None, False
 
     def end(self, first: signal.Signals) -> None:

@@ -6,13 +6,13 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from rocsafe_orchestrator.mission.mission import REPORT
+from rocsafe_orchestrator.mission.closing import REPORT
+from rocsafe_orchestrator.parameters.node_parameters import write_parameters
 from rocsafe_orchestrator.processes.executables import find_executable
-from rocsafe_orchestrator.processes.node_parameters import write_parameters
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros.mission_identity import MissionIdentity
+from rocsafe_ros.domain.mission_identity import MissionIdentity
 
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'

@@ -6,10 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from rocsafe_orchestrator.mission.situation import Crew
-from rocsafe_orchestrator.processes import node_parameters as parameters
-from rocsafe_orchestrator.processes.air_parameters import air_parameters
-from rocsafe_orchestrator.processes.field_parameters import field_parameters
-from rocsafe_orchestrator.processes.node_parameters import AIR, BRIDGE, FLEET
+from rocsafe_orchestrator.parameters import node_parameters as parameters
+from rocsafe_orchestrator.parameters.air_parameters import (
+    ESTIMATOR,
+    air_parameters,
+    estimator_parameters,
+)
+from rocsafe_orchestrator.parameters.field_parameters import field_parameters
+from rocsafe_orchestrator.parameters.node_parameters import AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
@@ -87,7 +91,7 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
         _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
                  parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
-        *_air_processes(scenario),
+        *_air_processes(scenario, run),
         *_vehicle_processes(scenario, run),
     )  # fmt: skip
 
@@ -105,10 +109,16 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
     )
 
 
-def _air_processes(scenario: Scenario) -> Iterator[ProcessSpec]:
+def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
     if scenario.air.is_used:
         sensors = _of_each(scenario.with_simulated_detector, topics.ANEMOMETER)
         yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
+        yield _process(
+            ESTIMATOR,
+            'rocsafe_dispersion/estimator',
+            estimator_parameters(scenario, run),
+            *_shared(topics.RELEASES, topics.SUGGEST_GAS_VIEWPOINTS),
+        )
 
 
 def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:

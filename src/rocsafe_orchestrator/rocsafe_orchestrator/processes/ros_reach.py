@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far ROS searches for other participants."""
+"""Range in which ROS searches for other participants."""
 
 import os
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_ros.network import bind_interfaces
+from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 # Variables that limit it; one that is set is respected.

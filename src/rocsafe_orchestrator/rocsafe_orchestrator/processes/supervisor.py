@@ -27,6 +27,8 @@ EXIT_USAGE = 2
 STOP_DEADLINE_S = 5.0
 # Period of the checks whether stopped processes have ended.
 STOP_POLL_S = 0.02
+# Characters of the last line of a log that an event quotes.
+LONGEST_LINE = 300
 
 log = logging.getLogger(__name__)
 
@@ -192,13 +194,13 @@ class Supervisor:
         return event
 
 
-def last_line(path: Path, longest: int = 300) -> str:
+def last_line(path: Path) -> str:
     """Return the last line with text in the file at `path`, empty if there is none."""
     try:
         lines = path.read_text(encoding='utf-8', errors='replace').strip().splitlines()
     except OSError:
         return ''
-    return lines[-1][:longest] if lines else ''
+    return lines[-1][:LONGEST_LINE] if lines else ''
 
 
 def _why(child: _Child, how: str) -> str:

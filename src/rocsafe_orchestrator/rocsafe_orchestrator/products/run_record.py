@@ -112,7 +112,7 @@ class Alarm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Notice:
-    """What a node told once: a decision, or an event of a vehicle.
+    """A single report of a node: a decision, or an event of a vehicle.
 
     Attributes
     ----------

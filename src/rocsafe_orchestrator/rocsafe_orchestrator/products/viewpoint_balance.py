@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which viewpoints of all plans of a run were photographed.
+"""Viewpoints of all plans of a run, and whether they were photographed.
 
 Both numbers count places. A photograph counts for the place that it was taken at, so that neither
 a second photograph of a place nor a further plan makes more places photographed than planned.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which topics a run records, as channels of its recording: all but those of `LEFT_OUT`."""
+"""Topics that a run records, as channels of its recording: all but those of `LEFT_OUT`."""
 
 from collections.abc import Iterable, Iterator
 
@@ -22,7 +22,7 @@ REAL_ONLY = frozenset(
 )
 # Every vehicle publishes these from its start, so a recorder may wait until it hears them.
 AWAITED_TOPICS: tuple[TopicSpec, ...] = (topics.FIX, topics.STATE, topics.RADIATION)
-# Of every camera but the first; gimbals are among them where there are any.
+# Topics of every camera but the first; gimbals are among them where there are any.
 CAMERA_TOPICS: tuple[TopicSpec, ...] = (
     topics.CAMERA_IMAGE_COMPRESSED,
     topics.CAMERA_INFO,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is replayed when: recorded inputs in their order, never more than the nodes take in."""
+"""Recorded inputs in their order, never faster than the nodes process them."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a recorded run has for the nodes that are replayed, and what they made of it then."""
+"""Recorded inputs of the nodes that are replayed, and their recorded results."""
 
 import json
 from dataclasses import dataclass

@@ -26,7 +26,7 @@ from rocsafe_view.palette import DoseScale, ramp_colour, scale_of
 from rocsafe_view.svg import polygons
 
 DOSE_MAP = 'dose_map.tif'
-MEAN_BAND, STD_BAND, UPPER_BAND = 1, 2, 3
+MEAN_BAND, UPPER_BAND = 1, 3
 MOST_PX = 480
 # Share of the readings over the region that may lie below the colour scale.
 READINGS_BELOW = 0.02
@@ -80,7 +80,7 @@ def dose_view(
     estimates: SourceEstimates | None,
     readings_usvh: Sequence[float] = (),
 ) -> DoseView | None:
-    """Return what the readings say of the ground, None if there is no map of it.
+    """Return the dose map as the report draws it; None if there is none.
 
     Map and readings have one scale, so that a colour means one dose rate on the whole page.
     """

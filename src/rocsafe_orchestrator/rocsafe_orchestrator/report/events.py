@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happened in a run, in the order in which it did."""
+"""Events of a run, in order of time."""
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the map of a run shows, thinned out to what can be seen and embedded.
+"""Content of the map of a run, thinned to its resolution.
 
 Map coordinates are metres east and south of the mission origin: those of SVG, north up.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How good the map of the photographs is, as its maker says in ``map/quality.json``."""
+"""Quality of the map of the photographs, from ``map/quality.json``."""
 
 import json
 import math

@@ -12,6 +12,7 @@ from rocsafe_orchestrator.products.readings_table import COLUMNS
 from rocsafe_orchestrator.products.run_record import MissionSample, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report.dose_view import READINGS_BELOW, dose_view
+from rocsafe_orchestrator.report.drive_view import drive_view
 from rocsafe_orchestrator.report.events import events, flights, start_ns
 from rocsafe_orchestrator.report.map_data import map_view
 from rocsafe_orchestrator.report.pictures import thumbnails
@@ -62,6 +63,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         dose_rate_of=dose_rate_of,
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
         dose=dose,
+        drive=drive_view(record.path, frame),
         chart_scale=chart_scale,
         flights=flown,
         axes=time_axes(flown) if flown else {},

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the map shows of the plan: regions, exclusions, routes and what photographs will show."""
+"""Content of the map from the plan: regions, exclusions, routes and footprints."""
 
 from collections.abc import Iterable, Iterator
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sentences of the report: what a run was, and what its figures do not say."""
+"""Sentences of the report: the kind of run, and the limits of its figures."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A source as estimated in words: where it is, how surely, how strong."""
+"""An estimated source in words: position, probability, strength."""
 
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
 from rocsafe_view import formats

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What nodes and vehicles told of a mission: holds, takeovers, alarms, plans, decisions.
+"""Events of a mission: holds, takeovers, alarms, plans, decisions.
 
-The same events make the timeline of the report and its list of what went otherwise than planned.
+The same events make the timeline of the report and its list of deviations from the plan.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,7 +15,7 @@ from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.products.viewpoint_balance import places_of
 from rocsafe_view import formats
 
-# Kinds of decisions that any mission takes: told elsewhere in the report.
+# Kinds of decisions of every mission, which other parts of the report show.
 ROUTINE = frozenset({'phase', 'order'})
 _ENDS = frozenset({FlightState.LOST, FlightState.CRASHED})
 
@@ -33,7 +33,7 @@ class Event:
 
 
 def recorded_events(record: RunRecord, zero_ns: int) -> Iterator[Event]:
-    """Yield what vehicles, operators and nodes told, in no order."""
+    """Yield the events of vehicles, operators and nodes, unordered."""
     if record.log is None:
         return
     yield from _of_states(record.log, zero_ns)
@@ -43,7 +43,7 @@ def recorded_events(record: RunRecord, zero_ns: int) -> Iterator[Event]:
 
 
 def deviations(events: Sequence[Event], record: RunRecord, summary: RunSummary) -> tuple[str, ...]:
-    """Return one line for each thing that went otherwise than planned, the earliest first.
+    """Return one line for each deviation from the plan, the earliest first.
 
     Losses and restarts that no node told, as in recordings of earlier versions, come first.
     """

@@ -36,6 +36,8 @@ def _visits(plan: SurveyPlan) -> Iterator[Fault]:
     wanted = set(range(max(counts, default=0) + 1))
     if plan.request.continuation.viewpoints:
         wanted = {view.id for view in plan.request.continuation.viewpoints} - _shut_off(plan)
+    if plan.request.continuation.is_rest:
+        wanted -= set(plan.left_out)
     missing = sorted(wanted.symmetric_difference(counts))
     if not counts:
         yield 'no viewpoint is visited'
@@ -84,14 +86,19 @@ def _coverage(plan: SurveyPlan) -> Iterator[Fault]:
     seen = shapely.union_all(
         shapely.polygons([plane_of(frame, view.footprint) for view in views]), grid_size=1e-4
     )
-    covered = region.intersection(seen).area
+    zones = shapely.union_all([zone.polygon(frame) for zone in plan.request.exclusions])
+    ground = region.difference(zones)
+    forbidden, covered = region.area - ground.area, ground.intersection(seen).area
     # Planes and rounding may differ by a strip of 2 mm along every footprint.
     slack = 1e-4 * region.area + 0.002 * sum(_perimeter_m(view) for view in views)
     if abs(plan.region_area_m2 - region.area) > 1e-4 * region.area:
         yield f'region_area_m2 is {plan.region_area_m2}: the regions have {region.area}'
     if abs(plan.covered_area_m2 - covered) > slack:
         yield f'covered_area_m2 is {plan.covered_area_m2}: photographs show {covered}'
-    if plan.largest_hole_m2 > plan.region_area_m2 - plan.covered_area_m2 + slack:
+    if abs(plan.forbidden_area_m2 - forbidden) > 1e-4 * region.area:
+        yield f'forbidden_area_m2 is {plan.forbidden_area_m2}: exclusions hold {forbidden}'
+    hole_m2 = plan.region_area_m2 - plan.forbidden_area_m2 - plan.covered_area_m2
+    if plan.largest_hole_m2 > hole_m2 + slack:
         yield f'largest_hole_m2 is {plan.largest_hole_m2}: larger than all that is not covered'
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The part of regions that photographs show."""
+"""The part of regions that photographs show; what lies in exclusions is counted apart."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,31 +19,53 @@ _RUN_M = 1e-7
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sight:
-    """Area of regions, of their part inside at least one footprint, of the largest hole in it."""
+    """Areas of regions, square metres.
+
+    Attributes
+    ----------
+    region_area_m2
+        Of the regions.
+    forbidden_area_m2
+        Of their part in exclusions, which nobody has to photograph.
+    covered_area_m2, largest_hole_m2
+        Of the other part: what at least one footprint shows, and the largest hole in that.
+    """
 
     region_area_m2: float
+    forbidden_area_m2: float
     covered_area_m2: float
     largest_hole_m2: float
 
 
-def sight(polygons: Sequence[shapely.Polygon], footprints: FloatArray) -> Sight:
-    """Return the part of polygons that the footprints (n, 4, 2) show."""
+def sight(
+    polygons: Sequence[shapely.Polygon],
+    footprints: FloatArray,
+    forbidden: shapely.Geometry | None = None,
+) -> Sight:
+    """Return the part of polygons that the footprints (n, 4, 2) show, less what is forbidden."""
     region = shapely.union_all(polygons)
-    hole = _unseen(region, footprints)
+    ground = accessible(region, forbidden)
+    hole = unseen(ground, footprints)
     return Sight(
         region_area_m2=region.area,
-        covered_area_m2=region.area - min(region.area, hole.area),
+        forbidden_area_m2=region.area - ground.area,
+        covered_area_m2=ground.area - min(ground.area, hole.area),
         largest_hole_m2=float(shapely.area(shapely.get_parts(hole)).max(initial=0.0)),
     )
 
 
-def _unseen(region: shapely.Geometry, footprints: FloatArray) -> shapely.Geometry:
+def accessible(region: shapely.Geometry, forbidden: shapely.Geometry | None) -> shapely.Geometry:
+    """Return the part of a region outside exclusions."""
+    return region if forbidden is None else shapely.difference(region, forbidden)
+
+
+def unseen(region: shapely.Geometry, footprints: FloatArray) -> shapely.Geometry:
     """Return the part of the region in no footprint."""
     # Without the rounding, GEOS 3.13 may lose whole rectangles that nearly share an edge.
     seen = shapely.union_all(shapely.polygons(_runs(footprints)), grid_size=_UNION_GRID_M)
-    unseen = shapely.get_parts(shapely.difference(region, seen))
+    parts = shapely.get_parts(shapely.difference(region, seen))
     # Rounding leaves thin slivers along common edges of footprints.
-    return shapely.multipolygons(unseen[shapely.area(unseen) > _HAIR_M2])
+    return shapely.multipolygons(parts[shapely.area(parts) > _HAIR_M2])
 
 
 def _runs(footprints: FloatArray) -> FloatArray:

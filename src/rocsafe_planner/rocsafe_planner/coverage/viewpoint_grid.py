@@ -14,12 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_planner.coverage.beside_exclusions import Views, with_views_beside
 from rocsafe_planner.coverage.sight import Sight, sight
-from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
+from rocsafe_planner.errors import TooManyViewpointsError
 from rocsafe_planner.plan.survey_options import CoverageOptions, spacing_m
+from rocsafe_planner.problem.airspace import Airspace
 
 # A tile that reaches less far into the area sees no ground worth a photograph.
 _TOUCH_M = 1e-6
@@ -85,12 +88,12 @@ def coverage_spec(camera: PinholeCamera, options: CoverageOptions) -> CoverageSp
 def cover(
     polygons: Sequence[shapely.Polygon],
     spec: CoverageSpec,
-    may_stand: Callable[[FloatArray], BoolArray] | None = None,
+    airspace: Airspace | None = None,
 ) -> Coverage:
     """Return the viewpoints that photograph `polygons` (east, north; metres).
 
-    Each polygon has a grid of its own. Viewpoints for which `may_stand` says False are left out;
-    the ground that only they see is not covered.
+    Each polygon has a grid of its own. Viewpoints in exclusions are left out; ground outside that
+    only they see is photographed from places beside the exclusions, as far as it can be.
 
     Raises
     ------
@@ -105,15 +108,18 @@ def cover(
     footprints = np.vstack([_footprints(*tiling, spec) for tiling in tilings])
     counts = [len(centres) for centres, _ in tilings]
     yaws = np.repeat([math.atan2(axes[1, 1], axes[0, 1]) for _, axes in tilings], counts)
-    kept = np.ones(len(centres), dtype=bool) if may_stand is None else may_stand(centres)
-    if not kept.any():
-        raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    owners = np.repeat(np.arange(len(polygons)), counts)
+    grid = Views(centres=centres, yaw_rad=yaws, footprints=footprints, polygon=owners)
+    forbidden = None if airspace is None else airspace.zones
+    if airspace is not None:
+        grid = with_views_beside(grid, polygons, airspace)
+        _check_count(len(grid.centres), spec)
     return Coverage(
-        centres=centres[kept],
-        yaw_rad=yaws[kept],
-        footprints=footprints[kept],
-        polygon=np.repeat(np.arange(len(polygons)), counts)[kept],
-        sight=sight(polygons, footprints[kept]),
+        centres=grid.centres,
+        yaw_rad=grid.yaw_rad,
+        footprints=grid.footprints,
+        polygon=grid.polygon,
+        sight=sight(polygons, grid.footprints, forbidden),
     )
 
 
@@ -156,8 +162,8 @@ def _best(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
     angles = np.concatenate([np.arange(0.0, math.pi, _SEARCH_STEP_RAD), along, along + _RIGHT])
     counts: list[tuple[int, float]] = []
     rotated = _rotated(polygon, spec)
-    rotated_rad = math.atan2(rotated[1, 0], rotated[0, 0])
-    for angle in [*np.unique(np.round(angles % math.pi, 9)).tolist(), rotated_rad]:
+    angles = np.append(angles, math.atan2(rotated[1, 0], rotated[0, 0]))
+    for angle in np.unique(np.round(angles % math.pi, 9)).tolist():
         with contextlib.suppress(TooManyViewpointsError):
             counts.append((len(_tile_centres(_turned(polygon, _axes(angle)), spec)), angle))
     # Where no angle is possible, the grid that is not rotated names the reason.
@@ -191,13 +197,9 @@ def _tile_centres(polygon: shapely.Polygon, spec: CoverageSpec) -> FloatArray:
     bands = shapely.intersection(
         polygon, shapely.box(west - 1.0, edges[:-1], east + 1.0, edges[1:])
     )
-    centres: list[FloatArray] = []
-    for row, band in enumerate(bands):
-        touched = _touched_columns(band, x0, width, columns)
-        x = x0 + width * (touched + 0.5)
-        centres.append(np.column_stack([x, np.full_like(x, y0 + height * (row + 0.5))]))
-    _check_count(sum(len(row) for row in centres), spec)
-    return np.vstack(centres)
+    row, column = _touched(bands, x0, width, columns)
+    _check_count(len(row), spec)
+    return np.column_stack([x0 + width * (column + 0.5), y0 + height * (row + 0.5)])
 
 
 def _tiles(extent: float, tile: float) -> int:
@@ -205,18 +207,28 @@ def _tiles(extent: float, tile: float) -> int:
     return max(1, math.ceil(extent / tile - 1e-9))
 
 
-def _touched_columns(band: shapely.Geometry, x0: float, width: float, columns: int) -> FloatArray:
-    """Return the numbers of the tiles of one row that the area touches, rising.
+def _touched(
+    bands: NDArray[np.object_], x0: float, width: float, columns: int
+) -> tuple[IndexArray, IndexArray]:
+    """Return row and column of each tile that the area touches, row by row, each from the west.
 
     A connected part of a row's band touches exactly the columns that its x-interval meets.
     """
-    parts = shapely.get_parts(shapely.get_parts(band))
-    touched = np.zeros(columns, dtype=bool)
-    for x_min, _, x_max, _ in shapely.bounds(parts[shapely.area(parts) > 0.0]):
-        first = math.floor((x_min + _TOUCH_M - x0) / width)
-        last = math.ceil((x_max - _TOUCH_M - x0) / width)
-        touched[max(first, 0) : max(last, first + 1)] = True
-    return np.flatnonzero(touched).astype(float)
+    parts, row = shapely.get_parts(bands, return_index=True)
+    parts, inner = shapely.get_parts(parts, return_index=True)
+    row = row[inner]
+    solid = shapely.area(parts) > 0.0
+    row, bounds = row[solid], shapely.bounds(parts[solid])
+    first = np.floor((bounds[:, 0] + _TOUCH_M - x0) / width).astype(np.intp)
+    last = np.ceil((bounds[:, 2] - _TOUCH_M - x0) / width).astype(np.intp)
+    first = np.maximum(first, 0)
+    last = np.minimum(np.maximum(last, first + 1), columns)
+    count = np.maximum(last - first, 0)
+    # All columns of all parts, in one sequence; parts of one row may share some.
+    column = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    tile = np.repeat(row * columns + first, count) + column
+    tiles = np.unique(tile)
+    return tiles // columns, tiles % columns
 
 
 def _check_count(needed: int, spec: CoverageSpec) -> None:

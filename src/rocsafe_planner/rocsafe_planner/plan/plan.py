@@ -95,10 +95,15 @@ class SurveyPlan:
         Lower bound of the makespan for these viewpoints and vehicles, and its method.
     objective_bound
         Lower bound of the request's objective, in its unit; NaN: not known.
-    largest_hole_m2
-        Area of the largest connected part of the regions that no photograph shows.
+    region_area_m2, forbidden_area_m2
+        Area of the regions, and of their part in exclusions.
+    covered_area_m2, largest_hole_m2
+        Area of the rest of the regions that photographs show, and of the largest connected part of
+        it that none shows.
     minimum_separation_m
         Least distance of any two vehicles in the air; infinite if no two ever are.
+    left_out
+        Ids of viewpoints of the rest of a survey that the batteries do not do for.
     """
 
     plan_id: str
@@ -113,6 +118,8 @@ class SurveyPlan:
     objective_bound: float = math.nan
     largest_hole_m2: float = 0.0
     minimum_separation_m: float = field(default=float('inf'))
+    left_out: tuple[int, ...] = ()
+    forbidden_area_m2: float = 0.0
 
     @property
     def makespan_s(self) -> float:
@@ -146,8 +153,9 @@ class SurveyPlan:
 
     @property
     def covered_fraction(self) -> float:
-        """Part of the region inside at least one footprint."""
-        return self.covered_area_m2 / self.region_area_m2
+        """Part of the ground outside exclusions that photographs show; 1 if all is forbidden."""
+        open_m2 = self.region_area_m2 - self.forbidden_area_m2
+        return self.covered_area_m2 / open_m2 if open_m2 > 0.0 else 1.0
 
     @property
     def viewpoint_count(self) -> int:

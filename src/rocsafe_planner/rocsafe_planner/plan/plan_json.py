@@ -35,6 +35,7 @@ def plan_document(plan: SurveyPlan) -> Document:
         'spacing_m': plan.spacing_m,
         'spacing_along_m': plan.spacing_along_m,
         'request': _request(plan.request),
+        'left_out': list(plan.left_out),
         'routes': [_route(route) for route in plan.routes],
     }
 
@@ -71,6 +72,7 @@ def quality_document(plan: SurveyPlan) -> Document:
         'lower_bound_method': plan.lower_bound_method,
         'gap_fraction': plan.gap_fraction,
         'region_area_m2': plan.region_area_m2,
+        'forbidden_area_m2': plan.forbidden_area_m2,
         'covered_area_m2': plan.covered_area_m2,
         'covered_fraction': plan.covered_fraction,
         'largest_hole_m2': plan.largest_hole_m2,

@@ -101,6 +101,8 @@ def _plan(document: Document, terrain: Terrain | None) -> SurveyPlan:
         request=request,
         routes=tuple(_route(vehicle, route, camera) for vehicle, route in vehicles),
         minimum_separation_m=_known(document['minimum_separation_m'], math.inf),
+        left_out=tuple(document.get('left_out', ())),
+        forbidden_area_m2=document.get('forbidden_area_m2', 0.0),
         objective_bound=_known(document['objective_bound'], math.nan),
         **{
             key: document[key]

@@ -20,7 +20,11 @@ from rocsafe_planner.plan.viewpoint import Viewpoint
 
 MAX_HEIGHT_AGL_M = 20_000.0
 MAX_CLEARANCE_M = 1000.0
-Grid = Literal['axis_aligned', 'rotated', 'best']
+USUAL_VIEWPOINTS_LIMIT = 100_000
+"""A survey that needs more is refused unless its limit is raised: a slip of the pen."""
+MAX_VIEWPOINTS_LIMIT = 1_000_000
+"""To which the limit can be raised."""
+Grid = Literal['best', 'rotated', 'axis_aligned']
 Objective = Literal['longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy']
 Separation = Literal['delay', 'layers']
 SpacingRule = Literal['iou', 'linear']
@@ -55,8 +59,8 @@ class CoverageOptions:
     front_overlap_fraction
         The same along the image, in the direction of the nose; None: `overlap_fraction`.
     grid
-        ``'axis_aligned'`` (the paper's circum-rectangle), ``'rotated'`` (the smallest one) or
-        ``'best'`` (the angle that needs the fewest viewpoints).
+        ``'best'`` (the angle that needs the fewest viewpoints), ``'rotated'`` (the smallest
+        rectangle) or ``'axis_aligned'`` (the paper's circum-rectangle).
     max_viewpoints
         A survey that needs more is refused.
     """
@@ -66,7 +70,7 @@ class CoverageOptions:
     overlap_fraction: float = 0.2
     front_overlap_fraction: float | None = None
     grid: str = GRIDS[0]
-    max_viewpoints: int = 2000
+    max_viewpoints: int = USUAL_VIEWPOINTS_LIMIT
 
     def __post_init__(self) -> None:
         height = require_positive('height_agl_m', self.height_agl_m, 'm')
@@ -80,7 +84,7 @@ class CoverageOptions:
         if self.front_overlap_fraction is not None:
             require_overlap('front_overlap_fraction', self.front_overlap_fraction)
         require_one_of('grid', self.grid, GRIDS)
-        require_count('max_viewpoints', self.max_viewpoints, 1, 2**32 - 1)
+        require_count('max_viewpoints', self.max_viewpoints, 1, MAX_VIEWPOINTS_LIMIT)
 
     @property
     def front_overlap(self) -> float:
@@ -204,6 +208,11 @@ class Continuation:
     viewpoints: tuple[Viewpoint, ...] = ()
     visited: tuple[Viewpoint, ...] = ()
     ground_reference: tuple[GeoPosition, ...] = ()
+
+    @property
+    def is_rest(self) -> bool:
+        """Whether the viewpoints are the rest of an earlier plan: some may be left out."""
+        return bool(self.ground_reference)
 
 
 def spacing_m(footprint_m: float, overlap_fraction: float, rule: str) -> float:

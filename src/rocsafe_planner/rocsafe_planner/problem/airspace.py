@@ -49,11 +49,17 @@ class Airspace:
     """
 
     def __init__(self, zones: list[shapely.Polygon], clearance_m: float) -> None:
-        union = shapely.union_all(zones)
+        union = self.zones = shapely.union_all(zones)
         self.closed: shapely.Geometry = _widened(union, clearance_m)
         self._outline = shapely.boundary(_widened(union, clearance_m + _MARGIN_M))
         self._corners = _vertices(_widened(union, clearance_m + _MARGIN_M))
         self._edges = _edges(self.closed)
+
+    def shut(self) -> shapely.Geometry:
+        """Return what no viewpoint may lie in, on its edge nothing is: zones without pockets."""
+        parts = shapely.get_parts(shapely.polygonize([self._outline]))
+        rings = shapely.get_exterior_ring(parts)
+        return shapely.union_all(shapely.polygons(rings))
 
     def holds(self, places: FloatArray) -> BoolArray:
         """Return which of the places (n, 2) lie outside all zones, shape (n,)."""

@@ -11,7 +11,7 @@ Who begins in the air at another height than that of its legs first climbs or de
 Sites are numbered: the n points, then the starts of the m vehicles, their ends, their homes.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -145,6 +145,20 @@ class FleetProblem:
         if self.may_visit is None:
             return np.ones(len(self.points), dtype=bool)
         return self.may_visit[vehicle]
+
+    def alike(self, vehicle: int) -> Hashable:
+        """Return what is equal for vehicles whose flights over equal orders take equal times."""
+        ends = [self.start_site(vehicle), self.home_site(vehicle)]
+        end = self.end_site(vehicle)
+        ends += [] if end is None else [end]
+        places = np.column_stack([self.sites[ends], self.ups_m[ends]])
+        return (
+            self.flight(vehicle),
+            self.layer_m(vehicle),
+            self.vehicles[vehicle].hover_s,
+            self.first_fixed_s(vehicle),
+            tuple(places.ravel().tolist()),
+        )
 
     def start_site(self, vehicle: int) -> int:
         """Return the site where a vehicle begins."""

@@ -8,7 +8,7 @@ are searched for too; what lands first is taken, or what has least of another ob
 
 import dataclasses
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.plan.survey_options import Effort
@@ -36,11 +36,16 @@ _STEP = 0.4
 _CLOSE = 0.99
 
 
-def optimised_with_swaps(problem: FleetProblem, effort: Effort, watch: Watch) -> Optimised:
-    """Return the routes that a search finds, or those of a search for flights, if better."""
+def optimised_with_swaps(
+    problem: FleetProblem, effort: Effort, watch: Watch, known: Sequence[list[Order]] = ()
+) -> Optimised:
+    """Return the routes that a search finds, or those of a search for flights, if better.
+
+    They are no worse than those `known`.
+    """
     if all(v.battery_swap_s is None for v in problem.vehicles):
-        return optimised(problem, effort, watch)
-    found = optimised(problem, _part(effort, _FIRST_SHARE), watch)
+        return optimised(problem, effort, watch, known)
+    found = optimised(problem, _part(effort, _FIRST_SHARE), watch, known)
     best = _Best(problem, found.orders, effort.objective)
     if best.is_without_swaps:
         # What is left of the time; a search that counts proposals has had all of them.

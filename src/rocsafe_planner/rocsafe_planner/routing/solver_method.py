@@ -3,7 +3,7 @@
 
 import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
@@ -33,16 +33,20 @@ _MOST_ALONE = 10
 
 
 def optimised(
-    problem: FleetProblem, effort: Effort, watch: Watch = lambda _value, _bound: True
+    problem: FleetProblem,
+    effort: Effort,
+    watch: Watch = lambda _value, _bound: True,
+    known: Sequence[list[Order]] = (),
 ) -> Optimised:
     """Return routes that are no worse than those of any survey tool's method.
 
-    The search knows corners that are flown round, and batteries that are changed, by estimates
+    They are no worse than those `known`, of which the first may be `boustrophedon_minmax`'s. The
+    search knows corners that are flown round, and batteries that are changed, by estimates
     only: in the end all are compared as they are flown.
     """
     options = search_options(len(problem.points), effort)
     watcher = _Watcher(watch, options.clock)
-    starts = [boustrophedon_minmax(problem)]
+    starts = [*known] or [boustrophedon_minmax(problem)]
     value = objective_value(problem, starts[0], effort.objective)
     if math.isfinite(value):  # tables of legs may take seconds: there is a plan already
         none = Bound(value=0.0, name='none')

@@ -30,9 +30,8 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
     if needed <= spec.first_endurance_s:
         return [order] if problem.flies(vehicle, order) else []
     if spec.battery_swap_s is None or not order:
-        raise BeyondEnduranceError(
-            f'{spec.name} needs {needed:.0f} s for its {len(order)} viewpoints: {_battery(spec)}'
-        )
+        task = _task(problem, order)
+        raise BeyondEnduranceError(f'{spec.name} needs {needed:.0f} s {task}: {_battery(spec)}')
     if not problem.flight(vehicle).passes:
         return _parts(problem, vehicle, order)
     # Legs that share their corners are known together only: as long as they turn out to take
@@ -47,6 +46,13 @@ def sorties(problem: FleetProblem, vehicle: int, order: Order) -> list[Order]:
     raise BeyondEnduranceError(
         f'{spec.name} finds no flights within its endurance_s of {spec.endurance_s:.0f} s'
     )
+
+
+def _task(problem: FleetProblem, order: Order) -> str:
+    """Return what an order asks for as text."""
+    if len(order) == 1:
+        return f'for {problem.name_of(order[0])} alone'
+    return f'for its {len(order)} viewpoints' if order else 'to land'
 
 
 def _battery(spec: Vehicle) -> str:

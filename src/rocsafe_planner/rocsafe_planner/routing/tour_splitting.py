@@ -48,7 +48,13 @@ class _PartFlights:
     def __init__(self, problem: FleetProblem, tour: Order) -> None:
         self._problem = problem
         self._stops = np.array(tour, dtype=np.intp)
-        self._ways = [self._of_vehicle(k) for k in range(len(problem.vehicles))]
+        known: dict[object, tuple[FloatArray, FloatArray, FloatArray]] = {}
+        self._ways = []
+        for k in range(len(problem.vehicles)):
+            key = problem.alike(k)
+            if key not in known:
+                known[key] = self._of_vehicle(k)
+            self._ways.append(known[key])
 
     def _of_vehicle(self, vehicle: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ways out, ways back and time elapsed along the tour, shape (n,) each."""

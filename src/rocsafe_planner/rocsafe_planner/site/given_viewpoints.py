@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Viewpoints that a request names instead of a grid."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import shapely
 
-from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.coverage.sight import sight
@@ -14,15 +14,17 @@ from rocsafe_planner.coverage.viewpoint_grid import Coverage
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
 from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.plan.viewpoint import Viewpoint
+from rocsafe_planner.problem.airspace import Airspace
 
 
 def given_coverage(
     request: SurveyRequest,
     frame: LocalFrame,
     polygons: Sequence[shapely.Polygon],
-    may_stand: Callable[[FloatArray], BoolArray] | None,
+    airspace: Airspace | None,
+    left_out: Collection[int] = (),
 ) -> Coverage:
-    """Return the viewpoints that a request names, without those in exclusions.
+    """Return the viewpoints that a request names, without those in exclusions or `left_out`.
 
     `polygon` of the result is the number of the viewpoint in the request. Those visited before
     count as seen.
@@ -38,9 +40,10 @@ def given_coverage(
             f'{len(views)} viewpoints are given: max_viewpoints is {limit}'
         )
     centres = places_of(frame, [view.position for view in views])
-    kept = np.ones(len(views), dtype=bool) if may_stand is None else may_stand(centres)
+    kept = np.ones(len(views), dtype=bool) if airspace is None else airspace.holds(centres)
     if not kept.any():
         raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
+    kept &= np.array([view.id not in left_out for view in views])
     numbers = np.flatnonzero(kept)
     footprints = footprints_of(frame, [views[number] for number in numbers])
     seen = np.vstack([footprints, footprints_of(frame, request.continuation.visited)])
@@ -49,7 +52,7 @@ def given_coverage(
         yaw_rad=np.array([views[number].yaw_rad for number in numbers]),
         footprints=footprints,
         polygon=numbers,
-        sight=sight(polygons, seen),
+        sight=sight(polygons, seen, None if airspace is None else airspace.zones),
     )
 
 

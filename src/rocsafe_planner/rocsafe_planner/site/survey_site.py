@@ -3,6 +3,7 @@
 
 import dataclasses
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +29,10 @@ seconds."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SurveySite:
-    """A request in the plane; `viewpoints` belong to the points of the problem."""
+    """A request in the plane; `viewpoints` belong to the points of the problem.
+
+    `left_out` are the ids of given viewpoints that have no point.
+    """
 
     request: SurveyRequest
     frame: LocalFrame
@@ -37,6 +41,12 @@ class SurveySite:
     polygons: tuple[shapely.Polygon, ...]
     viewpoints: tuple[Viewpoint, ...]
     problem: FleetProblem
+    left_out: tuple[int, ...] = ()
+
+    def without(self, points: Collection[int]) -> 'SurveySite':
+        """Return the site without some of its points, whose viewpoints were given."""
+        more = {self.viewpoints[point].id for point in points}
+        return survey_site(self.request, left_out=tuple(sorted({*self.left_out, *more})))
 
     def viewpoint(self, vehicle: int, point: int) -> Viewpoint:
         """Return a viewpoint at the height of a vehicle's layer."""
@@ -74,8 +84,8 @@ class SurveySite:
         return float(up) + self.problem.layer_m(vehicle)
 
 
-def survey_site(request: SurveyRequest) -> SurveySite:
-    """Return the site of a request.
+def survey_site(request: SurveyRequest, left_out: tuple[int, ...] = ()) -> SurveySite:
+    """Return the site of a request, without the given viewpoints of the ids `left_out`.
 
     Raises
     ------
@@ -91,11 +101,10 @@ def survey_site(request: SurveyRequest) -> SurveySite:
     zones = [zone.polygon(frame) for zone in request.exclusions]
     airspace = Airspace(zones, request.airspace.clearance_m) if zones else None
     spec = coverage_spec(request.camera, request.coverage)
-    may_stand = airspace.holds if airspace else None
     if request.continuation.viewpoints:
-        coverage = given_coverage(request, frame, polygons, may_stand)
+        coverage = given_coverage(request, frame, polygons, airspace, left_out)
     else:
-        coverage = cover(polygons, spec, may_stand)
+        coverage = cover(polygons, spec, airspace)
     problem = _problem_of(request, coverage, frame, airspace)
     return SurveySite(
         request=request,
@@ -105,6 +114,7 @@ def survey_site(request: SurveyRequest) -> SurveySite:
         polygons=polygons,
         viewpoints=_viewpoints(request, coverage, frame, problem),
         problem=problem,
+        left_out=left_out,
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL
 from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide_names
@@ -72,6 +73,13 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
         help='height above the ground of a file without altitudes, metres',
     )
 
+    group.add_argument(
+        '--detector',
+        choices=DETECTOR_NAMES,
+        default=IDEAL,
+        help='kind of detector, which counts photons that air and soil scatter, too '
+        f'(default: {IDEAL}, readings are dose rates)',
+    )
     known = LocalizationOptions()
     group.add_argument(
         '--fix-error',

@@ -14,6 +14,7 @@ from rocsafe_geo.solids.ground_heights import ShiftedHeights, read_heights, shif
 from rocsafe_radiation.command_line.localize_arguments import AUTO, parser
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
+from rocsafe_radiation.detection.detector import response_of
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.localization.localize import Localization, LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
@@ -46,25 +47,27 @@ LEAST_CLIMB_M = 5.0
 def main(arguments: Sequence[str] | None = None) -> int:
     """Read, localise, print, and return the exit code."""
     options = parser().parse_args(arguments)
+    notes: list[str] = []
     try:
         readings = read_readings(options.file, options.height, options.ground)
+        notes = _notes(readings)
         survey = _survey(readings, options)
         assessment = assess(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
         if options.out is not None:
             write_products(options.out, assessment, readings.frame)
     except (RadiationError, OSError) as error:
-        sys.stderr.write(f'error: {error}\n')
+        sys.stderr.write(f'error: {"; ".join([str(error), *notes])}\n')
         return EXIT_REFUSED
     places = suggested_waypoints(assessment, options.next)
     if options.json:
         document = assessment_document(assessment, readings.frame)
-        document['notes'] = _notes(readings)
+        document['notes'] = notes
         document['next_places'] = [
             place_of(np.array(one.position_enu_m), readings.frame) for one in places
         ]
         sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
-        lines = [*_notes(readings), *_lines(assessment.found, readings)]
+        lines = [*notes, *_lines(assessment.found, readings)]
         lines += _advice(assessment, places, readings)
         sys.stdout.write('\n'.join(lines) + '\n')
     return EXIT_OK
@@ -74,7 +77,11 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
     model = options.model
     if model == AUTO:
         model = PAPER_MODEL if readings.models == {PAPER_MODEL} else AIR_MODEL
-    kernel = Kernel(is_lossy=model == AIR_MODEL, nuclide=options.nuclide)
+    kernel = Kernel(
+        is_lossy=model == AIR_MODEL,
+        nuclide=options.nuclide,
+        response=response_of(options.detector),
+    )
     up_m, up_std_m = options.source_height
     return AssessmentOptions(
         known=LocalizationOptions(

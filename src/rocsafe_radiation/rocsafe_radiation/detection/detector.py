@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.physics.nuclide import nuclide
+from rocsafe_radiation.physics.scatter import REFERENCE_NUCLIDE, Response, mean_response
 
 NO_DEAD_TIME, NON_PARALYSABLE, PARALYSABLE = 'none', 'non-paralysable', 'paralysable'
 # Beyond this share of time dead, a reading is a lower limit.
@@ -61,7 +61,7 @@ class DetectorModel:
     dead_time_s: float
     dead_time_model: str = NON_PARALYSABLE
     dark_rate_cps: float = 0.0
-    response: tuple[tuple[float, float], ...] = field(default=FLAT, repr=False)
+    response: Response = field(default=FLAT, repr=False)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.sensitivity_cps_per_usvh <= 1e7:
@@ -76,7 +76,10 @@ class DetectorModel:
 
     def relative_response(self, nuclide_name: str) -> float:
         """Return the counts per dose of a nuclide relative to Cs-137, unshielded."""
-        return self._mean_response(nuclide_name) / self._mean_response('Cs-137')
+        own, reference = (
+            mean_response(name, self.response) for name in (nuclide_name, REFERENCE_NUCLIDE)
+        )
+        return own / reference
 
     def live_share(self, true_rates_cps: FloatArray) -> FloatArray:
         """Return the share of events that is counted at each true rate, shape (n,)."""
@@ -101,12 +104,6 @@ class DetectorModel:
         if self.dead_time_model == NON_PARALYSABLE:
             return max(window_s - counts * self.dead_time_s, 1e-6 * window_s)
         return window_s
-
-    def _mean_response(self, nuclide_name: str) -> float:
-        source = nuclide(nuclide_name)
-        energies, values = np.array(self.response).T
-        factors = np.interp(np.log(source.energies_kev), np.log(energies), values)
-        return float(source.dose_shares() @ factors)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -200,3 +197,16 @@ _KINDS = (
 )
 DETECTORS = {kind.name: kind for kind in _KINDS}
 DETECTOR_NAMES = (IDEAL, *DETECTORS)
+
+
+def response_of(name: str) -> Response:
+    """Return the response of a kind of detector; empty for one that reads the dose rate.
+
+    Raises
+    ------
+    ValueError
+        If there is no such kind.
+    """
+    if name not in DETECTOR_NAMES:
+        raise ValueError(f'detector = {name!r} must be one of: {", ".join(DETECTOR_NAMES)}')
+    return DETECTORS[name].response if name in DETECTORS else ()

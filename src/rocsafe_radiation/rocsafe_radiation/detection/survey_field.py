@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dose rates that a detector measures: sources, each by its nuclide, and background."""
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,11 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.position import ecef_m
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_radiation.detection.counting import Sample
-from rocsafe_radiation.detection.detector import DETECTORS, IDEAL, DetectorModel
+from rocsafe_radiation.detection.detector import DETECTORS, IDEAL, DetectorModel, response_of
 from rocsafe_radiation.physics.background import Background
-from rocsafe_radiation.physics.field import RadiationField
+from rocsafe_radiation.physics.field import PAPER_MODEL, RadiationField
+from rocsafe_radiation.physics.scatter import counts_for_dose
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,16 +34,9 @@ class SurveyField:
     field: RadiationField
     background: Background
     detector: str = IDEAL
-    _responses: FloatArray = dataclasses.field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if self.detector != IDEAL and self.detector not in DETECTORS:
-            names = ', '.join((IDEAL, *DETECTORS))
-            raise ValueError(f'detector = {self.detector!r} must be one of: {names}')
-        kind = self.kind
-        nuclides = [source.nuclide for source in self.field.sources]
-        responses = [1.0 if kind is None else kind.relative_response(name) for name in nuclides]
-        object.__setattr__(self, '_responses', np.array(responses))
+        response_of(self.detector)
 
     @property
     def kind(self) -> DetectorModel | None:
@@ -85,8 +79,36 @@ class SurveyField:
         by_source = self.field.source_dose_rates_usvh(
             latitudes_deg, longitudes_deg, altitudes_m, time_s
         )
-        counted = self._responses @ by_source
-        return np.asarray(counted + self._natural(latitudes_deg, longitudes_deg, altitudes_m))
+        places = (latitudes_deg, longitudes_deg, altitudes_m)
+        counted = (self._counts_for_dose(places, time_s) * by_source).sum(axis=0)
+        return np.asarray(counted + self._natural(*places))
+
+    def _counts_for_dose(
+        self, places: tuple[ArrayLike, ArrayLike, ArrayLike], time_s: float
+    ) -> FloatArray:
+        """Return the counts for the dose of each source, (sources, n) or (sources, 1).
+
+        Photons scatter as about a source on the ground in the middle of the parts of it. In the
+        model ``paper`` nothing scatters.
+        """
+        kind, sources = self.kind, self.field.sources
+        if kind is None:
+            return np.ones((len(sources), 1))
+        if self.field.model == PAPER_MODEL:
+            return np.array([[kind.relative_response(one.nuclide)] for one in sources])
+        latitudes, longitudes, altitudes = np.broadcast_arrays(*map(np.atleast_1d, places))
+        points = ecef_m(latitudes, longitudes, altitudes)
+        factors: FloatArray = np.empty((len(sources), len(points)))
+        for row, source in zip(factors, sources, strict=True):
+            middle = source.places(time_s).mean(axis=0)
+            ways = points - ecef_m(*middle[:, None])
+            row[:] = counts_for_dose(
+                source.nuclide,
+                kind.response,
+                altitudes - middle[2],
+                np.linalg.norm(ways, axis=1),
+            )
+        return factors
 
     def flown_dose_rates_usvh(self, start_ns: int, samples: Sequence[Sample]) -> FloatArray:
         """Return such dose rates of Cs-137 at each sample of a flight, shape (n,).

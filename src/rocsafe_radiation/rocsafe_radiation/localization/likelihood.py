@@ -98,6 +98,7 @@ class Likelihood:
         self._shape = 1.0 if survey.background_shape is None else survey.background_shape
         reach = REACH_HEIGHTS * survey.height_m(setting.source_up_m)
         self._low, self._high = places.min(axis=0) - reach, places.max(axis=0) + reach
+        self._area_m2 = float(np.prod(self._high - self._low))
         self._columns = np.ascontiguousarray(survey.positions_enu_m.T)
 
     def source_count(self, parameters: FloatArray) -> int:
@@ -228,6 +229,9 @@ class Likelihood:
         gradient -= precisions * (parameters - means)
         information = (slopes * (shares / expected)[:, None]).T @ slopes
         information.flat[:: len(parameters) + 1] += precisions
+        # A Gaussian as wide as the area of all places: readings may tell nothing of a place.
+        places = np.arange(self.head_size, len(parameters)).reshape(-1, SOURCE_PARAMETERS)[:, :UP]
+        information[places, places] += 2.0 * math.pi / self._area_m2
         return information, gradient
 
     def evidence(self, fit: Fit) -> float:
@@ -240,8 +244,7 @@ class Likelihood:
         _, precisions = self._priors(fit.parameters)
         proper = precisions[precisions > 0.0]
         _, volume = np.linalg.slogdet(fit.information)
-        area = float(np.prod(self._high - self._low))
-        places = count * (math.log(2.0 * math.pi) - math.log(area)) + math.lgamma(count + 1.0)
+        places = count * math.log(2.0 * math.pi / self._area_m2) + math.lgamma(count + 1.0)
         return float(fit.log_likelihood + 0.5 * (np.log(proper).sum() - volume) + places)
 
     def slopes(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -44,7 +44,7 @@ class LocalizationOptions:
     Attributes
     ----------
     kernel
-        Law of the dose rate.
+        Law of the dose rate, and the response of the detector.
     source_up_m, source_up_std_m
         Expected height of sources above the ground and its standard deviation, metres; 0: fixed.
     position_std_m
@@ -211,10 +211,10 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     options = options or LocalizationOptions()
     require_enough(survey)
     cell_m = options.search.cell_heights * survey.height_m(options.source_up_m)
-    merged = survey.merged(cell_m)
+    merged = survey.merged(cell_m, options.search.most_readings)
     require_enough(merged)
     setting = Setting(
-        kernel=options.kernel,
+        kernel=options.kernel.at_height(survey.height_m(options.source_up_m)),
         source_up_m=options.source_up_m,
         source_up_std_m=options.source_up_std_m,
         position_std_m=options.position_std_m,

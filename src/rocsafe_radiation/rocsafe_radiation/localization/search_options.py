@@ -16,13 +16,15 @@ class SearchOptions:
     cell_heights
         Side of the cells in which readings are merged before a fit, heights. Smaller cells change
         no result and take longer.
+    most_readings
+        Most cells: they are larger where there are more.
     pitch_heights, margin_heights, most_places
         Grid on which a further source is looked for: distance of its places, how far it reaches
         beyond the readings, both in heights, and the most places. A pitch above half a height
         misses sources between its places.
-    tried_candidates, refined_candidates, rough_iterations
-        Places of the grid from which a fit is begun, the best of these that are fitted to the
-        end, and the iterations after which they are compared.
+    tried_candidates, rough_iterations
+        Places of the grid from which a fit is begun, and the iterations after which they are
+        compared: only the best is fitted to the end.
     log_odds_of_source
         Prior evidence of each source: sources are rare.
     log_odds_of_wall
@@ -51,11 +53,11 @@ class SearchOptions:
     """
 
     cell_heights: float = 0.125
+    most_readings: int = 2500
     pitch_heights: float = 0.4
     margin_heights: float = 1.0
     most_places: int = 6000
     tried_candidates: int = 4
-    refined_candidates: int = 3
     rough_iterations: int = 8
     log_odds_of_source: float = -2.0
     log_odds_of_wall: float = -2.0
@@ -78,6 +80,11 @@ class SearchOptions:
         for name in ('cell_heights', 'pitch_heights', 'margin_heights', 'largest_ellipse_share'):
             if not getattr(self, name) > 0.0:
                 raise ValueError(f'{name} = {getattr(self, name)} must be above 0')
-        for name in ('most_places', 'tried_candidates', 'refined_candidates', 'rough_iterations'):
+        for name in (
+            'most_places',
+            'most_readings',
+            'tried_candidates',
+            'rough_iterations',
+        ):
             if getattr(self, name) < 1:
                 raise ValueError(f'{name} = {getattr(self, name)} must be at least 1')

@@ -104,8 +104,6 @@ def search(
             break
         found.append(fits)
         evidences = OrderSearch(settings=tuple(found)).evidences
-        # One more source may be worse where two more are better. Splitting tries pairs, so one
-        # worse step is enough.
         if evidences[-1] < evidences.max() - setting.search.near_evidence:
             break
     return OrderSearch(settings=tuple(found))

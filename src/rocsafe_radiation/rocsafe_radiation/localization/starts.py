@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Starts of fits with one more source, and the best of these fits."""
 
-import itertools
 import math
 
 import numpy as np
@@ -11,8 +10,6 @@ from rocsafe_radiation.localization.candidates import best_separated, score_cand
 from rocsafe_radiation.localization.likelihood import HEAD_MEANS, HEAD_SIZE, Fit, Likelihood
 from rocsafe_radiation.localization.mirror_image import mirror_images
 
-SPLIT_ANGLES_RAD = (0.0, math.pi / 3.0, 2.0 * math.pi / 3.0)
-SPLIT_HEIGHTS = 0.4
 QUIET_SHARE = 0.2
 
 
@@ -43,16 +40,12 @@ def with_one_more(
         Counts of each reading for 1 uSv/h at 1 m at each place.
     """
     height = likelihood.survey.height_m(likelihood.setting.source_up_m)
-    starts = [
-        *_added(likelihood, fit.parameters, grid, kernel, height),
-        *_split(likelihood, fit.parameters, SPLIT_HEIGHTS * height),
-    ]
+    starts = _added(likelihood, fit.parameters, grid, kernel, height)
     if not starts:
         return None
     options = likelihood.setting.search
     rough = (likelihood.fit(start, options.rough_iterations) for start in starts)
-    ranked = sorted(rough, key=_evidence, reverse=True)[: options.refined_candidates]
-    best = max((likelihood.fit(one.parameters) for one in ranked), key=_evidence)
+    best = likelihood.fit(max(rough, key=_evidence).parameters)
     images = (likelihood.fit(start) for start in mirror_images(likelihood, best.parameters))
     return max((best, *images), key=_evidence)
 
@@ -90,18 +83,3 @@ def _weightings(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArr
     )
     alike = np.ones(likelihood.survey.size)
     return [alike] if regular.min() > 0.5 else [alike, regular]
-
-
-def _split(likelihood: Likelihood, parameters: FloatArray, distance_m: float) -> list[FloatArray]:
-    """Return starts with one source replaced by a pair of half its strength."""
-    sources = likelihood.sources(parameters)
-    starts = []
-    for index, angle in itertools.product(range(len(sources)), SPLIT_ANGLES_RAD):
-        offset = distance_m * np.array([math.cos(angle), math.sin(angle)])
-        pair = np.stack([sources[index], sources[index]])
-        pair[:, :2] += np.stack([offset, -offset])
-        pair[:, 3] -= math.log(2.0)
-        others = np.delete(sources, index, axis=0)
-        background = parameters[: likelihood.head_size]
-        starts.append(np.concatenate([background, others.ravel(), pair.ravel()]))
-    return starts

@@ -18,6 +18,8 @@ REACH_M = 3000.0
 BLOCK = 16384
 # Arrays hold one value for each of these rays and each line.
 SHIELDED_BLOCK = 4096
+# Values at each step and their differences to the next.
+Table = tuple[FloatArray, FloatArray]
 
 
 def air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
@@ -26,7 +28,12 @@ def air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
     The sum over the lines of share * exp(-mu r) * B(mu r), with the build-up B of air.
     Interpolated from a table; beyond 3 km it stays what it is there.
     """
-    values, slopes = _table(nuclide_name)
+    return interpolated(transmission_table(nuclide_name), distances_m)
+
+
+def interpolated(table: Table, distances_m: FloatArray) -> FloatArray:
+    """Return the values of a table at distances, those of its end beyond it."""
+    values, slopes = table
     flat = np.ravel(distances_m)
     result = np.empty_like(flat)
     for start in range(0, flat.size, BLOCK):
@@ -39,11 +46,11 @@ def air_transmission(nuclide_name: str, distances_m: FloatArray) -> FloatArray:
     return result.reshape(np.shape(distances_m))
 
 
-def air_transmission_and_slope(
-    nuclide_name: str, distances_m: FloatArray
+def interpolated_with_slope(
+    table: Table, distances_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the transmission of air and its derivative by the distance, 1/m."""
-    values, slopes = _table(nuclide_name)
+    """Return the values of a table at distances and their derivatives, 1/m."""
+    values, slopes = table
     places = np.minimum(distances_m * (1.0 / STEP_M), float(len(slopes) - 1))
     indices = places.astype(np.intp)
     steps = slopes[indices]
@@ -96,7 +103,7 @@ def _lines(nuclide_name: str, names: tuple[str, ...]) -> tuple[FloatArray, Float
 
 
 @cache
-def _table(nuclide_name: str) -> tuple[FloatArray, FloatArray]:
+def transmission_table(nuclide_name: str) -> tuple[FloatArray, FloatArray]:
     """Return the transmission at each step and its difference to the next."""
     distances: FloatArray = np.arange(0.0, REACH_M + 2.0 * STEP_M, STEP_M, dtype=np.float64)
     values = exact_air_transmission(nuclide_name, distances)

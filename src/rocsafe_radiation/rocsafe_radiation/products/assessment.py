@@ -118,11 +118,13 @@ def assess(
     """
     known = options.known
     found, belief = FINDERS[options.method](survey, options, agents)
-    setting = Setting(kernel=known.kernel, source_up_m=known.source_up_m, rho=found.rho)
+    counted = known.kernel.at_height(survey.height_m(known.source_up_m))
+    setting = Setting(kernel=counted, source_up_m=known.source_up_m, rho=found.rho)
     cell_m = 0.25 * survey.height_m(known.source_up_m)
-    evidence = sequential_evidence(survey.merged(cell_m), setting, options.rule.smallest_usvh)
+    merged = survey.merged(cell_m, known.search.most_readings)
+    evidence = sequential_evidence(merged, setting, options.rule.smallest_usvh)
     lowest = min(options.levels_usvh)
-    dose = dose_map(found, survey, known.kernel, lowest, largest_cells=largest_cells)
+    dose = dose_map(found, survey, counted, lowest, largest_cells=largest_cells)
     return Assessment(
         options=options,
         survey=survey,
@@ -153,7 +155,8 @@ def suggested_waypoints(
         return ()
     if assessment.found.sources:
         exposure = float(np.median(assessment.survey.exposures))
-        return next_waypoints(assessment.found, candidates, exposure, known.kernel, count)
+        counted = known.kernel.at_height(assessment.survey.height_m(known.source_up_m))
+        return next_waypoints(assessment.found, candidates, exposure, counted, count)
     return _doubtful(assessment, count, area)
 
 

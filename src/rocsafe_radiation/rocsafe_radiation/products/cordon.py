@@ -121,14 +121,16 @@ def cordon_geojson(
         for cordon in found
         if not cordon.area.is_empty
     ]
-    return {'type': 'FeatureCollection', 'features': features}
+    return {'type': 'FeatureCollection', 'features': features, 'doubts': list(doubts)}
 
 
-def cordon_kml(found: Sequence[Cordon], frame: LocalFrame) -> str:
-    """Return the cordons as KML 2.2, clamped to the ground."""
+def cordon_kml(found: Sequence[Cordon], frame: LocalFrame, doubts: Sequence[str] = ()) -> str:
+    """Return the cordons as KML 2.2, clamped to the ground; `doubts` stand in each description."""
     ElementTree.register_namespace('', KML_NAMESPACE)
     root = ElementTree.Element(f'{{{KML_NAMESPACE}}}kml')
     document = _child(root, 'Document')
+    if doubts:
+        _child(document, 'description', '; '.join(doubts))
     levels = sorted({cordon.level_usvh for cordon in found})
     for cordon in found:
         if cordon.area.is_empty:
@@ -136,7 +138,8 @@ def cordon_kml(found: Sequence[Cordon], frame: LocalFrame) -> str:
         placemark = _child(document, 'Placemark')
         confidence = CONFIDENCE_MEANINGS[cordon.confidence]
         _child(placemark, 'name', f'{cordon.level_usvh:g} µSv/h, {confidence}')
-        _child(placemark, 'description', cordon.description())
+        description = '; '.join([cordon.description(), *doubts])
+        _child(placemark, 'description', description)
         style = _child(placemark, 'Style')
         line = _child(style, 'LineStyle')
         _child(line, 'color', KML_COLOURS[levels.index(cordon.level_usvh) % len(KML_COLOURS)])

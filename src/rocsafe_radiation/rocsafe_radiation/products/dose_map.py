@@ -57,18 +57,19 @@ def dose_map(
     """Return the map of the surveyed ground and of all ground that sources raise to a level.
 
     The map is that of sources and a constant background, times the kriged residual of the readings
-    where this is more than noise. The uncertainty comes from 40 draws of the places
-    and strengths of the sources from their covariances, and of the residual. Cells are at least
-    half a metre wide and not many more than `largest_cells`.
+    where this is more than noise. `kernel` is that of the readings. The uncertainty comes from 40
+    draws of the places and strengths of the sources from their covariances, and of the residual.
+    Cells are at least half a metre wide and not many more than `largest_cells`.
     """
     low, high = _bounds(found, survey, lowest_level_usvh)
     cell = max(SMALLEST_CELL_M, math.sqrt(float(np.prod(high - low)) / largest_cells))
     east = np.arange(low[0], high[0] + cell, cell, dtype=np.float64)
     north = np.arange(low[1], high[1] + cell, cell, dtype=np.float64)
     ups = _ups(survey, east, north)
-    mean = grid_dose_rates_usvh(found.sources, found.background_usvh, kernel, east, north, ups)
+    law = kernel.of_dose
+    mean = grid_dose_rates_usvh(found.sources, found.background_usvh, law, east, north, ups)
     generator = np.random.default_rng([0, 0xD05E])
-    draws = np.stack([_drawn(found, kernel, east, north, ups, generator) for _ in range(SAMPLES)])
+    draws = np.stack([_drawn(found, law, east, north, ups, generator) for _ in range(SAMPLES)])
     rest = residual(found, survey, kernel, east, north)
     if rest is not None:
         mean *= np.exp(rest.log_mean)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A dose map as a GeoTIFF of 32-bit floats."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +25,14 @@ class DoseMapFileError(RadiationError):
     """A map cannot be written."""
 
 
-def write_dose_map(path: Path, found: DoseMap, frame: LocalFrame) -> None:
+def write_dose_map(
+    path: Path, found: DoseMap, frame: LocalFrame, doubts: Sequence[str] = ()
+) -> None:
     """Write `found` in a transverse Mercator projection about the origin of `frame`.
 
     Its axes are east and north of the frame to a millimetre within 5 km. Bands: mean, standard
-    deviation, upper 95 %, each microsievert per hour.
+    deviation, upper 95 %, each microsievert per hour. The tag ``DOUBTS`` holds `doubts`, a line
+    each.
 
     Raises
     ------
@@ -50,6 +54,8 @@ def write_dose_map(path: Path, found: DoseMap, frame: LocalFrame) -> None:
             dtype='float32', crs=projection, compress='deflate',
             transform=from_origin(west, top, found.cell_m, found.cell_m),
         ) as raster:  # fmt: skip
+            if doubts:
+                raster.update_tags(DOUBTS='\n'.join(doubts))
             for number, (name, meaning) in enumerate(BANDS, 1):
                 values = {
                     'mean': found.mean_usvh,

@@ -28,11 +28,13 @@ def write_products(folder: Path, assessment: Assessment, frame: LocalFrame | Non
     if frame is None:
         return
     _write_json(folder / 'sources.geojson', source_geojson(assessment.found, frame))
-    write_dose_map(folder / 'dose_map.tif', assessment.dose, frame)
+    doubts = assessment.found.doubts
+    write_dose_map(folder / 'dose_map.tif', assessment.dose, frame, doubts)
     model = AIR_MODEL if assessment.options.known.kernel.is_lossy else PAPER_MODEL
-    areas = cordon_geojson(assessment.cordons, frame, model, assessment.found.doubts)
+    areas = cordon_geojson(assessment.cordons, frame, model, doubts)
     _write_json(folder / 'cordons.geojson', areas)
-    (folder / 'cordons.kml').write_text(cordon_kml(assessment.cordons, frame), encoding='utf-8')
+    areas_kml = cordon_kml(assessment.cordons, frame, doubts)
+    (folder / 'cordons.kml').write_text(areas_kml, encoding='utf-8')
 
 
 def _write_json(path: Path, content: dict[str, Any]) -> None:

@@ -48,7 +48,7 @@ def residual(
     sources = np.array([source.position_enu_m for source in found.sources]).reshape(-1, 3)
     above = sources[:, 2] - survey.ground.ups_at(sources[:, :2])
     height = survey.height_m(float(np.median(above)) if len(above) else 0.0)
-    thin = _thinned(survey, 0.25 * height)
+    thin = survey.merged(0.25 * height, MOST_READINGS)
     expected = thin.exposures * _rates_usvh(found, thin, kernel)
     values = np.log((thin.counts + 0.5) / (expected + 0.5))
     excess = np.maximum(expected - thin.exposures * found.background_usvh, 0.0)
@@ -103,15 +103,6 @@ class _Kriging:
         for axis in range(2):
             squares += np.subtract.outer(places[:, axis], self._places[:, axis]) ** 2
         return np.asarray(self._sill * np.exp(-np.sqrt(squares) / self._length_m))
-
-
-def _thinned(survey: RadiationSurvey, cell_m: float) -> RadiationSurvey:
-    """Return `survey` merged into at most `MOST_READINGS` cells."""
-    merged = survey.merged(cell_m)
-    while merged.size > MOST_READINGS:
-        cell_m *= 1.5
-        merged = survey.merged(cell_m)
-    return merged
 
 
 def _rates_usvh(found: Localization, survey: RadiationSurvey, kernel: Kernel) -> FloatArray:

@@ -57,7 +57,13 @@ def source_geojson(found: Localization, frame: LocalFrame) -> dict[str, Any]:
         features.append(
             _feature('Polygon', [[*ring, ring[0]]], {**properties, 'kind': 'ellipse_95'})
         )
-    return {'type': 'FeatureCollection', 'features': features}
+    # A foreign member (RFC 7946, 6.1): without a source there is no feature to carry the doubts.
+    return {
+        'type': 'FeatureCollection',
+        'features': features,
+        'is_understood': found.is_understood,
+        'doubts': list(found.doubts),
+    }
 
 
 def place_of(enu: FloatArray, frame: LocalFrame | None) -> dict[str, float]:

@@ -1,17 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Readings of a flight in a file, so that a node that is started again has them all.
 
-The command `localize` reads the file, too. A row that a crash has cut off is left out when the
-file is read.
+The command `localize` reads the file, too.
 """
 
-import csv
 import math
 from collections.abc import Iterator
-from pathlib import Path
-from typing import IO
 
-from rocsafe_radiation.errors import RadiationError
+from rocsafe_hazard.row_spool import RowSpool
 from rocsafe_radiation.readings.reading_log import FlightReading
 
 FILE_NAME = 'readings.csv'
@@ -21,16 +17,11 @@ COLUMNS = (
 )  # fmt: skip
 
 
-class SpoolError(RadiationError):
-    """The file cannot be read or written."""
-
-
 class ReadingSpool:
     """Keeps readings in ``readings.csv`` of a directory; with an empty name, keeps none."""
 
     def __init__(self, directory: str) -> None:
-        self._path = Path(directory) / FILE_NAME if directory else None
-        self._stream: IO[str] | None = None
+        self._rows = RowSpool(directory, FILE_NAME, COLUMNS)
 
     def restored(self) -> Iterator[FlightReading]:
         """Yield the readings that were kept before.
@@ -40,15 +31,7 @@ class ReadingSpool:
         SpoolError
             If there is a file that cannot be read.
         """
-        if self._path is None or not self._path.exists():
-            return
-        try:
-            with self._path.open(encoding='utf-8', newline='') as stream:
-                # A row that was cut off has no end of line.
-                lines = [line for line in stream if line.endswith('\n')]
-        except (OSError, UnicodeDecodeError) as error:
-            raise SpoolError(f'{self._path}: cannot be read: {error}') from error
-        for row in csv.DictReader(lines):
+        for row in self._rows.restored():
             reading = _reading(row)
             if reading is not None:
                 yield reading
@@ -61,25 +44,7 @@ class ReadingSpool:
         SpoolError
             If it cannot be written.
         """
-        if self._path is None:
-            return
-        try:
-            if self._stream is None:
-                self._stream = self._opened(self._path)
-            csv.writer(self._stream, lineterminator='\n').writerow(_row(reading))
-            self._stream.flush()
-        except OSError as error:
-            raise SpoolError(f'{self._path}: cannot be written: {error}') from error
-
-    def _opened(self, path: Path) -> IO[str]:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        content = path.read_bytes() if path.exists() else b''
-        stream = path.open('a', encoding='utf-8', newline='')
-        if not content:
-            csv.writer(stream, lineterminator='\n').writerow(COLUMNS)
-        elif not content.endswith(b'\n'):
-            stream.write('\n')
-        return stream
+        self._rows.keep(_row(reading))
 
 
 def _row(reading: FlightReading) -> list[object]:

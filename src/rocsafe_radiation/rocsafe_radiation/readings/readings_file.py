@@ -3,6 +3,7 @@
 
 import csv
 import math
+from array import array
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,11 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_radiation.errors import RadiationError
-from rocsafe_radiation.readings.row_checks import dead, far
+from rocsafe_radiation.readings.row_checks import (
+    dead,
+    far,
+    jumping,
+    of_other_units,
+    out_of_range,
+)
 from rocsafe_radiation.readings.survey import LocalReading
 
 Row = Mapping[str, str]
@@ -26,28 +33,28 @@ DOSE_RATE_COLUMNS = {
     'dose_rate_svh': 1e6,
     'dose_rate_usvps': 3600.0,
 }
-STD_COLUMN = 'dose_rate_std_usvh'
+RATE_COLUMN, STD_COLUMN = 'dose_rate_usvh', 'dose_rate_std_usvh'
 REFERENCE_COLUMN = 'reference_counts'
 GEODETIC_COLUMNS = ('latitude_deg', 'longitude_deg')
 LOCAL_COLUMNS = ('east_m', 'north_m')
-NUMBER, PLACE, NEGATIVE, SATURATED, REPEATED = (
+NUMBER, PLACE, SATURATED, REPEATED = (
     'not a number where one is needed',
-    'a place out of range or at 0, 0',
-    'a negative value',
+    'a place at 0, 0',
     'saturated: the dose rate is only a lower limit',
     'the same stamp of the same vehicle again',
 )
-HEADER, FIELDS, LARGE, FAR, DEAD = (
+HEADER, FIELDS, FAR, DEAD, UNIT = (
     'the names of the columns again',
-    'more fields than columns: decimal commas need another separator, ; or a tabulator',
-    'more than any detector reads',
-    'farther than 20 km from the middle of the others',
+    'more fields than columns: decimal commas need another separator, ; or a tabulator, or quotes',
+    'farther than 1 km, and 20 times as far as half of all, from the middle of the others',
     'of a detector that counted nothing: dead, no proof of absence',
+    'counts and dose rate that do not agree as in the others: another unit',
 )
+# So many dose rates among those of another size are no accident.
+FEWEST_JUMPS, MOST_LINES_NAMED = 5, 5
 SEPARATORS = ';\t,'
 ENCODINGS = ('utf-8-sig', 'cp1252')
 UTF_16_MARKS = (b'\xff\xfe', b'\xfe\xff')
-LARGEST_COUNTS, LARGEST_USVH = 1e12, 1e12
 
 
 class ReadingsFileError(RadiationError):
@@ -95,7 +102,7 @@ class _Columns:
     dose_rate: str
     has_counts: bool
     has_reference: bool
-    has_decimal_commas: bool
+    names: tuple[str, ...]
 
 
 def read_readings(
@@ -126,16 +133,22 @@ def read_readings(
     ReadingsFileError
         In one line that says what is missing or double.
     """
+    if path.exists() and not path.is_file():
+        raise ReadingsFileError(f'{path}: must be a file')
     try:
         with path.open(encoding=_encoding(path), newline='') as stream:
             head = stream.readline()
             separator = max(SEPARATORS, key=head.count)
             names = next(csv.reader([head], delimiter=separator), [])
             table = csv.DictReader(stream, [name.strip() for name in names], delimiter=separator)
-            columns = _columns(path, table.fieldnames or (), height_m, separator)
-            return _read(table, columns, height_m, ground_altitude_m)
+            columns = _columns(path, table.fieldnames or (), height_m)
+            rows = _Rows(columns, height_m)
+            for row in table:
+                # The row of names was read before.
+                rows.add(row, table.line_num + 1)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ReadingsFileError(f'{path}: cannot be read: {error}') from error
+    return _checked(path, rows, ground_altitude_m)
 
 
 def _encoding(path: Path) -> str:
@@ -154,7 +167,7 @@ def _encoding(path: Path) -> str:
     return ENCODINGS[-1]
 
 
-def _columns(path: Path, names: Sequence[str], height_m: float, separator: str) -> _Columns:
+def _columns(path: Path, names: Sequence[str], height_m: float) -> _Columns:
     known = set(names)
     double = sorted(name for name in known if name and names.count(name) > 1)
     if double:
@@ -179,13 +192,16 @@ def _columns(path: Path, names: Sequence[str], height_m: float, separator: str) 
         raise ReadingsFileError(
             f'{path}: has no column dose_rate_usvh, nor counts and live_time_s'
         )
+    wanted = (*place, up, *rates, STD_COLUMN, REFERENCE_COLUMN)
+    if has_counts:
+        wanted += ('counts', 'live_time_s')
     return _Columns(
+        names=tuple(name for name in wanted if name in known),
         place=place,
         up=up if up in known else '',
         dose_rate=rates[0] if rates else '',
         has_counts=has_counts,
         has_reference=REFERENCE_COLUMN in known,
-        has_decimal_commas=separator != ',',
     )
 
 
@@ -193,70 +209,79 @@ class _Rows:
     """Rows kept so far, and the lines of those left out."""
 
     def __init__(self, columns: _Columns, height_m: float) -> None:
-        self._columns, self._height_m = columns, height_m
-        self.values: list[tuple[float, ...]] = []
+        self.columns, self._height_m = columns, height_m
+        # Flat: a million rows as tuples take 0.4 GB.
+        self._values = array('d')
         self.lines: list[int] = []
         self.vehicles: list[str] = []
         self.models: set[str] = set()
         self.dropped: dict[str, list[int]] = defaultdict(list)
         self.backward_steps = 0
         self._latest: dict[str, float] = {}
-        self._seen: set[tuple[str, str]] = set()
+        self._seen: dict[str, set[str]] = defaultdict(set)
 
     def add(self, row: Row, line: int) -> None:
         """Keep a row or its reason to be left out."""
         stamp, vehicle = (row.get('time_ns') or '').strip(), (row.get('vehicle') or '').strip()
-        values = _values(row, self._columns, self._height_m)
+        values = _values(row, self.columns, self._height_m)
         reason = values if isinstance(values, str) else ''
-        if not reason and stamp and (vehicle, stamp) in self._seen:
+        seen = self._seen[vehicle]
+        if not reason and stamp and stamp in seen:
             reason = REPEATED
         if not reason and _number(row.get('saturated')) > 0.0:
             reason = SATURATED
         if isinstance(values, str) or reason:
             self.dropped[reason].append(line)
             return
-        self._seen.add((vehicle, stamp))
+        seen.add(stamp)
         time, latest = _number(stamp), self._latest.get(vehicle, -math.inf)
         self.backward_steps += time < latest
         self._latest[vehicle] = time if math.isfinite(time) else latest
         self.models.add((row.get('model') or '').strip())
-        self.values.append(values)
+        self._values.extend(values)
         self.lines.append(line)
         self.vehicles.append(vehicle)
 
-    def checked(self) -> FloatArray:
-        """Return the rows that agree with the others, shape (n, 8)."""
-        array = np.array(self.values, np.float64).reshape(len(self.values), 8)
-        amounts = array[:, 5] + np.nan_to_num(array[:, 3])
-        is_geodetic = self._columns.place == GEODETIC_COLUMNS
-        is_far = far(array[:, :2], is_geodetic)
-        is_dead = dead(self.vehicles, amounts) & ~is_far
-        for reason, is_wrong in ((FAR, is_far), (DEAD, is_dead)):
-            if is_wrong.any():
-                self.dropped[reason] += [self.lines[k] for k in np.flatnonzero(is_wrong)]
-        return array[~(is_far | is_dead)]
+    def table(self) -> FloatArray:
+        """Return the rows, shape (n, 8), as `_values` gives them."""
+        return np.array(self._values, np.float64).reshape(-1, 8)
+
+    def named(self, are: BoolArray) -> str:
+        """Return the first lines of some of the rows, in words."""
+        lines = np.array(self.lines)[are]
+        named = ', '.join(map(str, lines[:MOST_LINES_NAMED].tolist()))
+        return named + (' and more' if len(lines) > MOST_LINES_NAMED else '')
 
 
-def _read(
-    table: 'csv.DictReader[str]', columns: _Columns, height_m: float, ground_altitude_m: float
-) -> ReadingsFile:
-    rows = _Rows(columns, height_m)
-    for row in table:
-        # The row of names was read before.
-        rows.add(row, table.line_num + 1)
-    array = rows.checked()
+def _checked(path: Path, rows: _Rows, ground_altitude_m: float) -> ReadingsFile:
+    """Return the readings of the rows that agree with the others."""
+    table, columns = rows.table(), rows.columns
+    is_geodetic = columns.place == GEODETIC_COLUMNS
+    rates, counts, live_s = table[:, 3], table[:, 5], table[:, 6]
+    is_far = far(table[:, :2], is_geodetic)
+    is_dead = dead(rows.vehicles, counts + np.nan_to_num(rates)) & ~is_far
+    is_other = of_other_units(rows.vehicles, counts, live_s, rates) & ~(is_far | is_dead)
+    if not columns.has_counts:
+        jumps = jumping(rows.vehicles, rates)
+        if jumps.sum() >= FEWEST_JUMPS:
+            raise ReadingsFileError(
+                f'{path}: {jumps.sum()} dose rates are 300 times those beside them or a 300th '
+                f'(lines {rows.named(jumps)}): several units in one column'
+            )
+    for reason, is_wrong in ((FAR, is_far), (DEAD, is_dead), (UNIT, is_other)):
+        if is_wrong.any():
+            rows.dropped[reason] += [rows.lines[k] for k in np.flatnonzero(is_wrong)]
+    table = table[~(is_far | is_dead | is_other)]
     if not columns.up:
         ground_altitude_m = 0.0
-    frame = None
-    if columns.place == GEODETIC_COLUMNS and len(array):
-        frame = _frame(array, ground_altitude_m)
+    frame = _frame(table, ground_altitude_m) if is_geodetic and len(table) else None
     return ReadingsFile(
-        observations=_observations(array, frame),
+        observations=_observations(table, frame),
         frame=frame,
         dropped={reason: tuple(lines) for reason, lines in rows.dropped.items()},
         backward_steps=rows.backward_steps,
         models=frozenset(rows.models - {''}),
-        reference_counts=tuple(array[:, 7].tolist()) if columns.has_reference else (),
+        reference_counts=tuple(table[:, 7].tolist()) if columns.has_reference else (),
         is_ground_guessed=frame is not None and not math.isfinite(ground_altitude_m),
     )
 
@@ -265,41 +290,43 @@ def _values(row: Row, columns: _Columns, height_m: float) -> tuple[float, ...] |
     """Return place, dose rate, its standard deviation, counts and live time, or a reason."""
     if None in row:
         return FIELDS
-    if (row.get(columns.place[0]) or '').strip() == columns.place[0]:
+    first, second = columns.place
+    if (row.get(first) or '').strip() == first:
         return HEADER
-
-    def number(name: str) -> float:
-        text = row.get(name)
-        return _number(text.replace(',', '.') if text and columns.has_decimal_commas else text)
-
-    first, second = (number(name) for name in columns.place)
-    up = number(columns.up) if columns.up else height_m
-    rate = number(columns.dose_rate) * DOSE_RATE_COLUMNS.get(columns.dose_rate, 1.0)
-    std = number(STD_COLUMN)
-    counts = number('counts') if columns.has_counts else math.nan
-    live_s = number('live_time_s') if columns.has_counts else math.nan
-    reference = number(REFERENCE_COLUMN) if columns.has_reference else 0.0
+    known = {name: _number(row.get(name)) for name in columns.names}
+    if columns.dose_rate:
+        known[RATE_COLUMN] = known[columns.dose_rate] * DOSE_RATE_COLUMNS[columns.dose_rate]
+    up = known[columns.up] if columns.up else height_m
+    rate = known.get(RATE_COLUMN, math.nan)
+    counts, live_s = known.get('counts', math.nan), known.get('live_time_s', math.nan)
+    reference = known.get(REFERENCE_COLUMN, 0.0)
     counted = math.isfinite(counts) and math.isfinite(live_s)
-    if not all(map(math.isfinite, (first, second, up, reference))) or not (
+    if not all(map(math.isfinite, (known[first], known[second], up, reference))) or not (
         math.isfinite(rate) or counted
     ):
         return NUMBER
-    if columns.place == GEODETIC_COLUMNS and (
-        abs(first) > 90.0 or abs(second) > 180.0 or first == second == 0.0
-    ):
+    if first == GEODETIC_COLUMNS[0] and known[first] == known[second] == 0.0:
         return PLACE
-    if (counted and (counts < 0.0 or live_s <= 0.0)) or any(
-        v < 0.0 for v in (rate, std, reference)
-    ):
-        return NEGATIVE
-    if counts > LARGEST_COUNTS or rate > LARGEST_USVH or reference > LARGEST_COUNTS:
-        return LARGE
-    return first, second, up, rate, std, counts if counted else 0.0, live_s, reference
+    reason = out_of_range(known)
+    if reason:
+        return reason
+    std = known.get(STD_COLUMN, math.nan)
+    return (
+        known[first],
+        known[second],
+        up,
+        rate,
+        std,
+        counts if counted else 0.0,
+        live_s,
+        reference,
+    )
 
 
 def _number(text: str | None) -> float:
     try:
-        value = float(text or 'nan')
+        # Columns are separated already: a comma that is left is a decimal one.
+        value = float((text or 'nan').replace(',', '.'))
     except ValueError:
         return math.nan
     return value if math.isfinite(value) else math.nan

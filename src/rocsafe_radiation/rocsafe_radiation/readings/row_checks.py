@@ -1,17 +1,48 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rows of a survey file that only the others show to be wrong: far places, dead detectors."""
+"""Rows of a survey file that cannot be, by themselves or beside the others."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 
-# No vehicle of a survey flies so far.
-LARGEST_DISTANCE_M = 20_000.0
+# No detector reads more, no vehicle of a survey flies higher or farther.
+RANGES = {
+    'latitude_deg': (-90.0, 90.0),
+    'longitude_deg': (-180.0, 180.0),
+    'east_m': (-1e6, 1e6),
+    'north_m': (-1e6, 1e6),
+    'altitude_m': (-1e3, 2e4),
+    'up_m': (-1e3, 2e4),
+    'dose_rate_usvh': (0.0, 1e12),
+    'dose_rate_std_usvh': (0.0, 1e12),
+    'counts': (0.0, 1e12),
+    'live_time_s': (1e-6, 1e6),
+    'reference_counts': (0.0, 1e12),
+}
+ANY = (-math.inf, math.inf)
 METRES_A_DEGREE = 111_000.0
-# So many readings without a single count show a detector that is switched off or broken.
-FEWEST_EMPTY = 8
+# Places so many times as far from the middle as half of all, and so far, are errors.
+FAR_MEDIANS, FAR_M = 20.0, 1000.0
+# So many readings in a row without a single count show a detector that is switched off or broken,
+# if half of the others have so many counts.
+FEWEST_EMPTY, FEWEST_COUNTS = 8, 5.0
+# Units of dose rates differ by 1000 or more; responses of one detector differ by less than this.
+LARGEST_RATIO = 300.0
+# Readings beside a rise of a true dose rate that lie between both levels, for each reading on it.
+FEWEST_BETWEEN = 0.1
+NEAR_READINGS = 4
+
+
+def out_of_range(values: Mapping[str, float]) -> str:
+    """Return which of the named values is out of its range, and the range, or nothing."""
+    for name, value in values.items():
+        low, high = RANGES.get(name, ANY)
+        if value < low or value > high:
+            return f'{name} is not within {low:g} and {high:g}'
+    return ''
 
 
 def far(places: FloatArray, is_geodetic: bool) -> BoolArray:
@@ -23,11 +54,13 @@ def far(places: FloatArray, is_geodetic: bool) -> BoolArray:
     if is_geodetic:
         ways[:, 1] = (ways[:, 1] + 180.0) % 360.0 - 180.0
         ways *= METRES_A_DEGREE * np.array([1.0, np.cos(np.radians(middle[0]))])
-    return np.asarray(np.hypot(*ways.T) > LARGEST_DISTANCE_M, dtype=bool)
+    distances = np.hypot(*ways.T)
+    limit = max(FAR_M, FAR_MEDIANS * float(np.median(distances)))
+    return np.asarray(distances > limit, dtype=bool)
 
 
 def dead(vehicles: Sequence[str], amounts: FloatArray) -> BoolArray:
-    """Return which readings are of a vehicle whose detector read nothing but 0, (n,).
+    """Return which readings (n,) are of a detector that reads nothing but 0, always or for a time.
 
     Nature gives counts everywhere: a detector without any proves no absence of sources.
 
@@ -38,7 +71,66 @@ def dead(vehicles: Sequence[str], amounts: FloatArray) -> BoolArray:
     amounts : shape (n,)
         Counts, or the dose rate where the detector does not count.
     """
-    names, owner = np.unique(np.array(vehicles, dtype=str), return_inverse=True)
-    totals = np.bincount(owner, amounts, minlength=len(names))
-    sizes = np.bincount(owner, minlength=len(names))
-    return np.asarray(((totals == 0.0) & (sizes >= FEWEST_EMPTY))[owner], dtype=bool)
+    found = np.zeros(len(amounts), dtype=bool)
+    for rows in _by_vehicle(vehicles):
+        own = amounts[rows]
+        others = own[own > 0.0]
+        if not others.size or np.median(others) >= FEWEST_COUNTS:
+            found[rows] = _in_long_runs(own == 0.0)
+    return found
+
+
+def of_other_units(
+    vehicles: Sequence[str], counts: FloatArray, live_s: FloatArray, rates: FloatArray
+) -> BoolArray:
+    """Return where counts for a dose rate are not at all those of the other rows, (n,).
+
+    All arrays have shape (n,). Rows without counts or without a dose rate agree with all.
+    """
+    found = np.zeros(len(counts), dtype=bool)
+    with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
+        responses = np.log(counts / (live_s * rates))
+    known = np.isfinite(responses)
+    for rows in _by_vehicle(vehicles):
+        own = rows[known[rows]]
+        if own.size:
+            misses = responses[own] - np.median(responses[own])
+            found[own] = np.abs(misses) > math.log(LARGEST_RATIO)
+    return found
+
+
+def jumping(vehicles: Sequence[str], rates: FloatArray) -> BoolArray:
+    """Return which dose rates (n,) differ from those before and after as another unit would.
+
+    The dose rate near a source rises over some readings. Rates that are 300 times those beside
+    them, or a 300th, with few in between, are in another unit.
+    """
+    steps = np.zeros(len(rates))
+    for rows in _by_vehicle(vehicles):
+        own = rows[rates[rows] > 0.0]
+        if own.size > 2 * NEAR_READINGS:
+            logs = np.pad(np.log(rates[own]), NEAR_READINGS, mode='reflect')
+            windows = np.lib.stride_tricks.sliding_window_view(logs, 2 * NEAR_READINGS + 1)
+            steps[own] = np.abs(np.log(rates[own]) - np.median(windows, axis=1))
+    are_far = steps > math.log(LARGEST_RATIO)
+    between = int((steps > math.log(LARGEST_RATIO) / 2.0).sum()) - int(are_far.sum())
+    is_sudden = between < FEWEST_BETWEEN * int(are_far.sum())
+    return np.asarray(are_far & is_sudden, dtype=bool)
+
+
+def _by_vehicle(vehicles: Sequence[str]) -> Iterator[IndexArray]:
+    """Yield the rows of each vehicle."""
+    _, owner = np.unique(np.array(vehicles, dtype=str), return_inverse=True)
+    order = np.argsort(owner, kind='stable')
+    yield from np.split(order, np.flatnonzero(np.diff(owner[order])) + 1)
+
+
+def _in_long_runs(empty: BoolArray) -> BoolArray:
+    """Return which of n readings are one of many empty ones in a row, (n,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], empty.astype(np.int8), [0]])))
+    starts, stops = edges[::2], edges[1::2]
+    is_long = stops - starts >= FEWEST_EMPTY
+    marks = np.zeros(len(empty) + 1, np.int64)
+    np.add.at(marks, starts[is_long], 1)
+    np.add.at(marks, stops[is_long], -1)
+    return np.asarray(np.cumsum(marks)[:-1] > 0, dtype=bool)

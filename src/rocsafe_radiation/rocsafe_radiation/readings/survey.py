@@ -14,6 +14,8 @@ from rocsafe_radiation.readings.ground import LEVEL, Ground
 # limit it then, not counts.
 NOMINAL_COUNTS_PER_USVH = 550.0 * 0.2
 SMALLEST_STD_SHARE = 0.002
+# Cells of too many readings grow by this factor.
+CELL_GROWTH = 1.25
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,15 +100,24 @@ class RadiationSurvey:
         """Return the median height of the readings above sources, at least 1 m."""
         return max(1.0, float(np.median(self.heights_m)) - source_height_m)
 
-    def merged(self, cell_m: float) -> 'RadiationSurvey':
+    def merged(self, cell_m: float, most: int) -> 'RadiationSurvey':
         """Return a survey with one reading for each cube of `cell_m`, at the mean place within.
 
         Counts and exposures add up. With cells much smaller than the height above the source, the
-        result of a fit is the same.
+        result of a fit is the same. Where there are more than `most` cells, they are larger.
         """
+        found = self._merged(cell_m)
+        while found.size > most:
+            cell_m *= CELL_GROWTH
+            found = found._merged(cell_m)
+        return found
+
+    def _merged(self, cell_m: float) -> 'RadiationSurvey':
         cells = np.floor(self.positions_enu_m / cell_m).astype(np.int64)
-        _, owner = np.unique(cells, axis=0, return_inverse=True)
-        owner = owner.ravel()
+        cells -= cells.min(axis=0)
+        _, rows, levels = (cells.max(axis=0) + 1).tolist()
+        numbers = (cells[:, 0] * rows + cells[:, 1]) * levels + cells[:, 2]
+        _, owner = np.unique(numbers, return_inverse=True)
         exposures = np.asarray(np.bincount(owner, self.exposures), np.float64)
         places = [
             np.bincount(owner, self.exposures * axis) / exposures

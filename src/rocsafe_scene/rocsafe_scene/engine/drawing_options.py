@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tuning of the engine: levels of detail, resolution of shadows."""
+"""Tuning of the engine: levels of detail, resolution of shadows, smoothing of edges."""
 
 from dataclasses import dataclass
 
@@ -84,5 +84,27 @@ class ShadowOptions:
     sunlit_texel_m: float = 0.12
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SmoothingOptions:
+    """Edges that are smoothed, after FXAA (Lottes, 2009) but for `least_turn`.
+
+    Attributes
+    ----------
+    least_contrast, least_contrast_share
+        Edges with less contrast than these, in grey levels and relative to the brightness, are
+        kept as they are.
+    reach_px
+        Farthest pixel along an edge that is blended.
+    least_turn
+        Least step of the third component of a normal that makes an edge within a thing, of 255.
+    """
+
+    least_contrast: float = 16.0
+    least_contrast_share: float = 0.14
+    reach_px: float = 6.0
+    least_turn: int = 60
+
+
 DETAIL = DetailOptions()
 SHADOWS = ShadowOptions()
+SMOOTHING = SmoothingOptions()

@@ -17,7 +17,7 @@ from rocsafe_scene.graphics.pipe import Pipe
 from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.mesh.coarse import clustered
-from rocsafe_scene.mesh.grain import LEAF_TEXEL_M, LEAVES_PX, grain_tile, leaf_tile
+from rocsafe_scene.mesh.grain import LEAVES, grain_tile, leaf_tile
 from rocsafe_scene.mesh.mesh import Floats, Mesh
 from rocsafe_scene.mesh.shapes import ball
 from rocsafe_scene.mesh.surfaces import LOOKS, Surface
@@ -57,7 +57,7 @@ class SceneGraph:
         self.root = core.NodePath('scene')
         self.root.setShaderInput('grain', self._grain())
         self.root.setShaderInput('leaves', upload.grey_texture('leaves', leaf_tile()))
-        self.root.setShaderInput('leaf_scale', 1.0 / (LEAVES_PX * LEAF_TEXEL_M))
+        self.root.setShaderInput('leaf_scale', 1.0 / LEAVES.width_m)
         self.root.setShaderInput('looks', _look_table())
         self._pipe = pipe
         self._shaders = NodeShaders()

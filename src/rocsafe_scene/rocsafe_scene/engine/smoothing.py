@@ -6,15 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import BoolArray, ImageArray, IndexArray
+from rocsafe_scene.engine.drawing_options import SMOOTHING
 
-# Edges with less contrast than these, absolute and relative to the brightness, are kept as they
-# are.
-_LEAST, _LEAST_SHARE = 16.0, 0.14
-_BOUNDS = np.rint(np.maximum(np.arange(256) * _LEAST_SHARE, _LEAST)).astype(np.uint8)
-_REACH_PX = 6.0
+# Least contrast of an edge for each brightness of its brighter side.
+_BOUNDS = np.rint(
+    np.maximum(np.arange(256) * SMOOTHING.least_contrast_share, SMOOTHING.least_contrast)
+).astype(np.uint8)
 _BRIGHTNESS = np.array([0.114, 0.587, 0.299], np.float32)
-# Least step of the third component of a normal, of 255.
-_LEAST_TURN = 60
 
 
 def smoothed(image: ImageArray, numbers: NDArray[np.uint32], normals: ImageArray) -> ImageArray:
@@ -33,7 +31,7 @@ def smoothed(image: ImageArray, numbers: NDArray[np.uint32], normals: ImageArray
     kernel = np.ones((3, 3), np.uint8)
     high, low = cv2.dilate(bright, kernel), cv2.erode(bright, kernel)
     is_edge = _differs(numbers)
-    is_edge |= _steps(cv2.extractChannel(normals, 2)) > _LEAST_TURN
+    is_edge |= _steps(cv2.extractChannel(normals, 2)) > SMOOTHING.least_turn
     is_edge &= cv2.subtract(high, low) > cv2.LUT(high, _BOUNDS)
     chosen = np.flatnonzero(is_edge)
     if not len(chosen):
@@ -73,7 +71,7 @@ def _along(bright: ImageArray, rows: IndexArray, columns: IndexArray) -> NDArray
     across_y = cv2.Sobel(bright, cv2.CV_16S, 0, 1)[rows, columns].astype(np.float32)
     along = np.stack([-across_y, across_x], axis=1)
     least = np.maximum(np.minimum(np.abs(across_x), np.abs(across_y)), 8.0)
-    return np.clip(along / least[:, None], -_REACH_PX, _REACH_PX)
+    return np.clip(along / least[:, None], -SMOOTHING.reach_px, SMOOTHING.reach_px)
 
 
 def _at(

@@ -216,7 +216,7 @@ def _packed(normals: Floats) -> NDArray[np.uint32]:
 
 def _ranked(drawn: NDArray[np.uint32], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return the distinct values of `drawn`, all below `count`, and each pixel's index."""
-    # Of the integer type that numpy indexes with, so that it is not converted.
+    # The integer type that numpy indexes with, so that no conversion is needed.
     index = drawn.astype(np.intp)
     is_drawn = np.zeros(count, bool)
     is_drawn[index] = True

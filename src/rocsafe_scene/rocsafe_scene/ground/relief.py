@@ -12,14 +12,36 @@ from rocsafe_scene.mesh.lines import nearest_on, resampled, run_of
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.painting.noise import CM_PER_M, Window, fractal_at
 
-# Share of the relief by octave k, spacing 2^k cm: from bumps of 1 m to rises of 80 m.
-_LOCAL = {7: 0.012, 8: 0.03, 9: 0.07, 10: 0.14, 11: 0.25, 12: 0.5, 13: 0.75}
-_HILLS = {14: 0.25, 15: 0.6, 16: 1.0}
-# Hills grow to full height between these distances from the origin, metres.
-_PLAIN_M, _HILLY_M = 190.0, 1400.0
-# The height of a course is averaged over this length, metres.
-_LEVELLED_M = 120.0
-_COURSE_STEP_M = 4.0
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReliefOptions:
+    """Form of the noise and of the earthworks, set by the look of the pictures.
+
+    Attributes
+    ----------
+    local
+        Share of the relief of octaves 7 to 13, where octave k has a spacing of 2^k cm: from bumps
+        of 1 m to rises of 80 m.
+    hills
+        Share of octaves 14 to 16.
+    plain_m, hilly_m
+        Hills grow to full height between these distances from the origin, metres.
+    levelled_m, course_step_m
+        The height of a course is averaged over this length, from samples of this spacing, metres.
+    cell_m
+        Spacing of the heights below a course or a pad, metres.
+    """
+
+    local: tuple[float, ...] = (0.012, 0.03, 0.07, 0.14, 0.25, 0.5, 0.75)
+    hills: tuple[float, ...] = (0.25, 0.6, 1.0)
+    plain_m: float = 190.0
+    hilly_m: float = 1400.0
+    levelled_m: float = 120.0
+    course_step_m: float = 4.0
+    cell_m: float = 5.12
+
+
+RELIEF = ReliefOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,16 +118,22 @@ class Relief:
         octave = round(np.log2(frame.cell_m * CM_PER_M))
         x0, y0 = round(frame.west_m / frame.cell_m), round(frame.south_m / frame.cell_m)
         window = Window(x0, y0, x0 + frame.columns, y0 + frame.rows)
-        local = fractal_at(self.seed + 71, _LOCAL, octave, window).astype(float)
-        hills = fractal_at(self.seed + 72, _HILLS, octave, window).astype(float)
+        local = fractal_at(
+            self.seed + 71, dict(enumerate(RELIEF.local, 7)), octave, window
+        ).astype(float)
+        hills = fractal_at(
+            self.seed + 72, dict(enumerate(RELIEF.hills, 14)), octave, window
+        ).astype(float)
         east = frame.west_m + frame.cell_m * np.arange(frame.columns)[None]
         north = frame.south_m + frame.cell_m * np.arange(frame.rows)[:, None]
-        rise = _smooth((np.hypot(east, north) - _PLAIN_M) / (_HILLY_M - _PLAIN_M))
+        rise = _smooth(
+            (np.hypot(east, north) - RELIEF.plain_m) / (RELIEF.hilly_m - RELIEF.plain_m)
+        )
         return np.asarray(self.local_m * local + self.hills_m * rise * (0.45 + 0.8 * hills))
 
     def _natural_at(self, places: Floats) -> Floats:
-        """Return heights without earthworks, from a grid of 5.12 m around the places."""
-        cell = 5.12
+        """Return heights without earthworks, from a grid around the places."""
+        cell = RELIEF.cell_m
         low = np.floor(places.min(axis=0) / cell) - 2
         high = np.ceil(places.max(axis=0) / cell) + 2
         columns, rows = (high - low).astype(int) + 1
@@ -123,9 +151,9 @@ class Relief:
 
     def _along(self, course: Course) -> tuple[Floats, Floats]:
         """Return places along a course and its averaged heights there."""
-        line = resampled(course.line, _COURSE_STEP_M)
+        line = resampled(course.line, RELIEF.course_step_m)
         heights = self._natural_at(line)
-        reach = round(0.5 * _LEVELLED_M / _COURSE_STEP_M)
+        reach = round(0.5 * RELIEF.levelled_m / RELIEF.course_step_m)
         padded = np.pad(heights, reach, mode='edge')
         window = np.hanning(2 * reach + 3)[1:-1]
         return line, np.convolve(padded, window / window.sum(), 'valid') + course.lift_m

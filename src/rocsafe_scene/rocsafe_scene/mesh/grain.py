@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Textures: dirt and wear of all surfaces, and leaves on the surface of crowns."""
 
+from dataclasses import dataclass
 from functools import lru_cache
 
 import cv2
@@ -9,11 +10,35 @@ from numpy.typing import NDArray
 
 from rocsafe_scene.mesh.mesh import Floats
 
+# Width of each texture in texels.
 TILE_PX = 1024
-# Texture of leaves: width in texels, and width of a texel, metres.
-LEAVES_PX, LEAF_TEXEL_M = 1024, 0.03
-# Widths of leaf sprays, clumps, gaps and boughs, metres.
-_SPRAY_M, _CLUMP_M, _GAP_M, _BOUGH_M = 0.13, 0.32, 0.45, 1.1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeafTextureOptions:
+    """Sizes in the texture of leaves, which give points that match between photographs.
+
+    Attributes
+    ----------
+    texel_m
+        Width of a texel, metres.
+    spray_m, clump_m, gap_m, bough_m
+        Widths of leaf sprays, of clumps, of the gaps between them and of boughs, metres.
+    """
+
+    texel_m: float = 0.03
+    spray_m: float = 0.13
+    clump_m: float = 0.32
+    gap_m: float = 0.45
+    bough_m: float = 1.1
+
+    @property
+    def width_m(self) -> float:
+        """Width of the texture, metres."""
+        return TILE_PX * self.texel_m
+
+
+LEAVES = LeafTextureOptions()
 
 
 @lru_cache(maxsize=1)
@@ -44,16 +69,16 @@ def leaf_tile() -> NDArray[np.uint8]:
     plain noise of the same contrast half as many points match.
     """
     rng = np.random.default_rng(8)
-    spray, spray_tone, _ = _cells(rng, _SPRAY_M)
-    clump, clump_tone, _ = _cells(rng, _CLUMP_M)
-    gap, _, chance = _cells(rng, _GAP_M)
-    _, bough_tone, _ = _cells(rng, _BOUGH_M)
+    spray, spray_tone, _ = _cells(rng, LEAVES.spray_m)
+    clump, clump_tone, _ = _cells(rng, LEAVES.clump_m)
+    gap, _, chance = _cells(rng, LEAVES.gap_m)
+    _, bough_tone, _ = _cells(rng, LEAVES.bough_m)
     sprays = 0.6 * spray_tone - 1.2 * (spray - 0.5)
     clumps = 0.7 * clump_tone - 2.0 * (clump - 0.5)
     boughs = 0.5 * cv2.GaussianBlur(bough_tone, (0, 0), 8.0)
     # Most gaps are small; their rims follow the leaves.
     width = 0.06 + 0.26 * chance**2
-    edge = _GAP_M * gap + 0.06 * sprays + 0.08 * clumps
+    edge = LEAVES.gap_m * gap + 0.06 * sprays + 0.08 * clumps
     gaps = np.clip(2.0 * (width - edge) / width, 0.0, 1.0)
     light = 1.2 * (0.45 * sprays + 0.5 * clumps + boughs) - 1.9 * gaps
     return _levelled(cv2.GaussianBlur(light, (0, 0), 0.8))
@@ -65,8 +90,8 @@ def _cells(rng: np.random.Generator, width_m: float) -> tuple[Floats, Floats, Fl
     The three images are the distance from the cell's place in widths, and a normal and a uniform
     random number of each cell.
     """
-    places = rng.integers(0, LEAVES_PX, (2, round((LEAVES_PX * LEAF_TEXEL_M / width_m) ** 2)))
-    is_off = np.ones((LEAVES_PX, LEAVES_PX), np.uint8)
+    places = rng.integers(0, TILE_PX, (2, round((LEAVES.width_m / width_m) ** 2)))
+    is_off = np.ones((TILE_PX, TILE_PX), np.uint8)
     is_off[tuple(places)] = 0
     distance, cell = cv2.distanceTransformWithLabels(
         is_off, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
@@ -74,7 +99,7 @@ def _cells(rng: np.random.Generator, width_m: float) -> tuple[Floats, Floats, Fl
     count = int(cell.max()) + 1
     tone = rng.standard_normal(count).astype(np.float32)
     chance = rng.uniform(0.0, 1.0, count).astype(np.float32)
-    return distance * np.float32(LEAF_TEXEL_M / width_m), tone[cell], chance[cell]
+    return distance * np.float32(LEAVES.texel_m / width_m), tone[cell], chance[cell]
 
 
 def _shaped(rng: np.random.Generator, spectrum: Floats) -> Floats:

@@ -17,20 +17,50 @@ import numpy as np
 from rocsafe_scene.mesh.mesh import Colour, Floats, Mesh, unit
 from rocsafe_scene.mesh.surfaces import Surface
 
-# Side of a triangle of the surface, metres.
-_SIDE_M = 0.23
-_FEWEST, _MOST = 5, 26
-# Steps of the search for the surface along a ray, and softness of the blend of lobes.
-_STEPS, _SOFTNESS = 26, 5.0
-# A crown flattens above this share of half its height, to this share of the slope at its top.
-_FLAT_FROM, _FLATTENED = 0.2, 0.4
-# Dents: wavelength and depth, metres.
-_DENTS = ((1.6, 0.12), (0.8, 0.07), (0.45, 0.035))
-_WAVES = 14
-# Leaves shadow each other, so a crown is darker than a leaf.
-_SHADED, _SHADED_SIDE = 0.72, 0.64
-# Density of leaves on top of a crown, as a share of that on its sides.
-_ON_TOP = 0.15
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CrownOptions:
+    """Shape and shade of all crowns, set by the look of the pictures.
+
+    Attributes
+    ----------
+    side_m
+        Side of a triangle of the surface, metres.
+    fewest_parts, most_parts
+        Limits of the number of parts into which an edge of the icosahedron is divided.
+    steps
+        Steps of the search for the surface along a ray.
+    softness
+        Sharpness of the blend of lobes: the exponent of Blinn (1982).
+    flat_from, flattened
+        A crown flattens above this share of half its height, to this share of the slope at its
+        top.
+    dents
+        Wavelength and depth of each layer of dents, metres.
+    waves
+        Number of waves in a layer of dents.
+    shaded, shaded_side
+        Brightness of the top and of the sides, as a share of that of a leaf: leaves shadow each
+        other.
+    on_top
+        Density of leaves on top of a crown, as a share of that on its sides.
+    """
+
+    side_m: float = 0.23
+    fewest_parts: int = 5
+    most_parts: int = 26
+    steps: int = 26
+    softness: float = 5.0
+    flat_from: float = 0.2
+    flattened: float = 0.4
+    dents: tuple[tuple[float, float], ...] = ((1.6, 0.12), (0.8, 0.07), (0.45, 0.035))
+    waves: int = 14
+    shaded: float = 0.72
+    shaded_side: float = 0.64
+    on_top: float = 0.15
+
+
+CROWN = CrownOptions()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,9 +110,9 @@ def skin(crown: Crown, rng: np.random.Generator, density: float = 1.0) -> Mesh:
     Its texture coordinates are (east, north) unrolled from the top, so that textures are stretched
     little.
     """
-    side = _SIDE_M / math.sqrt(density)
+    side = CROWN.side_m / math.sqrt(density)
     frequency = round(1.05 * float(crown.size.mean()) / side)
-    sphere, triangles = _sphere(min(max(frequency, _FEWEST), _MOST))
+    sphere, triangles = _sphere(min(max(frequency, CROWN.fewest_parts), CROWN.most_parts))
     direction = unit(sphere * crown.size)
     reach = _reach(crown, direction)
     points = crown.middle + reach[:, None] * direction
@@ -110,10 +140,10 @@ def _flattened(crown: Crown, points: Floats) -> Floats:
 
     The top is kept.
     """
-    above = np.maximum((points[:, 2] - crown.middle[2]) / crown.size[2] - _FLAT_FROM, 0.0)
-    most = 1.0 - _FLAT_FROM
+    above = np.maximum((points[:, 2] - crown.middle[2]) / crown.size[2] - CROWN.flat_from, 0.0)
+    most = 1.0 - CROWN.flat_from
     raised = points.copy()
-    raised[:, 2] += crown.size[2] * (1.0 - _FLATTENED) * (most**2 - above**2) / (2.0 * most)
+    raised[:, 2] += crown.size[2] * (1.0 - CROWN.flattened) * (most**2 - above**2) / (2.0 * most)
     return raised
 
 
@@ -136,7 +166,7 @@ def scattered(
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     normal = unit(mesh.normals[mesh.triangles].mean(axis=1))
-    weight = 0.5 * area * (1.0 - (1.0 - _ON_TOP) * _upness(normal))
+    weight = 0.5 * area * (1.0 - (1.0 - CROWN.on_top) * _upness(normal))
     count = int(density * weight.sum())
     chosen = np.searchsorted(np.cumsum(weight) / weight.sum(), rng.uniform(0.0, 1.0, count))
     chosen = np.minimum(chosen, len(weight) - 1)
@@ -144,7 +174,7 @@ def scattered(
     u, v = np.where(u + v > 1.0, 1.0 - u, u), np.where(u + v > 1.0, 1.0 - v, v)
     places = a[chosen] + u * (b - a)[chosen] + v * (c - a)[chosen]
     tint = mesh.colours[mesh.triangles[chosen, 0], :3] / _shaded(normal[chosen])
-    return places, normal[chosen], _SHADED * tint
+    return places, normal[chosen], CROWN.shaded * tint
 
 
 def _upness(normals: Floats) -> Floats:
@@ -155,13 +185,14 @@ def _upness(normals: Floats) -> Floats:
 
 def _shaded(normals: Floats) -> Floats:
     """Return the brightness of a surface by how much it faces up, (n, 1)."""
-    return np.asarray(_SHADED_SIDE + (_SHADED - _SHADED_SIDE) * _upness(normals))[:, None]
+    shade = CROWN.shaded_side + (CROWN.shaded - CROWN.shaded_side) * _upness(normals)
+    return np.asarray(shade)[:, None]
 
 
 def _reach(crown: Crown, direction: Floats) -> Floats:
     """Return the distance of the surface from the middle in each direction (n, 3)."""
     farthest = 1.35 * float(np.linalg.norm(crown.size))
-    reach = np.linspace(farthest, 0.0, _STEPS)
+    reach = np.linspace(farthest, 0.0, CROWN.steps)
     inside = np.stack([_inside(crown, crown.middle + t * direction) for t in reach])
     inside[-1] = np.maximum(inside[-1], 1e-6)
     first = np.maximum(np.argmax(inside > 0.0, axis=0), 1)
@@ -175,18 +206,19 @@ def _inside(crown: Crown, places: Floats) -> Floats:
     """Return the implicit function of the blended lobes, above 0 inside: after Blinn (1982)."""
     total = np.zeros(len(places))
     for lobe in crown.lobes:
-        total += np.exp(_SOFTNESS * (1.0 - np.sum(((places - lobe.centre) / lobe.radii) ** 2, 1)))
+        squared = np.sum(((places - lobe.centre) / lobe.radii) ** 2, 1)
+        total += np.exp(CROWN.softness * (1.0 - squared))
     return np.log(np.maximum(total, 1e-30))
 
 
 def _dents(places: Floats, rng: np.random.Generator) -> Floats:
     """Return noise at places (n, 3), metres: a sum of waves in all directions."""
-    total = np.zeros(len(places))
-    for wavelength, depth in _DENTS:
-        way = unit(rng.normal(0.0, 1.0, (_WAVES, 3))) * rng.uniform(0.75, 1.35, (_WAVES, 1))
-        phase = rng.uniform(0.0, 2.0 * math.pi, _WAVES)
+    count, total = CROWN.waves, np.zeros(len(places))
+    for wavelength, depth in CROWN.dents:
+        way = unit(rng.normal(0.0, 1.0, (count, 3))) * rng.uniform(0.75, 1.35, (count, 1))
+        phase = rng.uniform(0.0, 2.0 * math.pi, count)
         waves = np.sin(places @ way.T * (2.0 * math.pi / wavelength) + phase)
-        total += depth * waves.sum(axis=1) * math.sqrt(2.0 / _WAVES)
+        total += depth * waves.sum(axis=1) * math.sqrt(2.0 / count)
     return total
 
 

@@ -28,15 +28,15 @@ def _plate(width: float, height: float, colour: Colour, depth: float = _THICK_M)
     return plate.painted(colour, Surface.PAINT)
 
 
-def digits(text: str, height_m: float, colour: Colour = _BLACK) -> Iterator[Mesh]:
-    """Yield the strokes of decimal `text`, centred, readable from +y."""
+def digits(text: str, height_m: float) -> Iterator[Mesh]:
+    """Yield the black strokes of decimal `text`, centred, readable from +y."""
     cell = 0.72 * height_m
     for place, digit in enumerate(text):
         x = -(place - 0.5 * (len(text) - 1)) * cell
         for name in _DIGITS.get(digit, 'g'):
             middle_x, middle_z, is_upright = _SEGMENTS[name]
             size = (0.08, 0.5) if is_upright else (0.44, 0.08)
-            stroke = _plate(size[0] * height_m, size[1] * height_m, colour, 2.0 * _THICK_M)
+            stroke = _plate(size[0] * height_m, size[1] * height_m, _BLACK, 2.0 * _THICK_M)
             yield stroke.moved(x - middle_x * 0.44 * height_m, 0.0, middle_z * 0.46 * height_m)
 
 

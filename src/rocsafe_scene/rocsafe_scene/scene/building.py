@@ -83,29 +83,13 @@ def build(
 def check(
     description: SceneDescription, seed: int | None = None, origin: GeoPosition | None = None
 ) -> tuple[SceneObject, ...]:
-    """Build everything but the ground maps, and return the objects.
-
-    Parameters
-    ----------
-    description
-        Content of the scene.
-    seed
-        Seed instead of that of the description.
-    origin
-        Mission origin instead of the place in the description.
-
-    Raises
-    ------
-    SceneError
-        One line, if an entry cannot be made.
-    """
+    """Build everything but the ground maps, and return the objects; for the rest see `build`."""
     seed = description.seed if seed is None else seed
     origin = origin or _origin(description)
-    frame = LocalFrame(origin)
     if description.terrain.orthophoto is not None:
-        open_photo(description.terrain.orthophoto, frame)
+        open_photo(description.terrain.orthophoto, LocalFrame(origin))
     terrain = terrain_of(description, seed, origin)
-    return tuple(Placer(description, seed, frame, terrain).objects())
+    return tuple(Placer(description, seed, LocalFrame(origin), terrain).objects())
 
 
 def terrain_of(description: SceneDescription, seed: int, origin: GeoPosition) -> Terrain:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A scene's closed things and ground as plain values, for the file that other packages read."""
+"""Solids and ground of a scene as plain values, for the file that other packages read."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from rocsafe_scene.scene.environment import SceneObject
 
 
 def solids_of(description: SceneDescription, seed: int, origin: GeoPosition) -> SceneSolids:
-    """Return what stands in a scene at the start of a mission, without leaves and twigs.
+    """Return the solids of a scene at the start of a mission, without leaves and twigs.
 
     Parameters
     ----------

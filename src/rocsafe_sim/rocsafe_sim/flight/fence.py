@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The geofence of a simulated vehicle. Ways that leave it are refused, so it is never left."""
+"""The geofence of a simulated vehicle; routes that leave it are refused."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

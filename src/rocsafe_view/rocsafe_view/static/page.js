@@ -24,7 +24,9 @@
   const clock = (seconds) => {
     const whole = Math.max(Math.round(seconds), 0);
     const two = (value) => String(value).padStart(2, '0');
-    return `${two(Math.floor(whole / 60))}:${two(whole % 60)}`;
+    const hours = Math.floor(whole / 3600);
+    const rest = `${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}`;
+    return hours ? `${hours}:${rest}` : rest;
   };
   const doseText = (value) => {
     const [scaled, unit] = value >= 1e6 ? [value / 1e6, 'Sv/h'] : value >= 1e3 ? [value / 1e3, 'mSv/h'] : [value, 'µSv/h'];

@@ -47,6 +47,8 @@ def velocities(photos: Mapping[str, Photo], straight_cosine: float) -> dict[str,
     """Return the velocities at photographs, from the fixes of the ones before and after."""
     by_vehicle: dict[str, list[Photo]] = {}
     for photo in sorted(photos.values(), key=lambda photo: (photo.time_ns, photo.name)):
+        if not photo.has_fix:
+            continue
         by_vehicle.setdefault(photo.vehicle, []).append(photo)
     found = {}
     for flown in by_vehicle.values():

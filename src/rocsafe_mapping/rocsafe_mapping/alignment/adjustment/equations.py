@@ -3,17 +3,27 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.alignment.adjustment.projection import LENS_SIZE, POSE_SIZE, TieResiduals
+from rocsafe_mapping.alignment.adjustment.projection import (
+    LENS_SIZE,
+    POSE_SIZE,
+    TieDerivatives,
+    TieResiduals,
+)
 from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw, turned
+from rocsafe_mapping.alignment.adjustment.sightings import Sightings, pointing_noise
 from rocsafe_mapping.alignment.adjustment.ties import Index, Ties
+from rocsafe_mapping.alignment.model.mark import MARK_STD_M
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
-from rocsafe_mapping.alignment.model.state import Lens, State
+from rocsafe_mapping.alignment.model.state import Lens, Noise, State
 from rocsafe_mapping.alignment_options import AdjustmentOptions
+
+MARK_SIZE = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,21 +37,28 @@ class Unknowns:
     lenses
         Lenses to be found, three columns each, after the poses; with the uncertainty of each focal
         length over itself.
+    marks
+        Number of surveyed marks, two columns each, after the lenses.
     """
 
     names: tuple[str, ...]
     lenses: tuple[tuple[str, float], ...]
+    marks: int = 0
 
     @staticmethod
     def of(
-        photos: Mapping[str, Photo], names: tuple[str, ...], *, with_lenses: bool
+        photos: Mapping[str, Photo], names: tuple[str, ...], marks: int, *, with_lenses: bool
     ) -> 'Unknowns':
-        """Return the unknowns of some photographs."""
+        """Return the unknowns of some photographs and of a number of marks."""
         stds = {photos[name].lens: photos[name].focal_std_share for name in names}
         lenses = [(lens, std) for lens, std in sorted(stds.items()) if with_lenses and std > 0.0]
-        return Unknowns(names=names, lenses=tuple(lenses))
+        return Unknowns(names=names, lenses=tuple(lenses), marks=marks)
 
     def __len__(self) -> int:
+        return self._first_mark + MARK_SIZE * self.marks
+
+    @property
+    def _first_mark(self) -> int:
         return POSE_SIZE * len(self.names) + LENS_SIZE * len(self.lenses)
 
     def pose_columns(self, names: Sequence[str]) -> Index:
@@ -54,6 +71,10 @@ class Unknowns:
         start = POSE_SIZE * len(self.names)
         column = {lens: start + LENS_SIZE * at for at, (lens, _) in enumerate(self.lenses)}
         return np.array([column.get(lens, -1) for lens in lenses], np.int64)
+
+    def mark_columns(self) -> Index:
+        """Return the first column of each mark."""
+        return self._first_mark + MARK_SIZE * np.arange(self.marks, dtype=np.int64)
 
     def moved(self, state: State, step: FloatArray) -> State:
         """Return `state` changed by `step`."""
@@ -73,7 +94,9 @@ class Unknowns:
                 k1=lens.k1 + change[1],
                 k2=lens.k2 + change[2],
             )
-        return replace(state, poses=poses, lenses=lenses)
+        places = step[self._first_mark :].reshape(-1, MARK_SIZE)
+        marks = tuple(mark.moved(place) for mark, place in zip(state.marks, places, strict=True))
+        return replace(state, poses=poses, lenses=lenses, marks=marks)
 
 
 class Equations:
@@ -85,6 +108,8 @@ class Equations:
         With the priors.
     ties
         Between photographs that all have a pose.
+    sightings
+        Of surveyed marks in photographs that have a pose.
     unknowns
         What may change.
     """
@@ -93,52 +118,75 @@ class Equations:
         self,
         photos: Mapping[str, Photo],
         ties: Ties,
+        sightings: Sightings,
         unknowns: Unknowns,
         options: AdjustmentOptions,
     ) -> None:
         self.options = options
         self.photos = photos
         self.ties = ties
+        self.sightings = sightings
         self.unknowns = unknowns
         self._tie_columns = _columns(ties, unknowns)
+        self._sighting_columns = _sighting_columns(sightings, unknowns)
 
     def cost(self, state: State) -> float:
         """Return the value that the adjustment minimises."""
-        white = _whitened(self.ties.residuals(state), state)[0]
-        square = np.sum(white**2, axis=1)
-        knee = self.options.tie_knee**2
-        ties = float(np.sum(2.0 * knee * (np.sqrt(1.0 + square / knee) - 1.0)))
+        ties = self._seen_cost(self.ties.residuals(state), state.noise)
+        if self.unknowns.marks:
+            moved = self.sightings.residuals(state)
+            ties += self._seen_cost(moved, pointing_noise(state.noise))
         plain, fixes = self._prior_residuals(state)
-        fix_knee = self.options.fix_knee**2
-        fix_cost = float(np.sum(fix_knee * np.log1p(np.sum(fixes**2, axis=1) / fix_knee)))
-        return ties + fix_cost + float(np.sum(plain**2)) + self._lens_cost(state)
+        knee = self.options.fix_knee**2
+        held = np.concatenate([fixes, _mark_residuals(state)])
+        held_cost = float(np.sum(knee * np.log1p(np.sum(held**2, axis=1) / knee)))
+        return ties + held_cost + float(np.sum(plain**2)) + self._lens_cost(state)
+
+    def _seen_cost(self, moved: TieResiduals, noise: Noise) -> float:
+        square = np.sum(_whitened(moved, noise)[0] ** 2, axis=1)
+        knee = self.options.tie_knee**2
+        return float(np.sum(2.0 * knee * (np.sqrt(1.0 + square / knee) - 1.0)))
 
     def rows(self, state: State) -> tuple[csr_matrix, FloatArray]:
-        """Return Jacobian and residuals, weighted so that plain least squares is right."""
-        moved = self.ties.derivatives(state)
-        white, whiten = _whitened(moved.residuals, state)
+        """Return Jacobian and residuals, weighted so that plain least squares is right.
+
+        Rows: ties, priors of poses and lenses, sightings of marks, surveyed places of marks.
+        """
+        blocks = [self._seen_rows(self.ties.derivatives(state), self._tie_columns, state.noise)]
+        values, residuals = self._prior_rows(state)
+        # Each prior row has one entry; poses and lenses follow in the order of their columns.
+        blocks.append(
+            _Rows(values[:, np.newaxis], np.arange(len(values))[:, np.newaxis], residuals)
+        )
+        if self.unknowns.marks:
+            moved = self.sightings.derivatives(state)
+            noise = pointing_noise(state.noise)
+            blocks.append(self._seen_rows(moved, self._sighting_columns, noise))
+            blocks.append(self._mark_rows(state))
+        return _stacked(blocks, len(self.unknowns))
+
+    def _seen_rows(self, moved: TieDerivatives, columns: Index, noise: Noise) -> '_Rows':
+        """Return the rows of what photographs show, two each."""
+        white, whiten = _whitened(moved.residuals, noise)
         square = np.sum(white**2, axis=1)
         trust = (1.0 + square / self.options.tie_knee**2) ** -0.25
         whiten = whiten * trust[:, np.newaxis, np.newaxis]
         parts = (moved.first_pose, moved.second_pose, moved.first_lens, moved.second_lens)
         values = np.concatenate([whiten @ part for part in parts], axis=2)
-        residuals = (white * trust[:, np.newaxis]).ravel()
-        count = len(self.ties)
-        lines = np.broadcast_to(np.arange(2 * count).reshape(count, 2, 1), values.shape)
-        columns = np.broadcast_to(self._tie_columns[:, np.newaxis, :], values.shape)
-        used = columns >= 0
-        prior_values, prior_lines, prior_columns, prior_residuals = self._prior_rows(state)
-        jacobian = csr_matrix(
-            (
-                np.concatenate([values[used], prior_values]),
-                (
-                    np.concatenate([lines[used], 2 * count + prior_lines]),
-                    np.concatenate([columns[used], prior_columns]),
-                ),
-            ),
-            shape=(2 * count + len(prior_residuals), len(self.unknowns)),
+        return _Rows(
+            values.reshape(-1, values.shape[2]),
+            np.repeat(columns, 2, axis=0),
+            (white * trust[:, np.newaxis]).ravel(),
         )
-        return jacobian, np.concatenate([residuals, prior_residuals])
+
+    def _mark_rows(self, state: State) -> '_Rows':
+        off = _mark_residuals(state)
+        trust = 1.0 / np.sqrt(1.0 + np.sum(off**2, axis=1) / self.options.fix_knee**2)
+        weight = np.repeat(trust / (MARK_STD_M * state.noise.mark_factor), MARK_SIZE)
+        columns = self.unknowns.mark_columns()[:, np.newaxis] + np.arange(MARK_SIZE)
+        return _Rows(
+            weight[:, np.newaxis], columns.reshape(-1, 1), (off * trust[:, np.newaxis]).ravel()
+        )
 
     def _prior_residuals(self, state: State) -> tuple[FloatArray, FloatArray]:
         """Return the plain residuals (n, 4) - up, tilt, tilt, yaw - and those of fixes (n, 2)."""
@@ -157,8 +205,8 @@ class Equations:
             )
         return plain, fixes
 
-    def _prior_rows(self, state: State) -> tuple[FloatArray, Index, Index, FloatArray]:
-        """Return values, lines, columns and residuals of the priors."""
+    def _prior_rows(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Return values and residuals of the priors."""
         plain, fixes = self._prior_residuals(state)
         trust = 1.0 / np.sqrt(1.0 + np.sum(fixes**2, axis=1) / self.options.fix_knee**2)
         stds = np.array(
@@ -192,11 +240,7 @@ class Equations:
         ).ravel()
         residuals = np.column_stack([fixes * trust[:, np.newaxis], plain]).ravel()
         lens_values, lens_residuals = self._lens_rows(state)
-        values = np.concatenate([values, lens_values])
-        residuals = np.concatenate([residuals, lens_residuals])
-        # Each prior row has one entry; poses and lenses follow in the order of their columns.
-        places = np.arange(len(values), dtype=np.int64)
-        return values, places, places, residuals
+        return np.concatenate([values, lens_values]), np.concatenate([residuals, lens_residuals])
 
     def _lens_rows(self, state: State) -> tuple[FloatArray, FloatArray]:
         values, residuals = [], []
@@ -213,13 +257,41 @@ class Equations:
         return float(np.sum(self._lens_rows(state)[1] ** 2))
 
 
-def _whitened(moved: TieResiduals, state: State) -> tuple[FloatArray, FloatArray]:
+class _Rows(NamedTuple):
+    """Rows of the equations: values and columns (n, k), -1 for known ones; residuals (n,)."""
+
+    values: FloatArray
+    columns: Index
+    residuals: FloatArray
+
+
+def _stacked(blocks: Sequence[_Rows], width: int) -> tuple[csr_matrix, FloatArray]:
+    """Return blocks of rows as one sparse matrix with `width` columns, and their residuals."""
+    starts = np.cumsum([0, *(len(block.values) for block in blocks)])
+    values, lines, columns = [], [], []
+    for start, block in zip(starts, blocks, strict=False):
+        used = block.columns >= 0
+        values.append(block.values[used])
+        columns.append(block.columns[used])
+        lines.append(start + np.nonzero(used)[0])
+    places = np.concatenate(lines), np.concatenate(columns)
+    jacobian = csr_matrix((np.concatenate(values), places), shape=(int(starts[-1]), width))
+    return jacobian, np.concatenate([block.residuals for block in blocks])
+
+
+def _mark_residuals(state: State) -> FloatArray:
+    """Return how far marks lie from where they were surveyed, over the noise, (n, 2)."""
+    off = np.array([mark.found_m - mark.surveyed_m for mark in state.marks]).reshape(-1, 2)
+    residuals: FloatArray = off / (MARK_STD_M * state.noise.mark_factor)
+    return residuals
+
+
+def _whitened(moved: TieResiduals, noise: Noise) -> tuple[FloatArray, FloatArray]:
     """Return the residuals divided by their noise (n, 2), and the matrices (n, 2, 2) that do so.
 
     The covariance s^2 I + z^2 b b^T, b the derivative to the height, has the inverse root
     (I - (1 - 1 / sqrt(1 + z^2 b^2 / s^2)) b b^T / b^2) / s.
     """
-    noise = state.noise
     sway = np.linalg.norm(moved.height, axis=1)
     along = moved.height / np.maximum(sway, 1e-9)[:, np.newaxis]
     ratio = noise.clutter_std_m * sway / noise.tie_std_px
@@ -232,13 +304,27 @@ def _whitened(moved: TieResiduals, state: State) -> tuple[FloatArray, FloatArray
 def _columns(ties: Ties, unknowns: Unknowns) -> Index:
     """Return the columns of a tie's derivatives, -1 for known values, shape (n, 18)."""
     poses, lenses = unknowns.pose_columns(ties.names), unknowns.lens_columns(ties.lenses)
-    parts = []
-    for starts, index, size in (
-        (poses, ties.first, POSE_SIZE),
-        (poses, ties.second, POSE_SIZE),
-        (lenses, ties.first, LENS_SIZE),
-        (lenses, ties.second, LENS_SIZE),
-    ):
-        begin = starts[index][:, np.newaxis]
-        parts.append(np.where(begin < 0, -1, begin + np.arange(size)))
+    return _spread(
+        (poses[ties.first], POSE_SIZE), (poses[ties.second], POSE_SIZE),
+        (lenses[ties.first], LENS_SIZE), (lenses[ties.second], LENS_SIZE),
+    )  # fmt: skip
+
+
+def _sighting_columns(sightings: Sightings, unknowns: Unknowns) -> Index:
+    """Return the columns of a sighting's derivatives, -1 for known values, shape (n, 11)."""
+    return _spread(
+        # The third derivative to the mark's place is that to its height, which is the ground's.
+        (unknowns.mark_columns()[sightings.marks], MARK_SIZE),
+        (np.full(len(sightings), -1), 1),
+        (unknowns.pose_columns(sightings.names), POSE_SIZE),
+        (unknowns.lens_columns(sightings.lenses), LENS_SIZE),
+    )
+
+
+def _spread(*groups: tuple[Index, int]) -> Index:
+    """Return the columns (n, k) of groups of first columns (n,), -1 where known, and sizes."""
+    parts = [
+        np.where(first[:, np.newaxis] < 0, -1, first[:, np.newaxis] + np.arange(size))
+        for first, size in groups
+    ]
     return np.concatenate(parts, axis=1)

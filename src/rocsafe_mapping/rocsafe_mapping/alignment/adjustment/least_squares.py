@@ -17,8 +17,10 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.adjustment.fix_noise import fix_errors_m
 from rocsafe_mapping.alignment.adjustment.projection import POSE_SIZE, TieResiduals
+from rocsafe_mapping.alignment.adjustment.sightings import sightings_of
 from rocsafe_mapping.alignment.adjustment.ties import ties_of
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.model.mark import MARK_STD_M
 from rocsafe_mapping.alignment.model.normal_equations import factored
 from rocsafe_mapping.alignment.model.photo import Photo, footprint
 from rocsafe_mapping.alignment.model.state import Lens, Noise, State
@@ -51,8 +53,9 @@ def adjusted(
     names = tuple(sorted(state.poses if free is None else free))
     most = options.adjustment.most_ties if free is None else options.adjustment.most_local_ties
     ties = ties_of(pairs, photos, held_out=False, most=most)
-    unknowns = Unknowns.of(photos, names, with_lenses=free is None)
-    equations = Equations(photos, ties, unknowns, options.adjustment)
+    unknowns = Unknowns.of(photos, names, len(state.marks), with_lenses=free is None)
+    sightings = sightings_of(state.marks, photos, state)
+    equations = Equations(photos, ties, sightings, unknowns, options.adjustment)
     if free is not None:
         return _settled(equations, state, steps // 3)
     state = _settled(equations, dataclasses.replace(state, noise=Noise()), steps)
@@ -80,9 +83,10 @@ def stated_error_m(
     fixes are drawn as their residuals show them, see `fix_noise`.
     """
     names = tuple(sorted(state.poses))
-    unknowns = Unknowns.of(photos, names, with_lenses=True)
+    unknowns = Unknowns.of(photos, names, len(state.marks), with_lenses=True)
     ties = ties_of(pairs, photos, held_out=False, most=options.most_ties)
-    equations = Equations(photos, ties, unknowns, options)
+    sightings = sightings_of(state.marks, photos, state)
+    equations = Equations(photos, ties, sightings, unknowns, options)
     jacobian, residuals = equations.rows(state)
     factor = factored(jacobian.T @ jacobian)
     draws = np.random.default_rng(0).standard_normal((len(residuals), options.samples))
@@ -117,9 +121,11 @@ def _draw_fixes(
 
 
 def _in_time(photos: Mapping[str, Photo], names: Sequence[str]) -> list[list[int]]:
-    """Return the indices of the photographs of each vehicle, in the order of their times."""
+    """Return the indices of the fixes of each vehicle, in the order of their times."""
     found: dict[str, list[int]] = {}
     for at in sorted(range(len(names)), key=lambda at: (photos[names[at]].time_ns, names[at])):
+        if not photos[names[at]].has_fix:
+            continue
         found.setdefault(photos[names[at]].vehicle, []).append(at)
     return list(found.values())
 
@@ -214,24 +220,35 @@ def _with_noise(equations: Equations, state: State) -> State:
             tie_std_px=tie_std,
             clutter_std_m=clutter,
             fix_factor=_fix_factor(equations.photos, state, options),
+            mark_factor=_mark_factor(state, options),
         ),
     )
 
 
 def _fix_factor(photos: Mapping[str, Photo], state: State, options: AdjustmentOptions) -> float:
     """Return the scatter of the fixes over their stated one, from their median distance."""
-    if len(state.poses) < options.least_fixes:
-        return 1.0
-    off = np.array(
-        [
-            (pose.centre[:2] - photos[name].prior.centre[:2]) / photos[name].horizontal_std_m
-            for name, pose in sorted(state.poses.items())
-        ]
-    )
-    # The block's own place, turn and scale were fitted to the fixes.
-    lost = len(off) / (len(off) - 2.0)
-    factor = np.median(np.linalg.norm(off, axis=1)) / NORMAL_MEDIAN_RADIUS * np.sqrt(lost)
+    off = [
+        (pose.centre[:2] - photos[name].prior.centre[:2]) / photos[name].horizontal_std_m
+        for name, pose in sorted(state.poses.items())
+        if photos[name].has_fix
+    ]
+    factor = _scatter(off) if len(off) >= options.least_fixes else 1.0
     return float(np.clip(factor, options.smallest_factor, options.largest_factor))
+
+
+def _mark_factor(state: State, options: AdjustmentOptions) -> float:
+    """Return the scatter of surveyed marks over `MARK_STD_M`, at least 1."""
+    off = [(mark.found_m - mark.surveyed_m) / MARK_STD_M for mark in state.marks]
+    factor = _scatter(off) if len(off) >= options.least_marks else 1.0
+    return float(np.clip(factor, 1.0, options.largest_mark_factor))
+
+
+def _scatter(off: Sequence[FloatArray]) -> float:
+    """Return the standard deviation of residuals (2,) in the plane, from their median length."""
+    # The block's own place, turn and scale were fitted to them.
+    lost = len(off) / (len(off) - 2.0)
+    median = float(np.median(np.linalg.norm(np.array(off), axis=1)))
+    return median / NORMAL_MEDIAN_RADIUS * math.sqrt(lost)
 
 
 def _is_rough(photos: Mapping[str, Photo], state: State, level_share: float) -> bool:

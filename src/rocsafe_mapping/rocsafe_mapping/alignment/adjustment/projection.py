@@ -140,6 +140,32 @@ def tie_derivatives(first: Views, second: Views, heights_m: FloatArray) -> TieDe
     )
 
 
+def sighting_residuals(views: Views, points: FloatArray) -> TieResiduals:
+    """Project `points` (n, 3) of the ground into `views`, where they were sighted."""
+    return _sighted(views, points)[0]
+
+
+def sighting_derivatives(views: Views, points: FloatArray) -> TieDerivatives:
+    """Project `points` (n, 3) into `views`; ``first_pose`` is by the point, (n, 2, 3)."""
+    moved, seen, by_point = _sighted(views, points)
+    return TieDerivatives(
+        residuals=moved,
+        first_pose=by_point,
+        second_pose=np.concatenate([-by_point, by_point @ _cross(points - views.centres)], 2),
+        first_lens=np.zeros((len(points), 2, 0)),
+        second_lens=_pixel_by_lens(views, seen, views.straightened()[1]),
+    )
+
+
+def _sighted(views: Views, points: FloatArray) -> tuple[TieResiduals, FloatArray, FloatArray]:
+    seen, by_point = _seen(views, points)
+    target = views.straightened()[0] * views.focal_px[:, np.newaxis]
+    moved = TieResiduals(
+        residuals_px=seen - target, ground_m=points[:, :2], height=by_point[:, :, 2]
+    )
+    return moved, seen, by_point
+
+
 def _rays(first: Views) -> _Rays:
     directions = np.einsum('nij,nj->ni', first.rotations, _with_one(first.straightened()[0]))
     drop = np.maximum(-directions[:, 2], 1e-6)

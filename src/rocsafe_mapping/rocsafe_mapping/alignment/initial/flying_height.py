@@ -13,6 +13,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.initial.initial_poses import initial_poses
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.model.mark import MARK_STD_M, Mark
 from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment_options import InitialOptions
 
@@ -20,18 +21,21 @@ NORMAL_MAD = 1.4826
 
 
 def with_heights(
-    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
+    photos: Mapping[str, Photo],
+    pairs: Sequence[Pair],
+    options: InitialOptions,
+    marks: Sequence[Mark] = (),
 ) -> dict[str, Photo]:
-    """Return the photographs without a height, each with the height that ties and fixes show.
+    """Return the photographs without a height, each with the height that ties and anchors show.
 
-    Empty if nothing shows it: too few photographs are tied, or their fixes are too near to each
-    other.
+    Anchors are fixes and surveyed marks. Empty if nothing shows it: too few photographs are tied,
+    or the anchors are too near to each other.
     """
     known = [photo for photo in photos.values() if photo.has_height]
     levels = [photo.altitude_m - photo.prior.centre[2] for photo in known]
     heights = {photo.name: float(photo.prior.centre[2]) for photo in known}
     if not known:
-        heights = _scaled_heights(photos, pairs, options)
+        heights = _scaled_heights(photos, pairs, options, marks)
         levels = [photos[name].altitude_m - height for name, height in heights.items()]
     if not heights:
         return {}
@@ -53,17 +57,27 @@ def with_heights(
 
 
 def _scaled_heights(
-    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
+    photos: Mapping[str, Photo],
+    pairs: Sequence[Pair],
+    options: InitialOptions,
+    marks: Sequence[Mark],
 ) -> dict[str, float]:
-    """Return the heights of the largest group of tied photographs, in the scale of its fixes."""
-    first = initial_poses(photos, pairs, options)
+    """Return the heights of the largest group of tied photographs, in the scale of its anchors."""
+    first = initial_poses(photos, pairs, options, marks)
     if not first.groups:
         return {}
     names = first.groups[0]
-    fixes = np.array([photos[name].prior.centre[:2] for name in names])
-    spread_m = float(np.linalg.norm(fixes - np.median(fixes, axis=0), axis=1).max())
-    std_m = float(np.median([photos[name].horizontal_std_m for name in names]))
-    if len(names) < 3 or spread_m < options.least_baselines * std_m:
+    fixed = [photos[name] for name in names if photos[name].has_fix]
+    places = [photo.prior.centre[:2] for photo in fixed]
+    stds_m = [photo.horizontal_std_m for photo in fixed]
+    for mark in marks:
+        if set(mark.sightings) & set(names):
+            places.append(mark.surveyed_m)
+            stds_m.append(MARK_STD_M)
+    if len(names) < 3 or len(places) < 2:
+        return {}
+    spread_m = np.linalg.norm(np.array(places) - np.median(places, axis=0), axis=1).max()
+    if spread_m < options.least_baselines * float(np.median(stds_m)):
         return {}
     return {name: float(first.poses[name].centre[2]) for name in names}
 

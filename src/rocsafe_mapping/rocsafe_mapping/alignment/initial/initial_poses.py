@@ -19,12 +19,14 @@ from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.initial.pair_graph import (
     ComplexArray,
     Edge,
+    IntArray,
     averaged,
     chained,
     groups_of,
     spanned,
 )
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.model.mark import Mark
 from rocsafe_mapping.alignment.model.photo import Photo, Pose, rays_of_pixels
 from rocsafe_mapping.alignment_options import InitialOptions
 
@@ -46,47 +48,67 @@ class InitialPoses:
         Names of the photographs that hang together, largest group first.
     is_yaw_believed
         Whether the yaws of each group agree with its fixes.
+    anchors
+        How many fixes and surveyed marks hold each group.
     """
 
     poses: Mapping[str, Pose]
     pairs: tuple[Pair, ...]
     groups: tuple[tuple[str, ...], ...]
     is_yaw_believed: tuple[bool, ...]
+    anchors: tuple[int, ...]
 
 
 def initial_poses(
-    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
+    photos: Mapping[str, Photo],
+    pairs: Sequence[Pair],
+    options: InitialOptions,
+    marks: Sequence[Mark] = (),
 ) -> InitialPoses:
-    """Return first poses of all photographs in `pairs`, contradicting pairs left out."""
-    found = _poses(photos, pairs, options)
+    """Return first poses of all photographs in `pairs`, contradicting pairs left out.
+
+    Fixes and surveyed marks hold them; a group without any lies about the origin.
+    """
+    found = _poses(photos, pairs, options, marks)
     for _ in range(options.most_passes):
         if len(found.pairs) == len(pairs):
             break
         # Without the rejected pairs a group may fall apart, and values change.
         pairs = found.pairs
-        found = _poses(photos, pairs, options)
+        found = _poses(photos, pairs, options, marks)
     return found
 
 
 def _poses(
-    photos: Mapping[str, Photo], pairs: Sequence[Pair], options: InitialOptions
+    photos: Mapping[str, Photo],
+    pairs: Sequence[Pair],
+    options: InitialOptions,
+    marks: Sequence[Mark],
 ) -> InitialPoses:
     poses: dict[str, Pose] = {}
     kept: list[Pair] = []
-    groups, believed = [], []
+    groups, believed, anchors = [], [], []
     for names in groups_of(pairs):
         index = {name: number for number, name in enumerate(names)}
         edges = [_edge(photos, pair, index) for pair in pairs if pair.first in index]
         turns, heights, is_turned = _turned(photos, names, edges, options)
-        places, is_believed, is_placed = _placed(photos, names, edges, (turns, heights), options)
+        held = _anchors(photos, names, marks)
+        places, is_believed, is_placed = _placed(
+            photos, names, edges, (turns, heights), held, options
+        )
         for name, turn, height, place in zip(names, turns, heights, places, strict=True):
             poses[name] = _pose(photos[name], turn, height, place)
         agrees = is_turned & is_placed
         kept += [edge.pair for edge, is_kept in zip(edges, agrees, strict=True) if is_kept]
         groups.append(names)
         believed.append(is_believed)
+        anchors.append(len(held))
     return InitialPoses(
-        poses=poses, pairs=tuple(kept), groups=tuple(groups), is_yaw_believed=tuple(believed)
+        poses=poses,
+        pairs=tuple(kept),
+        groups=tuple(groups),
+        is_yaw_believed=tuple(believed),
+        anchors=tuple(anchors),
     )
 
 
@@ -150,20 +172,74 @@ def _common_turn(turns: FloatArray, photos: Mapping[str, Photo], names: Sequence
     return float(votes[int(np.argmin(costs))])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Anchor:
+    """A place that is known: that of a fix, or of a surveyed mark.
+
+    Attributes
+    ----------
+    known, std_m
+        The place, east + i north, and its uncertainty.
+    seen_by
+        Indices of the photographs that show it (k,).
+    slopes
+        Along which they show it (k,), complex; 0 for the nadir of a photograph, which is its fix.
+    """
+
+    known: complex
+    std_m: float
+    seen_by: IntArray
+    slopes: ComplexArray
+
+    def place(self, free: ComplexArray, steps: ComplexArray) -> complex:
+        """Return where the photographs at `free` show it; `steps` are heights with turns."""
+        return complex(np.mean(free[self.seen_by] + steps[self.seen_by] * self.slopes))
+
+
+def _anchors(
+    photos: Mapping[str, Photo], names: Sequence[str], marks: Sequence[Mark]
+) -> list[_Anchor]:
+    """Return the fixes and marks of a group of photographs."""
+    found = [
+        _Anchor(
+            known=complex(*photos[name].prior.centre[:2]),
+            std_m=photos[name].horizontal_std_m,
+            seen_by=np.array([number]),
+            slopes=np.zeros(1, complex),
+        )
+        for number, name in enumerate(names)
+        if photos[name].has_fix
+    ]
+    index = {name: number for number, name in enumerate(names)}
+    for mark in marks:
+        seen = sorted(set(mark.sightings) & set(index))
+        if seen:
+            slopes = [_slopes(photos[name], mark.sightings[name][np.newaxis]) for name in seen]
+            found.append(
+                _Anchor(
+                    known=complex(*mark.surveyed_m),
+                    # Tilts that are not known yet move the mark.
+                    std_m=photos[seen[0]].tilt_std_rad * float(photos[seen[0]].prior.centre[2]),
+                    seen_by=np.array([index[name] for name in seen]),
+                    slopes=np.concatenate(slopes),
+                )
+            )
+    return found
+
+
 def _placed(
     photos: Mapping[str, Photo],
     names: Sequence[str],
     edges: Sequence[Edge],
     turned: tuple[FloatArray, FloatArray],
+    anchors: Sequence[_Anchor],
     options: InitialOptions,
 ) -> tuple[ComplexArray, bool, BoolArray]:
-    """Return the nadirs, whether the yaws agree with the fixes, and which pairs agree.
+    """Return the nadirs, whether the yaws agree with the anchors, and which pairs agree.
 
-    Changes the turns and heights (`turned`) where the fixes show that all have a common error.
+    Changes the turns and heights (`turned`) where the anchors show that all have a common error.
     """
     turns, heights = turned
-    fixes = np.array([complex(*photos[name].prior.centre[:2]) for name in names])
-    std_m = np.array([photos[name].horizontal_std_m for name in names])
     steps = heights * np.exp(1j * turns)
     shifts = np.array(
         [
@@ -172,19 +248,24 @@ def _placed(
         ]
     )
     free, agrees = chained(len(names), edges, shifts, float(np.median(heights)), options)
-    turn, scale = _laid_on_fixes(free, fixes, std_m, options.rounds)
-    guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
-    if np.median(guesses) > options.guessed_height_share and len(names) > 2:
-        heights *= scale
-        free = free * scale
     has_yaw = any(photos[name].has_yaw for name in names)
-    spread_m = float(np.sqrt(np.mean(np.abs(free - free.mean()) ** 2)))
-    turn_std = float(np.median(std_m)) / max(spread_m * math.sqrt(len(names)), 1e-9)
+    if not anchors:
+        return free - free.mean(), has_yaw, agrees
+    known = np.array([anchor.known for anchor in anchors])
+    std_m = np.array([anchor.std_m for anchor in anchors])
+    held = np.array([anchor.place(free, steps) for anchor in anchors])
+    turn, scale = _laid_on_fixes(held, known, std_m, options.rounds)
+    guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
+    if np.median(guesses) > options.guessed_height_share and len(anchors) > 1:
+        heights *= scale
+        free, held = free * scale, held * scale
+    spread_m = float(np.sqrt(np.mean(np.abs(held - held.mean()) ** 2)))
+    turn_std = float(np.median(std_m)) / max(spread_m * math.sqrt(len(anchors)), 1e-9)
     is_believed = has_yaw and abs(turn) < max(options.yaw_disbelief_rad, 4.0 * turn_std)
     if not is_believed and turn_std < options.yaw_disbelief_rad:
         turns += turn
-        free = free * np.exp(1j * turn)
-    return free + _robust_middle(fixes - free, std_m, options.rounds), is_believed, agrees
+        free, held = free * np.exp(1j * turn), held * np.exp(1j * turn)
+    return free + _robust_middle(known - held, std_m, options.rounds), is_believed, agrees
 
 
 def _laid_on_fixes(

@@ -82,7 +82,7 @@ def _coarse(
     features: Features, others: Features, count: int, options: MatchingOptions
 ) -> FloatArray | None:
     """Return the homography that the `count` strongest features suggest."""
-    matches = _mutual(features.strongest(count), others.strongest(count), options)
+    matches = mutual_matches(features.strongest(count), others.strongest(count), options)
     found = _homography(
         features, others, matches, options.coarse_inliers, options.coarse_share, options
     )
@@ -128,7 +128,7 @@ def _verified(
     features = _seen_by(first.features, coarse, second.photo, matching.guided_margin_px)
     back = np.asarray(np.linalg.inv(coarse), float)
     others = _seen_by(second.features, back, first.photo, matching.guided_margin_px)
-    matches = _mutual(features, others, matching)
+    matches = mutual_matches(features, others, matching)
     found = _homography(
         features, others, matches, matching.least_inliers, matching.least_inlier_share, matching
     )
@@ -190,7 +190,9 @@ def _points(
     )
 
 
-def _mutual(features: Features, others: Features, options: MatchingOptions) -> NDArray[np.int64]:
+def mutual_matches(
+    features: Features, others: Features, options: MatchingOptions
+) -> NDArray[np.int64]:
     """Return index pairs (n, 2) that pass the ratio test, each feature at most once."""
     if len(features) < 2 or len(others) < 2:
         return np.zeros((0, 2), np.int64)

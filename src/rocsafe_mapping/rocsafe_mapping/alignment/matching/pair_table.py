@@ -2,7 +2,8 @@
 """All features of the photographs of a map and all pairs that were found among them."""
 
 import dataclasses
-from collections.abc import Callable, Mapping
+import itertools
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,7 +15,7 @@ from rocsafe_mapping.alignment.matching.features import (
     sift_features,
 )
 from rocsafe_mapping.alignment.matching.neighbours import Neighbourhood
-from rocsafe_mapping.alignment.matching.pair_matching import Pair, View, match
+from rocsafe_mapping.alignment.matching.pair_matching import Pair, View, match, mutual_matches
 from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment_options import AlignmentOptions
 
@@ -34,7 +35,7 @@ class PairTable:
     """
 
     def __init__(self, read_gray: ReadGray, options: AlignmentOptions) -> None:
-        self._read_gray = read_gray
+        self.read_gray = read_gray
         self._options = options
         self._photos: dict[str, Photo] = {}
         self._features: dict[str, Features] = {}
@@ -51,12 +52,13 @@ class PairTable:
     def add(self, photo: Photo) -> None:
         """Take in a photograph."""
         self._photos[photo.name] = photo
-        self._neighbours.add(photo)
+        if photo.is_located:
+            self._neighbours.add(photo)
 
     def remove(self, name: str) -> None:
         """Forget a photograph that was added but never matched."""
-        del self._photos[name]
-        self._neighbours.remove(name)
+        if self._photos.pop(name).is_located:
+            self._neighbours.remove(name)
 
     def replace(self, photo: Photo) -> None:
         """Take over a new prior of a photograph; failed pairs of it will be tried again."""
@@ -72,7 +74,7 @@ class PairTable:
 
     def extract(self, name: str) -> None:
         """Find the features of a photograph. Raises what reading it raises."""
-        self._features[name] = orb_features(self._read_gray(name), self._options.features)
+        self._features[name] = orb_features(self.read_gray(name), self._options.features)
 
     def match_new(self, name: str) -> int:
         """Match a photograph with its neighbours that have features; return with how many."""
@@ -82,18 +84,54 @@ class PairTable:
         return sum(self._match(*sorted((name, other))) is not None for other in others)
 
     def match_nearest(self) -> None:
-        """Match each photograph with those of the nearest fixes, whatever its footprint."""
-        names = sorted(self._photos)
+        """Match each photograph with those of the nearest fixes, whatever its footprint.
+
+        One without a fix is matched with those that look most like it.
+        """
+        known = sorted(name for name, photo in self._photos.items() if photo.is_located)
+        keys = self._nearest(known) if len(known) > 1 else set()
+        if len(known) < len(self._photos):
+            keys |= self._most_alike(set(self._photos) - set(known))
+        for key in sorted(keys):
+            self._match(*key)
+
+    def _nearest(self, names: Sequence[str]) -> set[Key]:
+        """Return the pairs of nearest fixes."""
         places = np.array([self._photos[name].prior.centre[:2] for name in names])
         count = min(self._options.neighbours.nearest + 1, len(names))
         _, near = cKDTree(places).query(places, count)
-        for key in {
+        return {
             (names[min(one, other)], names[max(one, other)])
             for one, others in enumerate(near.reshape(len(names), count).tolist())
             for other in others
             if other != one
-        }:
-            self._match(*key)
+        }
+
+    def _most_alike(self, wanted: Collection[str]) -> set[Key]:
+        """Return the pairs of each of the `wanted` photographs with those most like it.
+
+        They are those with which it has most mutual matches of few features.
+        """
+        for name in self.without_features():
+            self.extract(name)
+        options = self._options.neighbours
+        few = {n: f.strongest(options.alike_features) for n, f in self._features.items()}
+        counts: dict[str, list[tuple[int, str]]] = {name: [] for name in wanted}
+        for one, other in itertools.combinations(sorted(few), 2):
+            if one in wanted or other in wanted:
+                count = len(mutual_matches(few[one], few[other], self._options.matching))
+                for name, partner in ((one, other), (other, one)):
+                    if name in wanted:
+                        counts[name].append((-count, partner))
+        return {
+            (min(name, other), max(name, other))
+            for name, found in counts.items()
+            for _, other in sorted(found)[: options.most]
+        }
+
+    def adopt(self, pairs: Sequence[Pair]) -> None:
+        """Take over pairs that were found otherwise, in place of all others."""
+        self._pairs = {(pair.first, pair.second): pair for pair in pairs}
 
     def match_all(self) -> None:
         """Match all pairs that the full set of photographs suggests.
@@ -128,7 +166,7 @@ class PairTable:
     def _match_sift(self, first: str, second: str) -> Pair | None:
         for name in (first, second):
             if name not in self._sift:
-                gray = self._read_gray(name)
+                gray = self.read_gray(name)
                 self._sift[name] = sift_features(gray, self._options.features)
         views = [
             dataclasses.replace(self._view(name), features=self._sift[name])
@@ -140,5 +178,5 @@ class PairTable:
         return View(
             photo=self._photos[name],
             features=self._features[name],
-            gray=lambda: self._read_gray(name),
+            gray=lambda: self.read_gray(name),
         )

@@ -60,7 +60,8 @@ class Photo:
     prior
         Pose as measured on board.
     horizontal_std_m, vertical_std_m, tilt_std_rad, yaw_std_rad
-        Its uncertainty; `vertical_std_m` is infinite where the height above the ground is unknown.
+        Its uncertainty; infinite are `horizontal_std_m` without a fix, and `vertical_std_m` where
+        the height above the ground is unknown.
     time_ns
         Of exposure.
     altitude_m
@@ -86,6 +87,16 @@ class Photo:
         return self.yaw_std_rad < UNKNOWN_YAW_STD_RAD
 
     @property
+    def has_fix(self) -> bool:
+        """Whether the prior says where the camera was."""
+        return math.isfinite(self.horizontal_std_m)
+
+    @property
+    def is_located(self) -> bool:
+        """Whether it is known or was found where the camera about is."""
+        return math.isfinite(self.prior.centre[0])
+
+    @property
     def has_height(self) -> bool:
         """Whether the prior says how high above the ground the camera is."""
         return math.isfinite(self.vertical_std_m)
@@ -95,6 +106,12 @@ class Photo:
         centre = np.array([*self.prior.centre[:2], height_m])
         prior = Pose(centre=centre, rotation=self.prior.rotation)
         return dataclasses.replace(self, prior=prior, vertical_std_m=std_m)
+
+    def at(self, place_m: FloatArray, std_m: float) -> 'Photo':
+        """Return the photograph with another prior (east, north), shape (2,)."""
+        centre = np.array([*place_m, self.prior.centre[2]])
+        prior = Pose(centre=centre, rotation=self.prior.rotation)
+        return dataclasses.replace(self, prior=prior, horizontal_std_m=std_m)
 
     @property
     def ground_resolution_m(self) -> float:
@@ -133,7 +150,8 @@ def ground_frame_of(record: ShotRecord) -> GroundFrame:
     PlacementError
         If it has no position.
     """
-    _require_fix(record)
+    if not record.has_fix:
+        raise PlacementError('taken without a fix')
     altitude_m = record.altitude_m - record.height_agl_m
     ground_m = altitude_m if math.isfinite(altitude_m) else 0.0
     return GroundFrame(
@@ -144,25 +162,23 @@ def ground_frame_of(record: ShotRecord) -> GroundFrame:
 def photo_of_record(
     record: ShotRecord, frame: GroundFrame, options: PriorOptions, name: str
 ) -> Photo:
-    """Return the photograph of `record` in `frame`, called `name`.
+    """Return the photograph of `record` in `frame`, called `name`; without a fix its place is NaN.
 
     Raises
     ------
     PlacementError
-        If its position or attitude is unknown, or its height above the ground is not above 0.
+        If its attitude is unknown, or its height above the ground is not above 0.
     """
-    _require_fix(record)
     if record.height_agl_m <= 0.0 or math.isinf(record.height_agl_m):
         raise PlacementError(f'height_agl_m = {record.height_agl_m} is no height')
     try:
         rotation = rotation_of_quaternion(record.orientation_xyzw)
     except ValueError as error:
         raise PlacementError(f'no orientation: {error}') from error
-    east, north = frame.local(record.latitude_deg, record.longitude_deg)
+    east, north, fix_std_m = _place(record, frame, options)
     up_m, up_std_m = _up(record, frame, options)
     _require_downward(record, rotation, options.longest_reach)
     turn = record.orientation_covariance_rad2
-    fix = record.position_covariance_m2
     lens = f'{record.lens or record.vehicle}/{record.camera.width_px}x{record.camera.height_px}'
     return Photo(
         name=name,
@@ -171,9 +187,7 @@ def photo_of_record(
         camera=record.camera,
         focal_std_share=record.camera.focal_std_share,
         prior=Pose(centre=np.array([east, north, up_m]), rotation=rotation),
-        horizontal_std_m=_std(
-            0.5 * (fix[0] + fix[4]), options.horizontal_std_m, options.least_position_std_m
-        ),
+        horizontal_std_m=fix_std_m,
         vertical_std_m=up_std_m,
         tilt_std_rad=_std(
             0.5 * (turn[0] + turn[4]), options.tilt_std_rad, options.least_angle_std_rad
@@ -182,6 +196,18 @@ def photo_of_record(
         time_ns=record.time_ns,
         altitude_m=record.altitude_m - frame.frame.origin.altitude_m,
     )
+
+
+def _place(
+    record: ShotRecord, frame: GroundFrame, options: PriorOptions
+) -> tuple[float, float, float]:
+    """Return (east, north) of a fix and its uncertainty; NaN and infinite without one."""
+    if not record.has_fix:
+        return math.nan, math.nan, math.inf
+    east, north = frame.local(record.latitude_deg, record.longitude_deg)
+    variance = 0.5 * (record.position_covariance_m2[0] + record.position_covariance_m2[4])
+    std_m = _std(variance, options.horizontal_std_m, options.least_position_std_m)
+    return float(east), float(north), std_m
 
 
 def _up(record: ShotRecord, frame: GroundFrame, options: PriorOptions) -> tuple[float, float]:
@@ -248,11 +274,6 @@ def _require_downward(record: ShotRecord, rotation: FloatArray, longest_reach: f
         raise PlacementError('it looks at or above the horizon')
     if np.max(np.hypot(rays[:, 0], rays[:, 1]) / -rays[:, 2]) > longest_reach:
         raise PlacementError(f'it looks farther than {longest_reach:g} heights')
-
-
-def _require_fix(record: ShotRecord) -> None:
-    if not math.isfinite(record.latitude_deg + record.longitude_deg):
-        raise PlacementError('taken without a fix')
 
 
 def _std(variance: float, default: float, least: float) -> float:

@@ -5,6 +5,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from rocsafe_mapping.alignment.model.mark import Mark
 from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.model.surface import Surface
 
@@ -41,11 +42,14 @@ class Noise:
         Of the heights of ties above the ground's surface.
     fix_factor
         Standard deviation of fixes over what they claim.
+    mark_factor
+        Standard deviation of surveyed marks over `MARK_STD_M`.
     """
 
     tie_std_px: float = FIRST_TIE_STD_PX
     clutter_std_m: float = 0.0
     fix_factor: float = 1.0
+    mark_factor: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,9 +66,12 @@ class State:
         Of the ground.
     noise
         Of the residuals.
+    marks
+        Surveyed points of the ground.
     """
 
     poses: Mapping[str, Pose]
     lenses: Mapping[str, Lens] = dataclasses.field(default_factory=dict)
     surface: Surface = dataclasses.field(default_factory=Surface)
     noise: Noise = dataclasses.field(default_factory=Noise)
+    marks: tuple[Mark, ...] = ()

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where to measure next: the places where possible releases predict the most different readings.
+
+Releases drawn from the posterior predict a reading at each place. The information of a reading is
+that of a Gaussian signal in Gaussian noise, 1/2 log(1 + variance of the predictions / variance of
+one reading), both of the logarithm of the reading above its noise. Places are chosen one after the
+other; after each the predictions keep only the spread that its reading would leave (ensemble
+square root filter, Whitaker and Hamill 2002).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_dispersion.estimation.found_release import ReleaseSamples
+from rocsafe_dispersion.estimation.gas_survey import point_survey
+from rocsafe_dispersion.estimation.plume_kernel import MEANDER_WEIGHTS, PlumeShape, unit_readings
+from rocsafe_dispersion.plume.spread import Travel
+from rocsafe_geo.arrays import FloatArray
+
+# Standard deviation of the logarithm of one reading within a plume: eddies and the model.
+LOG_SCATTER = 0.7
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeanAir:
+    """The mean air that predictions are made for.
+
+    Attributes
+    ----------
+    towards_mps
+        Mean wind, towards east and north, m/s.
+    travel
+        How a plume spreads in it.
+    reference_mps
+        The wind that `travel` is for, m/s.
+    release_height_m
+        Height of releases above the ground, metres.
+    """
+
+    towards_mps: tuple[float, float]
+    travel: Travel
+    reference_mps: float
+    release_height_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasuringPlace:
+    """A place to measure at: east, north and height above the ground, and its information."""
+
+    place_m: tuple[float, float, float]
+    gain: float
+
+
+def predicted(samples: ReleaseSamples, places_m: FloatArray, air: MeanAir) -> FloatArray:
+    """Return the mean concentration of each sample at places (n, 3), (s, n), g/m^3."""
+    count = len(places_m)
+    survey = point_survey(
+        places_m, np.tile(air.towards_mps, (count, 1)), np.zeros(count), np.ones(count)
+    )
+    found = np.zeros((len(samples.rates_g_s), count))
+    for shape in dict.fromkeys(samples.shapes):
+        own = np.array([each == shape for each in samples.shapes])
+        still = PlumeShape(
+            spread_y=shape.spread_y, spread_z=shape.spread_z, turn_rad=shape.turn_rad, meander=0.0
+        )
+        units = unit_readings(
+            survey, samples.places_m[own], air.release_height_m, air.travel, air.reference_mps,
+            still,
+        )  # fmt: skip
+        mean = np.einsum('o,onm->mn', MEANDER_WEIGHTS, units)
+        found[own] = samples.rates_g_s[own][:, None] * mean
+    return found
+
+
+def measuring_places(
+    groups: Sequence[ReleaseSamples],
+    candidates_m: FloatArray,
+    air: MeanAir,
+    noise_g_m3: float,
+    count: int,
+) -> list[MeasuringPlace]:
+    """Return up to `count` of the candidates (n, 3), the one of most information first.
+
+    Parameters
+    ----------
+    groups
+        Samples of each release, equally many; a reading sees the sum of all releases.
+    candidates_m
+        Places that a vehicle can go to: east, north, height above the ground, metres.
+    air
+        The mean air.
+    noise_g_m3
+        Standard deviation of the noise of a reading, g/m^3.
+    count
+        How many.
+    """
+    if not groups:
+        return []
+    total = sum(
+        (predicted(samples, candidates_m, air) for samples in groups),
+        np.zeros((len(groups[0].rates_g_s), len(candidates_m))),
+    )
+    logs = np.log1p(total / noise_g_m3)
+    logs = logs - logs.mean(axis=0)
+    chosen = []
+    is_taken = np.zeros(len(candidates_m), bool)
+    for _ in range(min(count, len(candidates_m))):
+        variances = np.where(is_taken, -1.0, (logs**2).mean(axis=0))
+        best = int(variances.argmax())
+        variance = float(variances[best])
+        if variance <= 0.0:
+            break
+        east, north, height = candidates_m[best].tolist()
+        gain = 0.5 * math.log1p(variance / LOG_SCATTER**2)
+        chosen.append(MeasuringPlace(place_m=(east, north, height), gain=gain))
+        is_taken[best] = True
+        logs = _after(logs, best, variance)
+    return chosen
+
+
+def _after(logs: FloatArray, best: int, variance: float) -> FloatArray:
+    """Return the predictions with the spread that a reading at one place leaves."""
+    own = logs[:, best]
+    noise = LOG_SCATTER**2
+    share = 1.0 / (1.0 + math.sqrt(noise / (variance + noise)))
+    gains = (own @ logs) / len(own) / (variance + noise)
+    return np.asarray(logs - share * np.outer(own, gains))

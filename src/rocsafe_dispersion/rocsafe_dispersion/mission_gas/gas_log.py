@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Readings of gas and wind of a running flight, each once, and the survey that they make."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_dispersion.agents.agent_table import Agent, agent
+from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
+from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import NS_PER_S
+
+# Readings are averaged to at most so many blocks, each at least so long: a fit takes seconds.
+MOST_BLOCKS = 120
+LEAST_BLOCK_S = 4.0
+# Points of the way flown in a block.
+POINTS = 5
+# The wind of a block is the mean of this time before its end: a plume arrives with its past.
+WIND_S = 20.0
+# Rotors blow a sample down, never below this height above the ground, metres.
+LEAST_HEIGHT_M = 0.5
+
+
+class NoSurveyError(ValueError):
+    """The readings make no survey yet."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GasFlightReading:
+    """One reading of a gas sensor; fields as in GasReading, its place NaN if unknown."""
+
+    vehicle: str
+    time_ns: int
+    sensor: str
+    unit: str
+    calibration_gas: str
+    latitude_deg: float
+    longitude_deg: float
+    altitude_m: float
+    raw: float
+    corrected: float
+    std: float
+    limit: float
+    is_saturated: bool
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether its place is known, it is a number of ppm, and it is finite."""
+        values = (self.latitude_deg, self.longitude_deg, self.altitude_m, self.corrected, self.std)
+        return self.unit == 'ppm' and all(map(math.isfinite, values))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WindFlightReading:
+    """Mean wind over a window, where the air goes to, at an altitude."""
+
+    vehicle: str
+    time_ns: int
+    altitude_m: float
+    towards_east_mps: float
+    towards_north_mps: float
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether all of it is known."""
+        values = (self.altitude_m, self.towards_east_mps, self.towards_north_mps)
+        return all(map(math.isfinite, values))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sampling:
+    """How air comes to the sensors, and what they are told of the agent.
+
+    Attributes
+    ----------
+    dilution
+        Share of the concentration that arrives below the rotors.
+    delay_s
+        Time from the air beside the vehicle to the sensor, seconds.
+    agent
+        What is released; empty: what the sensor is made for.
+    """
+
+    dilution: float = 1.0
+    delay_s: float = 0.0
+    agent: str = ''
+
+    def __post_init__(self) -> None:
+        if self.agent and agent(self.agent).molar_mass_g_mol is None:
+            raise ValueError(f'agent {self.agent!r} needs a known molar mass')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FlightSurvey:
+    """The survey of a flight, with the sensor used, the agent it stands for, and mean values."""
+
+    survey: GasSurvey
+    sensor: str
+    agent: Agent
+    wind_towards_mps: tuple[float, float]
+    anemometer_m: float
+    flight_height_m: float
+
+
+class GasLog:
+    """Collects readings above level ground at the altitude of the frame's origin."""
+
+    def __init__(self, frame: LocalFrame, sampling: Sampling) -> None:
+        self.frame, self._sampling = frame, sampling
+        self._gases: dict[str, dict[tuple[str, int], GasFlightReading]] = {}
+        self._winds: dict[tuple[str, int], WindFlightReading] = {}
+        self.newest_ns = 0
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add_gas(self, reading: GasFlightReading) -> bool:
+        """Add a reading and return whether it is usable and new."""
+        own = self._gases.setdefault(reading.sensor, {})
+        key = (reading.vehicle, reading.time_ns)
+        if key in own or not reading.is_usable:
+            return False
+        own[key] = reading
+        self._count += 1
+        self.newest_ns = max(self.newest_ns, reading.time_ns)
+        return True
+
+    def add_wind(self, reading: WindFlightReading) -> bool:
+        """Add a reading of the wind and return whether it is usable and new."""
+        key = (reading.vehicle, reading.time_ns)
+        if key in self._winds or not reading.is_usable:
+            return False
+        self._winds[key] = reading
+        return True
+
+    def survey(self) -> FlightSurvey:
+        """Return the survey of all readings so far.
+
+        Raises
+        ------
+        NoSurveyError
+            If there is no reading of gas or of the wind, or no sensor that could see the agent.
+        """
+        if not self._winds:
+            raise NoSurveyError('no reading of the wind')
+        sensor = self._best_sensor()
+        readings = self._gases[sensor]
+        known, factor = self._scale(next(iter(readings.values())))
+        times, towards = _sorted_winds(self._winds.values())
+        ground = self.frame.origin.altitude_m
+        blocks = _blocks(readings, self.frame, self._sampling.delay_s)
+        values = factor * np.array([block.mean for block in blocks])
+        std = factor * max(_noise([block.mean for block in blocks]), blocks[0].std, 1e-12)
+        places = np.array([block.places_m for block in blocks])
+        places[:, :, 2] = np.maximum(places[:, :, 2], LEAST_HEIGHT_M)
+        vehicles = sorted({block.vehicle for block in blocks})
+        east, north = towards.mean(axis=0).tolist()
+        first_s = min(block.time_s for block in blocks)
+        survey = GasSurvey(
+            places_m=places,
+            weights=np.full(POINTS, 1.0 / POINTS),
+            wind_towards_mps=np.array([_wind_at(times, towards, b.time_s) for b in blocks]),
+            values_g_m3=values,
+            std_g_m3=np.full(len(values), std),
+            is_below=np.zeros(len(values), bool),
+            is_above=np.array([block.is_saturated for block in blocks]),
+            times_s=np.array([block.time_s - first_s for block in blocks]),
+            instruments=np.array([vehicles.index(block.vehicle) for block in blocks]),
+        )
+        heights = [one.altitude_m - ground for one in self._winds.values()]
+        return FlightSurvey(
+            survey=survey,
+            sensor=sensor,
+            agent=known,
+            wind_towards_mps=(east, north),
+            anemometer_m=max(float(np.median(heights)), 2.0),
+            flight_height_m=float(np.median(places[:, :, 2])),
+        )
+
+    def _best_sensor(self) -> str:
+        """Return the kind of sensor that shows the gas most clearly, and could see the agent."""
+        able = {
+            name: readings
+            for name, readings in self._gases.items()
+            if readings and self._response(next(iter(readings.values())))
+        }
+        if not able:
+            raise NoSurveyError('no reading in ppm of a sensor that could see the agent')
+        # The noise of slow sensors is that of their readings without delay.
+        contrasts = {name: _contrast(readings.values()) for name, readings in able.items()}
+        return max(sorted(able), key=contrasts.__getitem__)
+
+    def _response(self, reading: GasFlightReading) -> float:
+        """Return the reading for 1 ppm of the agent; 1 where the kind is not known."""
+        if not self._sampling.agent or reading.sensor not in GAS_SENSORS:
+            return 1.0
+        return GAS_SENSORS[reading.sensor].response(agent(self._sampling.agent))
+
+    def _scale(self, reading: GasFlightReading) -> tuple[Agent, float]:
+        """Return the agent, and g/m^3 in the free air for 1 ppm read."""
+        known = agent(self._sampling.agent or reading.calibration_gas)
+        shown = self._response(reading) * self._sampling.dilution
+        return known, known.g_m3(1.0) / shown
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Block:
+    """Mean of readings that one vehicle took one after the other along `places_m`, (POINTS, 3)."""
+
+    vehicle: str
+    time_s: float
+    places_m: FloatArray
+    mean: float
+    std: float
+    is_saturated: bool
+
+
+def _blocks(
+    readings: Mapping[tuple[str, int], GasFlightReading], frame: LocalFrame, delay_s: float
+) -> list[_Block]:
+    """Return readings in blocks of one length for all vehicles."""
+    ways: dict[str, list[GasFlightReading]] = {}
+    for key in sorted(readings):
+        ways.setdefault(key[0], []).append(readings[key])
+    total_s = sum((way[-1].time_ns - way[0].time_ns) / NS_PER_S for way in ways.values())
+    length_s = max(LEAST_BLOCK_S, total_s / MOST_BLOCKS)
+    return [block for way in ways.values() for block in _way_blocks(way, frame, delay_s, length_s)]
+
+
+def _way_blocks(
+    way: Sequence[GasFlightReading], frame: LocalFrame, delay_s: float, length_s: float
+) -> list[_Block]:
+    times = np.array([one.time_ns for one in way]) / NS_PER_S
+    places = np.array(
+        [
+            frame.enu_of(GeoPosition(one.latitude_deg, one.longitude_deg, one.altitude_m))
+            for one in way
+        ]
+    )
+    found = []
+    numbers = ((times - times[0]) // length_s).astype(int)
+    for number in np.unique(numbers):
+        own = np.flatnonzero(numbers == number)
+        # What is read now was beside the vehicle before.
+        at = np.linspace(times[own[0]], times[own[-1]], POINTS) - delay_s
+        line = np.column_stack([np.interp(at, times, places[:, axis]) for axis in range(3)])
+        found.append(
+            _Block(
+                vehicle=way[0].vehicle,
+                time_s=float(times[own].mean()),
+                places_m=line,
+                mean=float(np.mean([way[index].corrected for index in own])),
+                std=float(np.mean([way[index].std for index in own])) / math.sqrt(len(own)),
+                is_saturated=any(way[index].is_saturated for index in own),
+            )
+        )
+    return found
+
+
+def _contrast(readings: Iterable[GasFlightReading]) -> float:
+    """Return how far the highest readings are above the others, in their noise."""
+    values = [one.corrected for one in readings]
+    top, middle = np.quantile(values, (0.98, 0.5)).tolist()
+    return float(top - middle) / max(_noise(values), 1e-12)
+
+
+def _noise(values: Sequence[float]) -> float:
+    """Return the standard deviation of values in clean air, from those below the median."""
+    low, middle = np.quantile(values, (0.16, 0.5)).tolist()
+    return float(middle - low)
+
+
+def _sorted_winds(winds: Iterable[WindFlightReading]) -> tuple[FloatArray, FloatArray]:
+    ordered = sorted(winds, key=lambda one: (one.time_ns, one.vehicle))
+    times = np.array([one.time_ns for one in ordered]) / NS_PER_S
+    towards = np.array([(one.towards_east_mps, one.towards_north_mps) for one in ordered])
+    return times, towards
+
+
+def _wind_at(times: FloatArray, towards: FloatArray, time_s: float) -> FloatArray:
+    """Return the mean wind of the time before, or of all where there is none."""
+    recent = towards[(times > time_s - WIND_S) & (times <= time_s + WIND_S / 4.0)]
+    return np.asarray((recent if len(recent) else towards).mean(axis=0))

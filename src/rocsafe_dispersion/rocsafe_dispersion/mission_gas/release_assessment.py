@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the readings of a flight say: releases, verdict, map, where to measure next."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+
+from rocsafe_dispersion.atmosphere.stability import StabilityClass, layer_of_class
+from rocsafe_dispersion.estimation.found_release import ReleaseSamples
+from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
+from rocsafe_dispersion.estimation.measuring_places import (
+    MeanAir,
+    MeasuringPlace,
+    measuring_places,
+)
+from rocsafe_dispersion.estimation.plume_kernel import LEAST_SPEED_MPS
+from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.mission_gas.gas_log import FlightSurvey, NoSurveyError
+from rocsafe_dispersion.mission_gas.release_map import PlumeMap, plume_map
+from rocsafe_dispersion.mission_gas.stopping import ReleaseRule, ReleaseVerdict
+from rocsafe_dispersion.plume.spread import similarity_travel
+from rocsafe_dispersion.zones.threat_zones import ThreatZone
+from rocsafe_geo.arrays import FloatArray
+
+LEAST_BLOCKS = 8
+# Places tried along the longer side of the area: for releases, and to measure at.
+CELLS_ACROSS, CANDIDATES_ACROSS = 25, 30
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssessmentOptions:
+    """How readings are assessed.
+
+    Attributes
+    ----------
+    stability
+        Pasquill class of the air.
+    roughness_m
+        Roughness length of the ground, metres.
+    release_height_m
+        Height of releases above the ground, metres.
+    margin_m
+        How far outside of the readings releases may be, metres.
+    locate
+        How releases are found.
+    rule
+        When it is enough.
+    """
+
+    stability: StabilityClass = 'D'
+    roughness_m: float = 0.03
+    release_height_m: float = 1.0
+    margin_m: float = 20.0
+    locate: LocateOptions = field(default_factory=LocateOptions)
+    rule: ReleaseRule = field(default_factory=ReleaseRule)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReleaseAssessment:
+    """All that readings say.
+
+    Attributes
+    ----------
+    flight
+        The readings.
+    area
+        Where releases were looked for.
+    air
+        The mean air.
+    found
+        What was found.
+    verdict
+        Whether that is enough.
+    plume
+        Map of the plume; None without a release.
+    """
+
+    flight: FlightSurvey
+    area: SearchArea
+    air: MeanAir
+    found: LocatedReleases
+    verdict: ReleaseVerdict
+    plume: PlumeMap | None
+
+    @property
+    def zones(self) -> tuple[ThreatZone, ...]:
+        """Threat zones, none without a release."""
+        return () if self.plume is None else self.plume.zones
+
+
+def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessment:
+    """Return what the readings of a flight say.
+
+    Raises
+    ------
+    NoSurveyError
+        If there are too few readings, or the wind is too weak to tell where gas comes from.
+    """
+    if len(flight.survey.values_g_m3) < LEAST_BLOCKS:
+        raise NoSurveyError('too few readings of gas')
+    speed = float(np.median(flight.survey.speeds_mps))
+    if speed < LEAST_SPEED_MPS:
+        raise NoSurveyError(f'the wind is {speed:.2g} m/s: below {LEAST_SPEED_MPS:g} m/s')
+    layer = layer_of_class(options.stability, speed, flight.anemometer_m, options.roughness_m)
+    area = search_area(flight.survey.places_m, options.margin_m, options.release_height_m)
+    found = locate_releases(
+        flight.survey, area, layer, anemometer_m=flight.anemometer_m, options=options.locate
+    )
+    air = MeanAir(
+        towards_mps=flight.wind_towards_mps,
+        travel=similarity_travel(layer, options.release_height_m),
+        reference_mps=float(layer.speed_mps(flight.anemometer_m)),
+        release_height_m=options.release_height_m,
+    )
+    groups = [release.samples for release in found.releases]
+    return ReleaseAssessment(
+        flight=flight,
+        area=area,
+        air=air,
+        found=found,
+        verdict=options.rule.verdict(found, options.locate.smallest_g_s),
+        plume=plume_map(groups, area, air, flight.agent) if groups else None,
+    )
+
+
+def search_area(places_m: FloatArray, margin_m: float, release_height_m: float) -> SearchArea:
+    """Return the area around readings at places (n, k, 3)."""
+    flat = places_m[:, :, :2].reshape(-1, 2)
+    low, high = flat.min(axis=0) - margin_m, flat.max(axis=0) + margin_m
+    return SearchArea(
+        west_m=float(low[0]),
+        south_m=float(low[1]),
+        east_m=float(high[0]),
+        north_m=float(high[1]),
+        cell_m=max(float((high - low).max()) / CELLS_ACROSS, 1.0),
+        height_m=release_height_m,
+    )
+
+
+def suggested_places(
+    assessment: ReleaseAssessment, count: int, within: shapely.Polygon | None = None
+) -> list[MeasuringPlace]:
+    """Return the places whose readings tell most, at the height flown, within an area."""
+    groups: list[ReleaseSamples] = [one.samples for one in assessment.found.releases]
+    if assessment.found.hidden is not None:
+        groups = [assessment.found.hidden.samples]
+    candidates = _candidates(assessment.area, assessment.flight.flight_height_m, within)
+    noise = float(np.median(assessment.flight.survey.std_g_m3))
+    return measuring_places(groups, candidates, assessment.air, noise, count)
+
+
+def _candidates(area: SearchArea, height_m: float, within: shapely.Polygon | None) -> FloatArray:
+    """Return places of a grid at a height, (n, 3); all of them if none is within the area."""
+    longer = max(area.east_m - area.west_m, area.north_m - area.south_m)
+    pitch = longer / CANDIDATES_ACROSS
+    east, north = np.meshgrid(
+        np.arange(area.west_m, area.east_m, pitch), np.arange(area.south_m, area.north_m, pitch)
+    )
+    # Whole metres: vehicles fly no finer.
+    height = math.ceil(height_m)
+    places = np.column_stack([east.ravel(), north.ravel(), np.full(east.size, float(height))])
+    if within is None:
+        return places
+    inside = shapely.contains_xy(within, places[:, 0], places[:, 1])
+    return places[inside] if inside.any() else places

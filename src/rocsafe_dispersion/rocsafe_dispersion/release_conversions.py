@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An assessment of releases <-> messages."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from rocsafe_dispersion.estimation.found_release import FoundRelease
+from rocsafe_dispersion.estimation.measuring_places import MeasuringPlace
+from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading, WindFlightReading
+from rocsafe_dispersion.mission_gas.release_assessment import ReleaseAssessment
+from rocsafe_dispersion.mission_gas.release_map import PlumeMap
+from rocsafe_dispersion.zones.threat_zones import ThreatZone
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.conversions import MAP_FRAME, grid_message
+from rocsafe_interfaces.msg import (
+    GasReading,
+    ReleaseEstimate,
+    ReleaseEstimateArray,
+    WindReading,
+)
+from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_ros.conversions import ns_of_stamp, point_of_position, stamp_of_ns
+
+# Cells of the plume: 0 is 0.01 ppm or less, each 10 is a factor of 4, 100 is 1e4 ppm or more.
+LOWEST_PPM, DECADES = 0.01, 6.0
+LINE_HEIGHT_M = 0.1
+# Colours of the levels 1 to 3 (red, green, blue), and widths of lines in metres.
+LEVEL_RGB = ((1.0, 0.85, 0.0), (1.0, 0.5, 0.0), (0.85, 0.0, 0.0))
+EXPECTED_M, OUTER_M = 1.0, 0.4
+
+
+def gas_flight_reading_of(vehicle: str, message: GasReading) -> GasFlightReading:
+    """Return the reading of a message."""
+    return GasFlightReading(
+        vehicle=vehicle,
+        time_ns=ns_of_stamp(message.header.stamp),
+        sensor=message.sensor,
+        unit=message.unit,
+        calibration_gas=message.calibration_gas,
+        latitude_deg=message.position.latitude,
+        longitude_deg=message.position.longitude,
+        altitude_m=message.position.altitude,
+        raw=message.raw,
+        corrected=message.corrected,
+        std=message.std,
+        limit=message.limit,
+        is_saturated=message.saturated,
+    )
+
+
+def wind_flight_reading_of(vehicle: str, message: WindReading) -> WindFlightReading:
+    """Return the reading of a message."""
+    return WindFlightReading(
+        vehicle=vehicle,
+        time_ns=ns_of_stamp(message.header.stamp),
+        altitude_m=message.position.altitude,
+        towards_east_mps=message.towards_east_mps,
+        towards_north_mps=message.towards_north_mps,
+    )
+
+
+def releases_message(
+    assessment: ReleaseAssessment, frame: LocalFrame, time_ns: int
+) -> ReleaseEstimateArray:
+    """Return the releases found, with the stamp of the newest reading."""
+    found, flight = assessment.found, assessment.flight
+    east, north = flight.wind_towards_mps
+    gains = (*found.gains, *[math.nan] * len(found.releases))
+    message = ReleaseEstimateArray(
+        releases=[
+            _release_message(number, release, gains[number - 1], frame)
+            for number, release in enumerate(found.releases, 1)
+        ],
+        agent=flight.agent.name,
+        sensor=flight.sensor,
+        wind_towards_east_mps=east,
+        wind_towards_north_mps=north,
+        wind_turned_deg=math.degrees(found.shape.turn_rad),
+        width_factor=found.shape.spread_y,
+        height_factor=found.shape.spread_z,
+        reading_count=len(flight.survey.values_g_m3),
+        is_enough=assessment.verdict.is_enough,
+        verdict=assessment.verdict.reason,
+    )
+    message.header.stamp = stamp_of_ns(time_ns)
+    message.header.frame_id = 'earth'
+    return message
+
+
+def _release_message(
+    number: int, release: FoundRelease, gain: float, frame: LocalFrame
+) -> ReleaseEstimate:
+    east, north = release.place_m
+    return ReleaseEstimate(
+        id=number,
+        position=point_of_position(frame.position_of((east, north, 0.0))),
+        position_covariance=release.covariance_m2.ravel().tolist(),
+        region_95_m2=release.region_m2,
+        rate_g_s=release.rate_g_s,
+        rate_low_g_s=release.rate_low_g_s,
+        rate_high_g_s=release.rate_high_g_s,
+        detection_gain=gain,
+    )
+
+
+def plume_message(found: PlumeMap | None, ppm_per_g_m3: float, time_ns: int) -> OccupancyGrid:
+    """Return the mean, log-scaled: 0 at 0.01 ppm and below, 100 at 1e4 ppm and above.
+
+    Without a plume the map has no cells.
+    """
+    if found is None:
+        return grid_message(np.zeros((0, 0)), (0.0, 0.0), 1.0, time_ns)
+    ppm = np.maximum(found.mean_g_m3 * ppm_per_g_m3, LOWEST_PPM)
+    percent = 100.0 * np.log10(ppm / LOWEST_PPM) / DECADES
+    grid = found.grid
+    return grid_message(percent, (grid.west_m, grid.south_m), grid.cell_m, time_ns)
+
+
+def zone_markers(zones: Sequence[ThreatZone], time_ns: int) -> MarkerArray:
+    """Return each zone as lines on the ground: thick as expected, thin the outer bound of 95 %.
+
+    The first marker deletes those of the last message.
+    """
+    stamp = stamp_of_ns(time_ns)
+    clear = Marker(action=Marker.DELETEALL)
+    clear.header.stamp, clear.header.frame_id = stamp, MAP_FRAME
+    markers = [clear]
+    for zone in zones:
+        for kind, area in (('expected', zone.expected), ('outer', zone.outer)):
+            for part in area.geoms:
+                for ring in (part.exterior, *part.interiors):
+                    corners = list(ring.coords)
+                    name = f'{zone.level.label} {kind}'
+                    markers.append(_line(name, zone, kind, corners, len(markers), stamp))
+    return MarkerArray(markers=markers)
+
+
+def _line(
+    name: str,
+    zone: ThreatZone,
+    kind: str,
+    corners: list[tuple[float, ...]],
+    number: int,
+    stamp: Time,
+) -> Marker:
+    marker = Marker(type=Marker.LINE_STRIP, action=Marker.ADD, id=number, ns=name)
+    marker.header.stamp, marker.header.frame_id = stamp, MAP_FRAME
+    marker.scale.x = EXPECTED_M if kind == 'expected' else OUTER_M
+    red, green, blue = LEVEL_RGB[int(zone.level.name[-1]) - 1]
+    marker.color = ColorRGBA(r=red, g=green, b=blue, a=1.0)
+    marker.pose.orientation.w = 1.0
+    marker.points = [Point(x=x, y=y, z=LINE_HEIGHT_M) for x, y, *_ in corners]
+    return marker
+
+
+def fill_release_suggestion(
+    response: SuggestViewpoints.Response,
+    assessment: ReleaseAssessment,
+    places: Sequence[MeasuringPlace],
+    frame: LocalFrame,
+) -> SuggestViewpoints.Response:
+    """Return `response` with the places to measure at next and the reason."""
+    response.status = SuggestViewpoints.Response.OK
+    response.is_enough = assessment.verdict.is_enough
+    response.reason = assessment.verdict.reason
+    response.viewpoints = [point_of_position(frame.position_of(one.place_m)) for one in places]
+    response.expected_gain = [one.gain for one in places]
+    return response

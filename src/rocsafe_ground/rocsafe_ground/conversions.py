@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests and routes of the router <-> messages."""
+
+import math
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from nav_msgs.msg import OccupancyGrid, Path
+from std_msgs.msg import Header
+
+from rocsafe_geo.limits import require_not_negative
+from rocsafe_ground.drivable.drivable_ground import Reason
+from rocsafe_ground.drivable.vehicle import GroundVehicle
+from rocsafe_ground.drive.drive_plan import DEFAULT_TURN_BACK_USVH, DrivePlan, DriveRequest
+from rocsafe_ground.drive.ground_map import GroundMap
+from rocsafe_ground.errors import BeyondBudgetError, NoMapError, NoWayError
+from rocsafe_ground.evidence.evidence_point import EvidencePoint
+from rocsafe_ground.options import RouterOptions
+from rocsafe_interfaces.action import PlanGroundRoute
+from rocsafe_interfaces.msg import EvidencePoint as EvidenceMessage
+from rocsafe_interfaces.msg import GroundRoute, GroundStop
+from rocsafe_ros.conversions import (
+    MAP_FRAME,
+    path_pose,
+    point_of_position,
+    position_of_point,
+    yaw_quaternion,
+)
+
+# Dose rates of the costs 0 and 99, logarithmic; 100 is a cell that is not free, -1 an unseen one.
+LOWEST_USVH, HIGHEST_USVH = 0.1, 1e5
+LARGEST_COST, NOT_FREE, UNSEEN = 99, 100, -1
+_ERRORS = (
+    (NoMapError, PlanGroundRoute.Result.NO_MAP),
+    (NoWayError, PlanGroundRoute.Result.NO_WAY),
+    (BeyondBudgetError, PlanGroundRoute.Result.BEYOND_BUDGET),
+)
+
+
+def request_of_goal(goal: PlanGroundRoute.Goal, options: RouterOptions) -> DriveRequest:
+    """Return what a goal asks for; a turn-back level or endurance of 0 is the default.
+
+    Raises
+    ------
+    ValueError
+        If a field is out of range.
+    """
+    require_not_negative('endurance_s', goal.endurance_s, 's')
+    require_not_negative('turn_back_usvh', goal.turn_back_usvh, 'uSv/h')
+    return DriveRequest(
+        start=position_of_point(goal.start),
+        evidence=tuple(_evidence(message) for message in goal.evidence),
+        dose_budget_usv=goal.dose_budget_usv,
+        vehicle=options.vehicle(goal.endurance_s or GroundVehicle().endurance_s),
+        turn_back_usvh=goal.turn_back_usvh or DEFAULT_TURN_BACK_USVH,
+        curve_points=0,
+    )
+
+
+def _evidence(message: EvidenceMessage) -> EvidencePoint:
+    return EvidencePoint(
+        id=message.id,
+        position=position_of_point(message.position),
+        kind=message.kind,
+        priority=message.priority,
+        dwell_s=message.dwell_s,
+        found_in=message.found_in,
+    )
+
+
+def route_message(plan: DrivePlan, vehicle: str, route_id: str) -> GroundRoute:
+    """Return a drive for the vehicle of a name."""
+    return GroundRoute(
+        route_id=route_id,
+        vehicle=vehicle,
+        stops=[
+            GroundStop(
+                position=point_of_position(stop.place),
+                speed_limit_mps=stop.speed_mps,
+                dwell_s=stop.dwell_s,
+                evidence=stop.evidence,
+            )
+            for stop in plan.stops
+        ],
+        duration_s=plan.time_s,
+        dose_usv=plan.forecast.mean_usv,
+        dose_upper_usv=plan.forecast.upper_usv,
+        dose_budget_usv=plan.request.dose_budget_usv,
+        turn_back_usvh=plan.request.turn_back_usvh,
+        lower_bound_s=plan.bound_s,
+        left_out=[f'{one.evidence}: {one.why}' for one in plan.left_out],
+    )
+
+
+def path_message(plan: DrivePlan, stamp: Time) -> Path:
+    """Return the stops as poses in the frame of the mission, each turned to the next one.
+
+    The poses are also those of a goal of Nav2's action NavigateThroughPoses.
+    """
+    message = Path(header=Header(stamp=stamp, frame_id=MAP_FRAME))
+    yaw = 0.0
+    for number, stop in enumerate(plan.stops):
+        pose = path_pose((stop.east_m, stop.north_m, 0.0), stamp)
+        if number + 1 < len(plan.stops):
+            ahead = plan.stops[number + 1]
+            yaw = math.atan2(ahead.north_m - stop.north_m, ahead.east_m - stop.east_m)
+        pose.pose.orientation = yaw_quaternion(yaw)
+        message.poses.append(pose)
+    return message
+
+
+def costs_message(ground: GroundMap, stamp: Time) -> OccupancyGrid:
+    """Return the cells of a map for a Nav2 stack: 0 to 99 by the logarithm of the dose rate.
+
+    One byte is too coarse to plan doses on: the router does not.
+    """
+    rates = np.nan_to_num(ground.field.upper_usvh)
+    share = np.log10(np.maximum(rates, LOWEST_USVH) / LOWEST_USVH)
+    costs = np.round(LARGEST_COST * share / math.log10(HIGHEST_USVH / LOWEST_USVH))
+    reasons = ground.reasons
+    cells = np.clip(costs, 0, LARGEST_COST)
+    cells[reasons != Reason.FREE] = NOT_FREE
+    cells[reasons == Reason.UNKNOWN] = UNSEEN
+    grid = ground.grid
+    message = OccupancyGrid(data=cells.astype(np.int8).ravel().tolist())
+    message.header.stamp, message.header.frame_id = stamp, MAP_FRAME
+    message.info.resolution = grid.cell_m
+    message.info.width, message.info.height = grid.columns, grid.rows
+    message.info.origin.position.x = grid.west_m
+    message.info.origin.position.y = grid.south_m
+    message.info.origin.orientation.w = 1.0
+    return message
+
+
+def result_of_error(error: Exception) -> PlanGroundRoute.Result:
+    """Return why there is no route."""
+    code = next(
+        (code for kind, code in _ERRORS if isinstance(error, kind)),
+        PlanGroundRoute.Result.INVALID_REQUEST,
+    )
+    return PlanGroundRoute.Result(error_code=code, error_msg=str(error))

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The dose rate at each cell: mean, upper 95 %, and draws from what is known of the sources.
+
+The cells of a dose map are wide where it reaches far: near a source the rate changes much within
+one. The rate at a cell is therefore that of the sources by 1 / r^2, times the ratio of the map to
+the same law, which varies slowly: it holds what air and shields absorb and scatter.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from rasterio.enums import Resampling
+
+from rocsafe_geo.arrays import FloatArray, IndexArray
+from rocsafe_geo.position import GeoPosition
+from rocsafe_ground.dose.source_posterior import SourcePosterior
+from rocsafe_ground.drivable.raster import Bands
+from rocsafe_ground.drivable.route_grid import RouteGrid
+
+# Above the ground, as dose maps of ROCSAFE are made.
+DETECTOR_UP_M = 1.0
+# Nearer than this to a source a rate is that of this distance, metres.
+LEAST_DISTANCE_M = 0.1
+MEAN, UPPER = 0, 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DoseField:
+    """Dose rates on a grid.
+
+    Attributes
+    ----------
+    mean_usvh, upper_usvh : (rows, columns)
+        As estimated, and the upper 95 % of each cell; NaN where the map does not reach.
+    grid
+        The grid.
+    ground_altitude_m
+        Of the ground, above the ellipsoid as the sources; NaN if it is not known: then sources
+        lie at the height at which the map is made.
+    posterior
+        Sources; None: no draws.
+    ratio : (rows, columns)
+        Of the map to the law 1 / r^2.
+    """
+
+    mean_usvh: FloatArray
+    upper_usvh: FloatArray
+    grid: RouteGrid
+    ground_altitude_m: float
+    posterior: SourcePosterior | None
+    ratio: FloatArray
+
+    def drawn_rates(self, cells: IndexArray, count: int, seed: int) -> FloatArray:
+        """Return rates at cells from `count` draws of the sources, (count, cells).
+
+        Without sources each draw is the map as estimated.
+        """
+        row, column = np.divmod(np.asarray(cells, np.int64), self.grid.columns)
+        if self.posterior is None:
+            return np.tile(self.mean_usvh[row, column], (count, 1))
+        generator = np.random.default_rng([seed, 0x6D])
+        places = self.grid.place_of(cells)
+        ratio = self.ratio[row, column]
+        return np.stack(
+            [
+                _rates(self.posterior.drawn(generator), self.grid, self.ground_altitude_m, places)
+                * ratio
+                for _ in range(count)
+            ]
+        )
+
+
+def dose_field(
+    dose_map: Bands, posterior: SourcePosterior | None, grid: RouteGrid, ground_altitude_m: float
+) -> DoseField:
+    """Return the dose rates on `grid` from the bands mean, deviation and upper 95 % of a map."""
+    bands = dose_map.on(grid, Resampling.bilinear)
+    mean, upper = bands[MEAN], np.maximum(bands[UPPER], bands[MEAN])
+    ratio: FloatArray = np.ones(grid.shape)
+    if posterior is not None and posterior.sources:
+        share = upper / np.maximum(mean, 1e-12)
+        east, north = grid.places()
+        places = np.column_stack([east.ravel(), north.ravel()])
+        law = _rates(posterior, grid, ground_altitude_m, places).reshape(grid.shape)
+        ratio = _coarse_ratio(dose_map, posterior, grid, ground_altitude_m)
+        mean = np.where(np.isnan(mean), np.nan, law * ratio)
+        upper = mean * share
+    return DoseField(
+        mean_usvh=mean, upper_usvh=upper, grid=grid, ground_altitude_m=ground_altitude_m,
+        posterior=posterior, ratio=ratio,
+    )  # fmt: skip
+
+
+def _coarse_ratio(
+    dose_map: Bands, posterior: SourcePosterior, grid: RouteGrid, ground_altitude_m: float
+) -> FloatArray:
+    """Return the ratio of the map to the law at the nodes of the map, between them bilinear."""
+    _, rows, columns = dose_map.values.shape
+    west, south, east, north = dose_map.bounds_in(grid.projection)
+    east_m = west + (np.arange(columns) + 0.5) * (east - west) / columns
+    north_m = north - (np.arange(rows) + 0.5) * (north - south) / rows
+    places = np.column_stack([axis.ravel() for axis in np.meshgrid(east_m, north_m)])
+    law = _rates(posterior, grid, ground_altitude_m, places).reshape(rows, columns)
+    ratio = Bands(
+        values=(dose_map.values[MEAN] / np.maximum(law, 1e-12))[None],
+        crs=dose_map.crs, transform=dose_map.transform, pixel_m=dose_map.pixel_m,
+    )  # fmt: skip
+    return ratio.on(grid, Resampling.bilinear)[0]
+
+
+def _rates(
+    posterior: SourcePosterior, grid: RouteGrid, ground_altitude_m: float, places: FloatArray
+) -> FloatArray:
+    """Return background and 1 / r^2 of all sources at places (n, 2), (n,)."""
+    total: FloatArray = np.full(len(places), posterior.background_usvh)
+    for source in posterior.sources:
+        east, north = grid.enu_of(source.position)
+        up = source.position.altitude_m - ground_altitude_m - DETECTOR_UP_M
+        up = 0.0 if math.isnan(up) else up
+        squares = (places[:, 0] - east) ** 2 + (places[:, 1] - north) ** 2 + up**2
+        total += source.rate_usvh / np.maximum(squares, LEAST_DISTANCE_M**2)
+    return total
+
+
+def origin_of(dose_map: Bands) -> GeoPosition | None:
+    """Return the origin of the frame of a dose map of ROCSAFE; None: it is another raster."""
+    projection = dict(getattr(dose_map.crs, 'to_dict', dict)())
+    if projection.get('proj') != 'tmerc' or 'lat_0' not in projection:
+        return None
+    return GeoPosition(float(projection['lat_0']), float(projection['lon_0']), 0.0)

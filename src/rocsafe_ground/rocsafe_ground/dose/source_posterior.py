@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The sources that a survey found, with what is not known of them: `sources.json`."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_ground.errors import NoMapError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FoundSource:
+    """One source.
+
+    Attributes
+    ----------
+    position
+        Where it was found.
+    covariance_m2 : (3, 3)
+        Of east, north and up.
+    rate_usvh, rate_std_usvh
+        Dose rate at 1 m and its standard deviation; its logarithm is taken for normal.
+    """
+
+    position: GeoPosition
+    covariance_m2: FloatArray
+    rate_usvh: float
+    rate_std_usvh: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SourcePosterior:
+    """All sources and the background, microsievert per hour."""
+
+    sources: tuple[FoundSource, ...]
+    background_usvh: float
+    background_std_usvh: float
+
+    def drawn(self, generator: np.random.Generator) -> 'SourcePosterior':
+        """Return sources and background drawn from what is known of them."""
+        return SourcePosterior(
+            sources=tuple(_drawn(source, generator) for source in self.sources),
+            background_usvh=max(
+                0.0, generator.normal(self.background_usvh, self.background_std_usvh)
+            ),
+            background_std_usvh=self.background_std_usvh,
+        )
+
+
+def _drawn(source: FoundSource, generator: np.random.Generator) -> FoundSource:
+    step = generator.multivariate_normal(np.zeros(3), source.covariance_m2, method='eigh')
+    place = source.position
+    frame = LocalFrame(place)
+    # Variance of the logarithm of a log-normal variable with this relative deviation.
+    spread = math.sqrt(math.log1p((source.rate_std_usvh / source.rate_usvh) ** 2))
+    return FoundSource(
+        position=frame.position_of(step),
+        covariance_m2=source.covariance_m2,
+        rate_usvh=source.rate_usvh * math.exp(generator.normal(0.0, spread)),
+        rate_std_usvh=source.rate_std_usvh,
+    )
+
+
+def read_sources(path: Path) -> SourcePosterior:
+    """Return the sources of a file that `rocsafe run` or `rocsafe localize` wrote.
+
+    Raises
+    ------
+    NoMapError
+        If it cannot be read, or holds places without latitude and longitude.
+    """
+    try:
+        document = json.loads(path.read_text(encoding='utf-8'))
+        return SourcePosterior(
+            sources=tuple(_source(entry) for entry in document['sources']),
+            background_usvh=float(document['background_usvh']),
+            background_std_usvh=float(document['background_std_usvh']),
+        )
+    except OSError as error:
+        raise NoMapError(f'{path}: {error.strerror}') from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise NoMapError(f'{path}: is no file of sources of ROCSAFE: {error!r}') from error
+
+
+def _source(entry: dict[str, Any]) -> FoundSource:
+    place = entry['place']
+    rate = float(entry['dose_rate_at_1m_usvh'])
+    if not rate > 0.0:
+        raise ValueError(f'dose_rate_at_1m_usvh is {rate:g}: must be above 0')
+    return FoundSource(
+        position=GeoPosition(place['latitude_deg'], place['longitude_deg'], place['altitude_m']),
+        covariance_m2=np.array(entry['position_covariance_m2'], np.float64).reshape(3, 3),
+        rate_usvh=rate,
+        rate_std_usvh=float(entry['dose_rate_at_1m_std_usvh']),
+    )

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a ground vehicle is to drive, and what is known of it beforehand."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.limits import require_between, require_positive
+from rocsafe_geo.position import GeoPosition
+from rocsafe_ground.dose.forecast import DoseForecast
+from rocsafe_ground.drivable.vehicle import GroundVehicle
+from rocsafe_ground.evidence.evidence_point import EvidencePoint
+
+# People turn back at this dose rate, so that the vehicle can be touched and its way be walked:
+# IAEA, EPR-First Responders. The same as of drones, see `rocsafe_radiation`.
+DEFAULT_TURN_BACK_USVH = 1e5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveRequest:
+    """What is asked of a route.
+
+    Attributes
+    ----------
+    start
+        Where the vehicle stands, and where it comes back to.
+    evidence
+        Points to visit.
+    dose_budget_usv
+        Of the whole drive, dwells included, which it keeps with a probability of `confidence`.
+    vehicle
+        What drives.
+    turn_back_usvh
+        No part of the way has a higher dose rate.
+    confidence
+        Share of draws of the sources in which the dose is within the budget.
+    draws
+        Number of draws.
+    seed
+        Of the draws.
+    curve_points
+        Budgets for which the time is told; 0: none.
+    """
+
+    start: GeoPosition
+    evidence: tuple[EvidencePoint, ...]
+    dose_budget_usv: float
+    vehicle: GroundVehicle = field(default_factory=GroundVehicle)
+    turn_back_usvh: float = DEFAULT_TURN_BACK_USVH
+    confidence: float = 0.95
+    draws: int = 256
+    seed: int = 0
+    curve_points: int = 8
+
+    def __post_init__(self) -> None:
+        if not self.evidence:
+            raise ValueError('evidence is empty: must have at least one point')
+        require_positive('dose_budget_usv', self.dose_budget_usv, 'uSv')
+        require_between('confidence', self.confidence, 0.5, 0.999)
+        require_between('draws', self.draws, 16, 100_000)
+        require_between('curve_points', self.curve_points, 0, 100)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveStop:
+    """A place on the way.
+
+    Attributes
+    ----------
+    place
+        Position; the altitude is unknown.
+    east_m, north_m
+        The same in the frame of the map.
+    speed_mps
+        On the straight line that leads to it; 0 at the start.
+    dwell_s
+        How long the vehicle stands there.
+    evidence
+        Id of the evidence point; empty at a bend.
+    """
+
+    place: GeoPosition
+    east_m: float
+    north_m: float
+    speed_mps: float = 0.0
+    dwell_s: float = 0.0
+    evidence: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LeftOut:
+    """An evidence point that is not visited, and why; the text names what would admit it."""
+
+    evidence: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class DrivePlan:
+    """A route with its proof.
+
+    Attributes
+    ----------
+    request
+        What was asked.
+    stops
+        Start, bends and evidence points in driving order, and the start again.
+    track : (n, 4)
+        East and north, seconds after the start, dose rate as estimated: along the lines.
+    time_s
+        Driving and dwells.
+    forecast
+        Dose of the drive.
+    bound_s
+        No trip over the same cells within the same budget takes less.
+    grid_time_s
+        Of the trip over cells, before it was straightened: what `bound_s` is to be compared with.
+    price_s_per_usv
+        Seconds that one more microsievert saves, about.
+    fastest_s, fastest_usv
+        Time and estimated dose of the fastest trip to the same points.
+    standing_usv
+        Estimated dose of the dwells, which is part of both.
+    left_out
+        Points not visited.
+    curve
+        Budget of dose and time of the trip within it, for the same points.
+    """
+
+    request: DriveRequest
+    stops: tuple[DriveStop, ...]
+    track: FloatArray
+    time_s: float
+    forecast: DoseForecast
+    bound_s: float
+    grid_time_s: float
+    price_s_per_usv: float
+    fastest_s: float
+    fastest_usv: float
+    standing_usv: float
+    left_out: tuple[LeftOut, ...]
+    curve: tuple[tuple[float, float], ...]
+
+    @property
+    def length_m(self) -> float:
+        """Of the way."""
+        steps = self.track[1:, :2] - self.track[:-1, :2]
+        return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
+
+    @property
+    def gap_fraction(self) -> float:
+        """By how much of its time the trip over cells may be above the optimum."""
+        return max(0.0, 1.0 - self.bound_s / self.grid_time_s)

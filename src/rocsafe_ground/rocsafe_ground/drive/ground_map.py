@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+"""All that a route is planned on, from the folder of a run or of a map."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from rocsafe_geo.arrays import BoolArray
+from rocsafe_geo.limits import require_between
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area_files import read_areas
+from rocsafe_geo.terrain.terrain_file import read_terrain
+from rocsafe_ground.dose.dose_field import DoseField, dose_field, origin_of
+from rocsafe_ground.dose.source_posterior import SourcePosterior, read_sources
+from rocsafe_ground.drivable.drivable_ground import DrivableGround, Layers, Reason, drivable_ground
+from rocsafe_ground.drivable.labels import read_labels
+from rocsafe_ground.drivable.raster import Bands, read_bands
+from rocsafe_ground.drivable.route_grid import RouteGrid
+from rocsafe_ground.drivable.vehicle import GroundVehicle
+from rocsafe_ground.errors import NoMapError
+
+MOSAIC, HEIGHTS, DOSES, SOURCES = 'mosaic.tif', 'map/error.tif', 'dose_map.tif', 'sources.json'
+HEIGHT_BAND = 1
+DOSE_BANDS = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapFiles:
+    """Where the products of a survey lie.
+
+    Attributes
+    ----------
+    folder
+        Of a run, or with a mosaic.
+    dose_map, sources
+        Files; None: those of the folder.
+    labels
+        GeoTIFF of labelled ground; None: colours tell what the ground is.
+    terrain
+        Elevation model; None: the ground is taken for level.
+    keep_outs
+        Files of zones not to be entered.
+    """
+
+    folder: Path
+    dose_map: Path | None = None
+    sources: Path | None = None
+    labels: Path | None = None
+    terrain: Path | None = None
+    keep_outs: tuple[Path, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GroundMap:
+    """Ground and dose rates on one grid.
+
+    Attributes
+    ----------
+    grid
+        Its cells.
+    ground
+        Where the vehicle can drive, dose rates aside.
+    field
+        Dose rates.
+    turn_back_usvh
+        No cell whose upper dose rate reaches it is free.
+    """
+
+    grid: RouteGrid
+    ground: DrivableGround
+    field: DoseField
+    turn_back_usvh: float
+
+    @property
+    def reasons(self) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
+        """Why each cell is not free, dose rates included."""
+        found = self.ground.reasons.copy()
+        upper = self.field.upper_usvh
+        is_free = found == Reason.FREE
+        found[is_free & (upper >= self.turn_back_usvh)] = Reason.HOT
+        found[is_free & np.isnan(upper)] = Reason.UNKNOWN
+        return found
+
+    @property
+    def is_free(self) -> BoolArray:
+        """Whether a cell may be entered."""
+        return np.asarray(self.reasons == Reason.FREE)
+
+
+def read_posterior(files: MapFiles) -> SourcePosterior | None:
+    """Return the sources that belong to a map; None if its folder has none."""
+    path = files.sources or files.folder / SOURCES
+    return read_sources(path) if files.sources or path.is_file() else None
+
+
+def read_ground_map(
+    files: MapFiles, vehicle: GroundVehicle, cell_m: float, turn_back_usvh: float
+) -> GroundMap:
+    """Return the map that files make.
+
+    Raises
+    ------
+    NoMapError
+        If the mosaic or the dose map is missing or not georeferenced, or they do not overlap.
+    ValueError
+        If an option is out of range, or another file cannot be read.
+    """
+    require_between('cell_m', cell_m, 0.05, 100.0, 'm')
+    require_between('turn_back_usvh', turn_back_usvh, 1e-3, 1e9, 'uSv/h')
+    if not files.folder.is_dir():
+        raise NoMapError(f'{files.folder}: no such folder')
+    mosaic = read_bands(files.folder / MOSAIC)
+    if len(mosaic.values) < 4:
+        raise NoMapError(
+            f'{files.folder / MOSAIC}: has {len(mosaic.values)} bands: must have red, green, '
+            'blue and opacity'
+        )
+    doses_path = files.dose_map or files.folder / DOSES
+    doses = read_bands(doses_path)
+    if len(doses.values) < DOSE_BANDS:
+        raise NoMapError(
+            f'{doses_path}: has {len(doses.values)} bands: must have mean, deviation, upper 95 %'
+        )
+    grid = _grid(mosaic, doses, cell_m)
+    layers = Layers(
+        mosaic=mosaic,
+        labels=read_labels(files.labels) if files.labels else None,
+        heights=_heights(files.folder / HEIGHTS),
+        terrain=read_terrain(files.terrain) if files.terrain else None,
+        keep_outs=[
+            area.polygon(grid.frame) for path in files.keep_outs for area in read_areas(path)
+        ],
+    )
+    field = dose_field(doses, read_posterior(files), grid, math.nan)
+    if np.isnan(field.mean_usvh).all():
+        raise NoMapError(f'{doses_path}: does not overlap {files.folder / MOSAIC}')
+    ground = drivable_ground(layers, grid, vehicle)
+    return GroundMap(grid=grid, ground=ground, field=field, turn_back_usvh=turn_back_usvh)
+
+
+def _heights(path: Path) -> Bands | None:
+    if not path.is_file():
+        return None
+    bands = read_bands(path)
+    if len(bands.values) <= HEIGHT_BAND:
+        return None
+    return Bands(
+        values=bands.values[HEIGHT_BAND : HEIGHT_BAND + 1],
+        crs=bands.crs, transform=bands.transform, pixel_m=bands.pixel_m,
+    )  # fmt: skip
+
+
+def _grid(mosaic: Bands, doses: Bands, cell_m: float) -> RouteGrid:
+    """Return the grid over a mosaic, about the origin of the dose map if it has one."""
+    origin = origin_of(doses)
+    if origin is None:
+        west, south, east, north = mosaic.bounds_in('EPSG:4326')
+        origin = GeoPosition(0.5 * (south + north), 0.5 * (west + east), 0.0)
+    probe = RouteGrid(origin=origin, west_m=0.0, south_m=0.0, cell_m=cell_m, rows=2, columns=2)
+    west, south, east, north = mosaic.bounds_in(probe.projection)
+    return RouteGrid(
+        origin=origin,
+        west_m=west,
+        south_m=south,
+        cell_m=cell_m,
+        rows=max(2, math.ceil((north - south) / cell_m)),
+        columns=max(2, math.ceil((east - west) / cell_m)),
+    )

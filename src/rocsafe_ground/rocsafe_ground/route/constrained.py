@@ -1,0 +1,259 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The fastest path within a budget of dose: Lagrangian dual, then exact labels.
+
+The dual (Handler & Zang 1980) gives a path within the budget, the trade-off between time and dose
+near the budget, and a lower bound on the time of every path within it. The label search closes
+what is left between the two.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rocsafe_geo.arrays import IndexArray
+from rocsafe_geo.limits import require_count, require_not_negative, require_positive
+from rocsafe_ground.errors import BeyondBudgetError, NoWayError
+from rocsafe_ground.route.edges import Edges, Searcher, Tree
+from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
+
+# Relative difference below which two costs are the same but for rounding.
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchEffort:
+    """How much work a route is worth.
+
+    Attributes
+    ----------
+    is_exact
+        Whether labels follow the dual.
+    most_labels
+        Labels after which the exact search gives up; a label takes 40 bytes. The issue's fields
+        of 300 x 300 cells need up to 1.5 million.
+    most_duals
+        Steps of the dual; 5 to 9 are usual.
+    prices
+        Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
+        bounds labels are dropped.
+    """
+
+    is_exact: bool = True
+    most_labels: int = 8_000_000
+    most_duals: int = 40
+    prices: tuple[float, ...] = (1.0, 0.5, 2.0)
+
+    def __post_init__(self) -> None:
+        require_count('most_labels', self.most_labels, 16, 1_000_000_000)
+        require_count('most_duals', self.most_duals, 1, 1000)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GridPath:
+    """A path of cells with what it costs."""
+
+    cells: IndexArray
+    time_s: float
+    dose_usv: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BoundedPath:
+    """A path within a budget, and how good it is.
+
+    Attributes
+    ----------
+    path
+        The fastest path found.
+    bound_s
+        No path on this grid within the budget takes less.
+    price_s_per_usv
+        Seconds that one more microsievert saves, about (multiplier of the dual).
+    label_count
+        Labels that the exact search made; 0: the dual was enough.
+    """
+
+    path: GridPath
+    bound_s: float
+    price_s_per_usv: float
+    label_count: int
+
+    @property
+    def gap_fraction(self) -> float:
+        """By how much of its time the path may be above the optimum."""
+        if self.path.time_s <= 0.0:
+            return 0.0
+        return max(0.0, 1.0 - self.bound_s / self.path.time_s)
+
+
+class RouteSearch:
+    """Routes between two cells of a grid, for any budget.
+
+    Raises
+    ------
+    NoWayError
+        If no free cells lead from one to the other.
+    """
+
+    def __init__(self, searcher: Searcher, start: int, goal: int) -> None:
+        self._searcher, self._start, self._goal = searcher, start, goal
+        self._quick = searcher.tree(goal, (1.0, 0.0))
+        if math.isinf(self._quick.costs[start]):
+            raise NoWayError('no drivable ground leads from the start to the goal')
+        self._clean = searcher.tree(goal, (0.0, 1.0))
+        self.fastest = self._reversed(self._quick.path_to(start))
+        self.cleanest = self._reversed(self._clean.path_to(start))
+
+    @property
+    def _edges(self) -> Edges:
+        return self._searcher.edges
+
+    def _reversed(self, path: IndexArray) -> GridPath:
+        return self._priced(path[::-1].copy())
+
+    def _priced(self, cells: IndexArray) -> GridPath:
+        time, dose = self._edges.path_costs(cells)
+        return GridPath(cells=cells, time_s=time, dose_usv=dose)
+
+    def within(self, budget_usv: float, effort: SearchEffort | None = None) -> BoundedPath:
+        """Return the fastest path with a dose within a budget.
+
+        Raises
+        ------
+        BeyondBudgetError
+            If the cleanest path has a higher dose.
+        """
+        effort = effort or SearchEffort()
+        require_not_negative('budget_usv', budget_usv, 'uSv')
+        if self.cleanest.dose_usv > budget_usv * (1.0 + ROUNDING):
+            raise BeyondBudgetError(
+                f'the dose budget of {budget_usv:.4g} uSv is too small: the cleanest way takes '
+                f'{self.cleanest.dose_usv:.4g} uSv'
+            )
+        if self.fastest.dose_usv <= budget_usv:
+            return _proven(self.fastest, 0.0)
+        dual = self._dual(budget_usv, effort)
+        if dual.gap_fraction <= ROUNDING:
+            return _proven(dual.path, dual.price_s_per_usv)
+        joined, back = self._joined(budget_usv, dual, effort.prices)
+        if not effort.is_exact:
+            return joined
+        return self._exact(budget_usv, joined, back, effort)
+
+    def _dual(self, budget: float, effort: SearchEffort) -> BoundedPath:
+        """Return the best path on the convex hull of time and dose, with the dual's bound."""
+        over, under = self.fastest, self.cleanest
+        bound, price = over.time_s, 0.0
+        for _ in range(effort.most_duals):
+            price = (under.time_s - over.time_s) / max(over.dose_usv - under.dose_usv, 1e-300)
+            line = over.time_s + price * over.dose_usv
+            cells = self._searcher.path(
+                self._start, self._goal, (1.0, price), (self._quick, self._clean)
+            )
+            assert cells is not None  # noqa: S101 - the ends are connected, see __init__
+            found = self._priced(cells)
+            lagrangian = found.time_s + price * found.dose_usv
+            bound = max(bound, lagrangian - price * budget)
+            if lagrangian >= line * (1.0 - ROUNDING):
+                break
+            if found.dose_usv > budget:
+                over = found
+            else:
+                under = found
+        return BoundedPath(
+            path=under, bound_s=min(bound, under.time_s), price_s_per_usv=price, label_count=0
+        )
+
+    def _joined(
+        self, budget: float, dual: BoundedPath, prices: Sequence[float]
+    ) -> tuple[BoundedPath, tuple['_Priced', ...]]:
+        """Return the best path with one price up to some cell and another from there on.
+
+        Two prices on one path come closer to the budget than one. Also returns the trees from the
+        goal by their prices, which are `prices` times that of the dual.
+        """
+        there = self._trees(self._start, dual.price_s_per_usv, prices)
+        back = self._trees(self._goal, dual.price_s_per_usv, prices)
+        best = dual.path
+        for (_, first), (_, last) in itertools.product(
+            there, (*back, (0.0, self._quick), (math.inf, self._clean))
+        ):
+            seconds = np.where(
+                first.doses_usv + last.doses_usv <= budget, first.times_s + last.times_s, math.inf
+            )
+            middle = int(seconds.argmin())
+            if seconds[middle] < best.time_s * (1.0 - ROUNDING):
+                cells = [first.path_to(middle), last.path_to(middle)[-2::-1]]
+                best = self._priced(np.concatenate(cells))
+        return replace(dual, path=best, bound_s=min(dual.bound_s, best.time_s)), back
+
+    def _trees(self, origin: int, price: float, shares: Sequence[float]) -> tuple['_Priced', ...]:
+        prices = (price * share for share in shares)
+        return tuple((one, self._searcher.tree(origin, (1.0, one))) for one in prices)
+
+    def _exact(
+        self,
+        budget: float,
+        known: BoundedPath,
+        back: Sequence['_Priced'],
+        effort: SearchEffort,
+    ) -> BoundedPath:
+        """Return the optimum, or the best known if there are too many labels."""
+        room = effort.most_labels
+        labels = (
+            np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room), np.empty(room)
+        )  # fmt: skip
+        status, last, count, reached = label_search(
+            (self._edges.times_s, self._edges.doses_usv),
+            self._edges.offsets,
+            (self._start, self._goal),
+            (budget * (1.0 + ROUNDING), known.path.time_s * (1.0 + ROUNDING)),
+            (self._quick.costs, self._clean.costs),
+            (np.array([price for price, _ in back]), np.stack([tree.costs for _, tree in back])),
+            np.full(self._edges.cells, math.inf),
+            labels,
+            (np.empty(room), np.empty(room, np.int64)),
+        )
+        price, path = known.price_s_per_usv, known.path
+        if status == FOUND:
+            best = self._priced(_path_of(labels[0], labels[1], last))
+            return _proven(min(best, path, key=lambda one: one.time_s), price, int(count))
+        bound = path.time_s if status == NONE_FOUND else max(known.bound_s, float(reached))
+        return BoundedPath(
+            path=path, bound_s=min(bound, path.time_s), price_s_per_usv=price,
+            label_count=int(count),
+        )  # fmt: skip
+
+    def trade_off(
+        self, count: int, effort: SearchEffort | None = None
+    ) -> tuple[tuple[float, BoundedPath], ...]:
+        """Return budgets from the cleanest to the fastest path with the best path of each.
+
+        The budgets are spaced evenly in logarithm. Without `effort` the dual is enough, whose gap
+        is mostly below a percent.
+        """
+        require_count('count', count, 2, 1000)
+        low, high = self.cleanest.dose_usv, self.fastest.dose_usv
+        require_positive('dose of the cleanest path', low, 'uSv')
+        effort = effort or SearchEffort(is_exact=False)
+        budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
+        return tuple((float(one), self.within(float(one), effort)) for one in budgets)
+
+
+_Priced = tuple[float, Tree]
+
+
+def _proven(path: GridPath, price: float, labels: int = 0) -> BoundedPath:
+    return BoundedPath(path=path, bound_s=path.time_s, price_s_per_usv=price, label_count=labels)
+
+
+def _path_of(cells: IndexArray, befores: IndexArray, last: int) -> IndexArray:
+    """Return the cells of a label and of those before it, the first one first."""
+    path = []
+    while last >= 0:
+        path.append(int(cells[last]))
+        last = int(befores[last])
+    return np.array(path[::-1], np.int64)

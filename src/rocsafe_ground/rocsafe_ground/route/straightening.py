@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Straight lines in place of the zigzag of a path over cells, no slower and with no more dose."""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+
+# Samples per side of a cell: a line that touches a corner of a blocked cell by less goes by it,
+# which the margin of the vehicle covers.
+SAMPLES = 4
+# Of a cell: rounding of samples.
+EDGE = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Surface:
+    """What a line over cells costs: all arrays (rows, columns)."""
+
+    is_free: BoolArray
+    slowness_spm: FloatArray
+    rates_usvh: FloatArray
+    cell_m: float
+
+    def line_costs(self, a: int, b: int) -> tuple[float, float] | None:
+        """Return time (s) and dose (uSv) of the straight line between two cells.
+
+        None if it meets a cell that is not free.
+        """
+        places, length = self.line(a, b)
+        rows, columns = np.rint(places).astype(np.int64).T
+        # A sample on the edge of two cells is in both.
+        low, high = np.ceil(places - 0.5 - EDGE).T, np.floor(places + 0.5 + EDGE).T
+        for r, c in itertools.product((low[0], high[0]), (low[1], high[1])):
+            if not self.is_free[r.astype(np.int64), c.astype(np.int64)].all():
+                return None
+        weights = np.full(len(places), length / max(len(places) - 1, 1))
+        weights[[0, -1]] *= 0.5
+        times = weights * self.slowness_spm[rows, columns]
+        return float(times.sum()), float((times * self.rates_usvh[rows, columns]).sum() / 3600.0)
+
+    def line(self, a: int, b: int) -> tuple[FloatArray, float]:
+        """Return samples (n, 2) of row and column from cell a to cell b, and its length, m."""
+        columns = self.is_free.shape[1]
+        begin = np.array(divmod(a, columns), np.float64)
+        step = np.array(divmod(b, columns), np.float64) - begin
+        count = int(np.ceil(np.abs(step).max() * SAMPLES)) + 1
+        share = np.linspace(0.0, 1.0, count)[:, None]
+        return begin + share * step, float(np.hypot(*step)) * self.cell_m
+
+
+def straightened(
+    path: IndexArray, costs: tuple[FloatArray, FloatArray], surface: Surface
+) -> IndexArray:
+    """Return the cells at which a path bends, ends included.
+
+    Parameters
+    ----------
+    path : (n,)
+        Cells.
+    costs : (n - 1,) each
+        Time and dose of each step.
+    surface
+        What lines cost.
+
+    Returns
+    -------
+    (m,)
+        Cells between which straight lines take no more time and no more dose than the path.
+    """
+    time = np.concatenate([[0.0], np.cumsum(costs[0])])
+    dose = np.concatenate([[0.0], np.cumsum(costs[1])])
+
+    def is_better(i: int, j: int) -> bool:
+        found = surface.line_costs(int(path[i]), int(path[j]))
+        if found is None:
+            return False
+        slack = 1.0 + 1e-9
+        return bool(
+            found[0] <= (time[j] - time[i]) * slack and found[1] <= (dose[j] - dose[i]) * slack
+        )
+
+    bends, here = [0], 0
+    while here < len(path) - 1:
+        reach = 1
+        # Twice as far while it is better, then as far as the last doubling.
+        while here + 2 * reach < len(path) and is_better(here, here + 2 * reach):
+            reach *= 2
+        step = reach // 2
+        while step:
+            if here + reach + step < len(path) and is_better(here, here + reach + step):
+                reach += step
+            step //= 2
+        here += reach
+        bends.append(here)
+    return np.asarray(path[bends])

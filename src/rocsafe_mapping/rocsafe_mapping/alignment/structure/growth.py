@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scene that grows by one photograph after the other (incremental structure from motion).
+
+Snavely, Seitz, Szeliski: Photo tourism (2006); Schoenberger, Frahm: Structure-from-motion
+revisited (2016).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
+from rocsafe_mapping.alignment.structure.epipolar import Key, Link, Tracks
+from rocsafe_mapping.alignment_options import StructureOptions
+
+NOWHERE = -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Grown:
+    """What became of some photographs.
+
+    Attributes
+    ----------
+    names
+        Indices of the photographs that have a pose, in the order of the scene.
+    scene
+        Their poses and points.
+    seen
+        Sightings that agree with it; its points are those of the scene.
+    tracks
+        Index of the track of each point of the scene.
+    """
+
+    names: tuple[int, ...]
+    scene: Scene
+    seen: Observations
+    tracks: NDArray[np.int64]
+
+
+class Growth:
+    """Grows a scene.
+
+    Parameters
+    ----------
+    tracks
+        Points that several photographs show.
+    offsets_px
+        Pixels less the principal point of the features of each photograph, (n, 2).
+    focal_px
+        Of each photograph.
+    lens_std
+        Prior of logarithm of the focal length, k1 and k2; zeros for a calibrated camera.
+    """
+
+    def __init__(
+        self,
+        tracks: Tracks,
+        offsets_px: Sequence[FloatArray],
+        focal_px: FloatArray,
+        lens_std: FloatArray,
+        options: StructureOptions,
+    ) -> None:
+        self._options = options
+        self._lens_std = lens_std
+        self._focal = focal_px
+        self._photo, self._point = tracks.photos, tracks.points
+        self._px = np.array(
+            [offsets_px[p][f] for p, f in zip(tracks.photos, tracks.features, strict=True)]
+        )
+        self._good = np.ones(len(self._photo), bool)
+        self._order: list[int] = []
+        self._centres = np.zeros((len(focal_px), 3))
+        self._rotations = np.zeros((len(focal_px), 3, 3))
+        self._places = np.full((tracks.count, 3), np.nan)
+        self._lens: FloatArray = np.zeros(3)
+        self._bundled_count = 0
+
+    def grow(self, links: Mapping[Key, Link]) -> Grown | None:
+        """Return the largest scene that grows from the best seed; None without any."""
+        for key in _seeds(links, self._options):
+            if self._begin(key, links[key]):
+                break
+        else:
+            return None
+        failed: dict[int, int] = {}
+        while True:
+            name = self._next(failed)
+            if name is None:
+                break
+            if self._add(name):
+                failed.pop(name, None)
+                self._triangulate(name)
+                if len(self._order) >= self._options.growth * self._bundled_count + 1:
+                    self._bundle()
+            else:
+                # It is tried again when there are more points.
+                failed[name] = self._known(name)
+        self._bundle()
+        self._bundle()
+        return self._grown()
+
+    def _begin(self, key: Key, link: Link) -> bool:
+        first, second = key
+        self._order = [first, second]
+        self._places[:] = np.nan
+        self._rotations[first], self._centres[first] = np.eye(3), 0.0
+        # x2 = R x1 + t: the second camera's axes in the first one's frame are R^T.
+        self._rotations[second] = link.rotation.T
+        self._centres[second] = -link.rotation.T @ link.direction
+        self._triangulate(second)
+        if int(np.isfinite(self._places[:, 0]).sum()) < self._options.least_seed_points:
+            return False
+        self._bundle()
+        return int(np.isfinite(self._places[:, 0]).sum()) >= self._options.least_seed_points
+
+    def _next(self, failed: Mapping[int, int]) -> int | None:
+        """Return the photograph that shows most known points and was not tried with as many."""
+        known = np.isfinite(self._places[self._point, 0])
+        counts = np.bincount(self._photo[known], minlength=len(self._focal))
+        counts[self._order] = 0
+        for name, tried in failed.items():
+            if counts[name] < 1.2 * tried + 5:
+                counts[name] = 0
+        best = int(np.argmax(counts))
+        return best if counts[best] >= self._options.least_seen else None
+
+    def _known(self, name: int) -> int:
+        mine = self._photo == name
+        return int(np.isfinite(self._places[self._point[mine], 0]).sum())
+
+    def _straight(self, rows: NDArray[np.bool_]) -> FloatArray:
+        """Return the undistorted rays x / z, y / z of sightings."""
+        focal = self._focal[self._photo[rows]] * np.exp(self._lens[0])
+        bent = self._px[rows] / focal[:, np.newaxis]
+        square = np.sum(bent**2, axis=1, keepdims=True)
+        rays: FloatArray = bent * (1.0 + self._lens[1] * square + self._lens[2] * square**2)
+        return rays
+
+    def _add(self, name: int) -> bool:
+        """Find the pose of a photograph from points that it shows; return whether it is good."""
+        options = self._options
+        rows = (self._photo == name) & np.isfinite(self._places[self._point, 0])
+        points, rays = self._places[self._point[rows]], self._straight(rows)
+        cv2.setRNGSeed(0)
+        limit = options.pose_px / self._focal[name]
+        try:
+            found, turn, shift, inside = cv2.solvePnPRansac(
+                points, rays, np.eye(3), None, iterationsCount=3000,
+                reprojectionError=limit, confidence=0.9999, flags=cv2.SOLVEPNP_AP3P,
+            )  # fmt: skip
+        except cv2.error:
+            return False
+        if not found or inside is None or len(inside) < options.least_seen:
+            return False
+        if len(inside) < options.least_pose_share * len(points):
+            return False
+        inside = inside.ravel()
+        turn, shift = cv2.solvePnPRefineLM(
+            points[inside], rays[inside], np.eye(3), None, turn, shift
+        )
+        matrix = np.asarray(cv2.Rodrigues(turn)[0], float)
+        self._rotations[name], self._centres[name] = matrix.T, -matrix.T @ shift.ravel()
+        self._order.append(name)
+        return True
+
+    def _triangulate(self, name: int) -> None:
+        """Find the points that a photograph and others in the scene show."""
+        mine = (self._photo == name) & self._good & np.isnan(self._places[self._point, 0])
+        row_of = np.full(len(self._places), NOWHERE)
+        row_of[self._point[mine]] = np.flatnonzero(mine)
+        for other in self._order:
+            if other == name:
+                continue
+            rows = (self._photo == other) & self._good & (row_of[self._point] != NOWHERE)
+            rows &= np.isnan(self._places[self._point, 0])
+            if np.any(rows):
+                own = np.zeros(len(rows), bool)
+                own[row_of[self._point[rows]]] = True
+                self._intersect(name, other, own, rows)
+
+    def _intersect(
+        self, name: int, other: int, own: NDArray[np.bool_], rows: NDArray[np.bool_]
+    ) -> None:
+        """Take over points where the rays of two photographs meet well."""
+        # Both in the order of their points.
+        mine, theirs = np.flatnonzero(own), np.flatnonzero(rows)
+        mine = mine[np.argsort(self._point[mine])]
+        theirs = theirs[np.argsort(self._point[theirs])]
+        one, two = self._directions(name, mine), self._directions(other, theirs)
+        cosine = np.sum(one * two, axis=1)
+        base = self._centres[other] - self._centres[name]
+        # The middle of the shortest line between the rays.
+        sine2 = np.maximum(1.0 - cosine**2, 1e-12)
+        near = (one @ base - cosine * (two @ base)) / sine2
+        far = (cosine * (one @ base) - two @ base) / sine2
+        place = 0.5 * (self._centres[name] + one * near[:, np.newaxis])
+        place += 0.5 * (self._centres[other] + two * far[:, np.newaxis])
+        good = (near > 0.0) & (far > 0.0)
+        good &= np.arccos(np.clip(cosine, -1.0, 1.0)) > self._options.least_angle_rad
+        for at, pose in ((mine, name), (theirs, other)):
+            good &= self._errors(at, pose, place) < self._options.point_px
+        self._places[self._point[mine[good]]] = place[good]
+
+    def _directions(self, name: int, rows: NDArray[np.int64]) -> FloatArray:
+        chosen = np.zeros(len(self._photo), bool)
+        chosen[rows] = True
+        rays = self._straight(chosen)[np.argsort(np.argsort(rows))]
+        rays = np.column_stack([rays, np.ones(len(rays))]) @ self._rotations[name].T
+        directions: FloatArray = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+        return directions
+
+    def _errors(self, rows: NDArray[np.int64], name: int, places: FloatArray) -> FloatArray:
+        seen = self._observed(rows, np.full(len(rows), name), np.arange(len(rows)))
+        scene = Scene(
+            centres=self._centres, rotations=self._rotations, points=places, lens=self._lens
+        )
+        return seen.errors_px(scene)
+
+    def _observed(
+        self, rows: NDArray[np.int64], photos: NDArray[np.int64], points: NDArray[np.int64]
+    ) -> Observations:
+        return Observations(
+            photos=photos,
+            points=points,
+            offsets_px=self._px[rows],
+            focal_px=self._focal[self._photo[rows]],
+        )
+
+    def _in_scene(self) -> tuple[NDArray[np.int64], Observations, NDArray[np.int64]]:
+        """Return rows of the sightings in the scene, these, and the tracks of its points."""
+        slot = np.full(len(self._focal), NOWHERE)
+        slot[self._order] = np.arange(len(self._order))
+        used = (slot[self._photo] != NOWHERE) & self._good
+        used &= np.isfinite(self._places[self._point, 0])
+        tracks, points = np.unique(self._point[used], return_inverse=True)
+        rows = np.flatnonzero(used)
+        return rows, self._observed(rows, slot[self._photo[rows]], points), tracks
+
+    def _bundle(self) -> None:
+        """Adjust the scene, leave out sightings that disagree, and try points again."""
+        rows, seen, tracks = self._in_scene()
+        order = np.array(self._order)
+        scene = Scene(
+            centres=self._centres[order],
+            rotations=self._rotations[order],
+            points=self._places[tracks],
+            lens=self._lens,
+        )
+        std = self._lens_std if len(order) >= self._options.least_for_lens else np.zeros(3)
+        scene = bundled(scene, seen, self._options, std)
+        self._centres[order], self._rotations[order] = scene.centres, scene.rotations
+        self._lens = scene.lens
+        self._places[tracks] = scene.points
+        bad = seen.errors_px(scene) > self._options.point_px
+        self._good[rows[bad]] = False
+        left = np.bincount(self._point[rows[~bad]], minlength=len(self._places))
+        self._places[left < 2] = np.nan
+        self._bundled_count = len(order)
+        for name in self._order:
+            self._triangulate(name)
+
+    def _grown(self) -> Grown:
+        _, seen, tracks = self._in_scene()
+        order = np.array(self._order)
+        scene = Scene(
+            centres=self._centres[order],
+            rotations=self._rotations[order],
+            points=self._places[tracks],
+            lens=self._lens,
+        )
+        return Grown(names=tuple(self._order), scene=scene, seen=seen, tracks=tracks)
+
+
+def _seeds(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
+    """Return pairs to begin with: many matches under a good angle first."""
+
+    def worth(key: Key) -> float:
+        link = links[key]
+        good = min(link.angle_rad / options.good_angle_rad, 1.0)
+        return -len(link.matches) * (good if link.angle_rad < options.widest_rad else 0.1)
+
+    return sorted(links, key=lambda key: (worth(key), key))[: options.seeds]

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checks of the failsafe settings of a vehicle."""
+
+import math
+
+from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
+from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
+from rocsafe_mavlink.autopilots.px4 import PX4
+from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+
+# Link-loss actions that bring a vehicle home: FS_GCS_ENABLE 1 (RTL), 3 and 4 (SmartRTL, else RTL
+# or landing), 6 (landing sequence of the mission, else RTL); NAV_DLL_ACT 2 (return).
+RETURNING = {ARDUPILOT: frozenset({1.0, 3.0, 4.0, 6.0}), PX4: frozenset({2.0})}
+# Bits by which a vehicle goes on with its mission without a link: of FS_OPTIONS, COM_DLL_EXCEPT.
+GOES_ON_BIT = {ARDUPILOT: 2, PX4: 1}
+# FENCE_ACTION 1 to 5 (return, land, brake and their combinations), GF_ACTION 2 (hold), 3 (return),
+# 5 (land). GF_ACTION 4 terminates the flight: the motors stop, and the vehicle falls.
+ANSWERING = {
+    ARDUPILOT: frozenset({1.0, 2.0, 3.0, 4.0, 5.0}),
+    PX4: frozenset({2.0, 3.0, 5.0}),
+}
+FALLING: dict[int, frozenset[float]] = {ARDUPILOT: frozenset(), PX4: frozenset({4.0})}
+# System that QGroundControl and Mission Planner have unless somebody changes it.
+USUAL_STATION = 255
+
+
+def setting_checks(
+    reader: ParameterReader | None, limits: FlightLimits, station: int
+) -> list[Check]:
+    """Return the checks of what the vehicle does by itself when something goes wrong."""
+    must_return = limits.must_return_on_link_loss
+    if reader is None:
+        verdict = CheckVerdict.FAIL if must_return else CheckVerdict.WARN
+        return [Check('settings', verdict, NOT_READ, 'read')]
+    return [
+        *_link_loss_checks(reader, station, is_required=must_return),
+        _setting(reader, Parameter.LOW_BATTERY_ACTION),
+        _setting(reader, Parameter.RADIO_LOSS_ACTION),
+        *_fence_action_checks(reader),
+        *_return_checks(reader, limits),
+        *_arming_checks(reader),
+        *_heading_checks(reader),
+    ]
+
+
+def _heading_checks(reader: ParameterReader) -> list[Check]:
+    """Return the check that it keeps the heading of its mission, not that of its way."""
+    if Parameter.YAW_BEHAVIOUR not in SPELLINGS[reader.autopilot]:
+        return []
+    text = setting_text(reader, Parameter.YAW_BEHAVIOUR)
+    verdict = (
+        CheckVerdict.PASS if reader.value(Parameter.YAW_BEHAVIOUR) == 0.0 else CheckVerdict.WARN
+    )
+    limit = '0, or photographs lie turned'
+    return [Check(Parameter.YAW_BEHAVIOUR.value, verdict, text, limit)]
+
+
+def _link_loss_checks(reader: ParameterReader, station: int, *, is_required: bool) -> list[Check]:
+    """Return the checks that the vehicle comes back if this bridge falls silent."""
+    bad = CheckVerdict.FAIL if is_required else CheckVerdict.WARN
+    action = reader.value(Parameter.LINK_LOSS_ACTION)
+    checks = [
+        _judged(
+            reader,
+            Parameter.LINK_LOSS_ACTION,
+            CheckVerdict.PASS if action in RETURNING[reader.autopilot] else bad,
+            'one that returns' if is_required else 'one that returns, or chosen otherwise',
+        )
+    ]
+    exceptions = reader.value(Parameter.LINK_LOSS_EXCEPTIONS)
+    if math.isfinite(exceptions) and int(exceptions) & GOES_ON_BIT[reader.autopilot]:
+        limit = f'without bit {GOES_ON_BIT[reader.autopilot]}, by which its mission goes on'
+        checks.append(_judged(reader, Parameter.LINK_LOSS_EXCEPTIONS, bad, limit))
+    heard = reader.value(Parameter.STATION)
+    if math.isfinite(heard) and station >= 0:
+        is_ours, is_usual = heard == station, heard == USUAL_STATION
+        verdict = bad if not is_ours else CheckVerdict.WARN if is_usual else CheckVerdict.PASS
+        limit = f'{station}, our own, or the vehicle does not notice that this bridge is silent'
+        if is_ours and is_usual:
+            limit = 'one that no other station has: a station with 255 hides a silent bridge'
+        checks.append(_judged(reader, Parameter.STATION, verdict, limit))
+    return checks
+
+
+def _fence_action_checks(reader: ParameterReader) -> list[Check]:
+    """Return the checks that a breach of the fence is answered, and not by stopped motors."""
+    is_separate = SPELLINGS[reader.autopilot][Parameter.FENCE_ENABLED][0][0] != 'GF_ACTION'
+    checks = [_setting(reader, Parameter.FENCE_ENABLED)] if is_separate else []
+    action = reader.value(Parameter.FENCE_ACTION)
+    verdict = CheckVerdict.PASS if action in ANSWERING[reader.autopilot] else CheckVerdict.WARN
+    if action in FALLING[reader.autopilot]:
+        verdict = CheckVerdict.FAIL
+    limit = 'one that turns back, stops or lands'
+    return [*checks, _judged(reader, Parameter.FENCE_ACTION, verdict, limit)]
+
+
+def _return_checks(reader: ParameterReader, limits: FlightLimits) -> list[Check]:
+    """Return the check of the height at which the vehicle comes home by itself."""
+    height_m = reader.value(Parameter.RETURN_HEIGHT_M)
+    # 0: it comes home at the height at which it is.
+    is_good = height_m == 0.0 or limits.lowest_m <= height_m <= limits.max_height_agl_m
+    verdict = CheckVerdict.PASS if is_good else CheckVerdict.WARN
+    limit = f'{limits.lowest_m:g} to {limits.max_height_agl_m:g} m'
+    return [_judged(reader, Parameter.RETURN_HEIGHT_M, verdict, limit)]
+
+
+def _arming_checks(reader: ParameterReader) -> list[Check]:
+    """Return the check that an ArduPilot's own checks before arming are all on."""
+    if Parameter.ARMING_CHECKS not in SPELLINGS[reader.autopilot]:
+        return []
+    complete = 0.0 if reader.spelling(Parameter.ARMING_CHECKS) == 'ARMING_SKIPCHK' else 1.0
+    is_all = reader.value(Parameter.ARMING_CHECKS) == complete
+    verdict = CheckVerdict.PASS if is_all else CheckVerdict.WARN
+    return [_judged(reader, Parameter.ARMING_CHECKS, verdict, f'{complete:g}: all of them')]
+
+
+def _setting(reader: ParameterReader, parameter: Parameter) -> Check:
+    value = reader.value(parameter)
+    is_on = math.isfinite(value) and value != 0.0
+    verdict = CheckVerdict.PASS if is_on else CheckVerdict.WARN
+    return _judged(reader, parameter, verdict, 'on, or chosen to be off')
+
+
+def _judged(
+    reader: ParameterReader, parameter: Parameter, verdict: CheckVerdict, limit: str
+) -> Check:
+    return Check(parameter.value, verdict, setting_text(reader, parameter), limit)
+
+
+def setting_text(reader: ParameterReader, parameter: Parameter) -> str:
+    """Return the value of a parameter by the vehicle's own name for it."""
+    value, spelling = reader.value(parameter), reader.spelling(parameter)
+    if math.isfinite(value):
+        return f'{spelling} = {value:g}'
+    return f'{spelling} not answered' if reader.is_over else NOT_READ

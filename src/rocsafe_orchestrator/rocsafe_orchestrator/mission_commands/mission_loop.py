@@ -1,0 +1,340 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The main loop of a run: supervises processes, advances the mission, shows its state."""
+
+import signal
+import time
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rocsafe_orchestrator.contamination import mark
+from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.closing import REPORT
+from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Situation
+from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
+from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
+from rocsafe_orchestrator.mission_commands.progress import Display
+from rocsafe_orchestrator.mission_commands.terminal import Terminal
+from rocsafe_orchestrator.processes.disk_space import shortage
+from rocsafe_orchestrator.processes.interrupt import Interrupt
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
+from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
+from rocsafe_orchestrator.processes.supervisor import Supervisor
+from rocsafe_orchestrator.provenance import write_json
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.watches.decisions import ERROR, WARN, Decision, Decisions
+from rocsafe_orchestrator.watches.operator_watch import OperatorNews, OperatorWatch
+
+if TYPE_CHECKING:  # the loop is tested without ROS
+    from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
+
+TICK_S = 0.05
+SHOW_PERIOD_S = 0.25
+PUBLISH_PERIOD_S = 0.5
+DISK_PERIOD_S = 1.0
+# If simulated time stands still for longer, the participants are asked which one is late.
+STALL_WATCH_S = 1.0
+# A plan of real vehicles must be confirmed within this time.
+CONFIRM_S = 120.0
+# The end of a run does not wait for the landing of a vehicle that is silent for longer.
+LONGEST_SILENCE_S = 15.0
+# How bad the end of a process is for the mission.
+_SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parts:
+    """The parts of a run.
+
+    Attributes
+    ----------
+    operator
+        Watched where real vehicles fly.
+    confirmed
+        Hashes of plans by which real vehicles may take off.
+    """
+
+    table: tuple[ProcessSpec, ...]
+    participants: tuple[str, ...]
+    mission: Mission
+    monitor: Monitor
+    supervisor: Supervisor
+    node: 'OrchestratorNode'
+    spinner: 'Spinner'
+    display: Display
+    interrupt: Interrupt
+    terminal: Terminal
+    operator: OperatorWatch | None
+    confirmed: frozenset[str]
+    directory: RunDirectory
+    run_info: dict[str, Any]
+    crew_watch: CrewWatch
+    real: frozenset[str]
+
+
+class MissionLoop:
+    """Flies one mission from the start of its processes to their end.
+
+    Parameters
+    ----------
+    parts
+        The parts of the run.
+    stop_s
+        Time within which a process must end when asked, seconds.
+    started_s
+        When the run began, by `time.monotonic`.
+    """
+
+    def __init__(self, parts: Parts, stop_s: float, started_s: float) -> None:
+        self._parts = parts
+        self._stop_s = stop_s
+        self._started_s = started_s
+        self._pace = Pace()
+        self._ready: frozenset[str] = frozenset()
+        self._show_at_s = self._publish_at_s = self._look_at_disk_s = 0.0
+        self._is_shortage_told = False
+        self._shown_phase: Phase | None = None
+        self._interrupted_by: signal.Signals | None = None
+        self._asked_s: float | None = None
+        self._marked: dict[str, str] = {}
+        self._decisions = Decisions()
+
+    def fly(self) -> Phase:
+        """Run the mission to its end and return how it ended; no process is left."""
+        parts = self._parts
+        try:
+            parts.node.requests.begin(parts.mission)
+            parts.node.publish_region()
+            while not parts.mission.phase.is_over and not parts.interrupt.is_urgent:
+                parts.spinner.spin_for(TICK_S)
+                self._tick(time.monotonic())
+            if not parts.mission.phase.is_over:
+                parts.mission.abandon()
+            self._show(time.monotonic())
+        finally:
+            self._stop([*(spec.name for spec in parts.table), REPORT])
+            self._write_outcome(is_over=True)
+        return parts.mission.phase
+
+    def _tick(self, now_s: float) -> None:
+        parts = self._parts
+        may_order = self._watch_operator(now_s)
+        self._await_confirmation(now_s)
+        if parts.interrupt.count:
+            parts.mission.cancel(parts.interrupt.text)
+        parts.interrupt.is_saving = parts.mission.phase >= Phase.MAPPING
+        self._watch_disk(now_s)
+        for event in parts.supervisor.poll():
+            self._on_event(event, now_s)
+        for vehicle, why in parts.monitor.turned_back.items():
+            if parts.monitor.vehicle(vehicle).is_aloft:
+                parts.mission.turn_back(vehicle, why)
+        parts.mission.remarks += parts.crew_watch.advance()
+        self._mark_contaminated()
+        if may_order:
+            for order in parts.mission.advance(now_s, self._situation(now_s)):
+                self._tell(self._decisions.of_order(order))
+                self._carry_out(order)
+        self._tell(self._decisions.of_mission(parts.mission))
+        while parts.mission.remarks:
+            self._say(parts.mission.remarks.pop(0))
+        parts.node.watch_steps(parts.mission.stalled_s > STALL_WATCH_S)
+        self._show(now_s)
+
+    def _watch_operator(self, now_s: float) -> bool:
+        """Let no signal end a flight of real vehicles; return whether orders may be sent."""
+        watch, interrupt = self._parts.operator, self._parts.interrupt
+        if watch is None:
+            return True
+        states = [vehicle.state for vehicle in self._parts.monitor.vehicles]
+        interrupt.is_guarded = not watch.may_end(now_s, states)
+        if not interrupt.is_guarded:
+            if watch.ends and self._interrupted_by is not None:
+                interrupt.end(self._interrupted_by)
+            return True
+        news = OperatorNews(
+            is_interrupted=interrupt.count > 0,
+            has_terminal=self._parts.terminal.is_there and interrupt.first is signal.SIGINT,
+            answer=self._parts.terminal.typed(),
+        )
+        if interrupt.count:
+            self._interrupted_by = interrupt.first
+            interrupt.withdraw()
+        verb = watch.advance(now_s, news, states)
+        if verb is not None:
+            self._parts.node.requests.command_fleet(verb)
+        while watch.remarks:
+            self._say(watch.remarks.pop(0))
+        return not watch.ends
+
+    def _say(self, remark: str) -> None:
+        self._tell([Decision(kind='remark', text=remark)])
+        self._parts.display.say(remark)
+
+    def _await_confirmation(self, now_s: float) -> None:
+        """Let a person confirm the plan by which real vehicles take off."""
+        requests, terminal = self._parts.node.requests, self._parts.terminal
+        digest = requests.unconfirmed
+        if not digest:
+            return
+        if digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
+            self._asked_s = None
+            self._parts.run_info['confirmed_plan'] = digest
+            self._say(f'plan {digest} is confirmed')
+            requests.confirm()
+        elif not terminal.is_there:
+            requests.reject(
+                f'plan {digest} of real vehicles is not confirmed: look at plan.json, then run '
+                f'again with --confirm {digest}, or in a terminal'
+            )
+        elif self._asked_s is None:
+            self._asked_s = now_s
+            self._parts.display.say(
+                f'real vehicles take off by plan {digest}, see plan.json: y and Enter confirms it'
+            )
+        elif now_s - self._asked_s > CONFIRM_S:
+            self._asked_s = None
+            requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
+
+    def _mark_contaminated(self) -> None:
+        """Report the vehicles that may be contaminated; write the real ones to a file."""
+        parts = self._parts
+        news = {n: w for n, w in parts.monitor.contaminated.items() if n not in self._marked}
+        if not news:
+            return
+        self._marked.update(news)
+        parts.mission.remarks += [f'{n}: may be contaminated, {why}' for n, why in news.items()]
+        run = parts.directory
+        real = {n: f'{why} in {run.name}' for n, why in news.items() if n in parts.real}
+        mark(run.path.parent, real)
+
+    def _tell(self, decisions: list[Decision]) -> None:
+        for decision in decisions:
+            self._parts.node.tell(decision, time.monotonic() - self._started_s)
+
+    def _on_event(self, event: ProcessEvent, now_s: float) -> None:
+        mission = self._parts.mission
+        if event.kind is ProcessEventKind.DONE and event.name == REPORT:
+            mission.answered(Order(kind=OrderKind.WRITE_PRODUCTS))
+            return
+        self._parts.display.say(f'{event.name} {event.text}')
+        if (severity := _SEVERITIES.get(event.kind)) is not None:
+            text = f'process {event.name} {event.text}'
+            self._tell([Decision(kind='restart', text=text, severity=severity)])
+        if event.kind is ProcessEventKind.RESTARTED:
+            mission.restarted(event.name, now_s)
+        elif event.kind is ProcessEventKind.GAVE_UP:
+            mission.gave_up(event.name, event.text)
+
+    def _situation(self, now_s: float) -> Situation:
+        parts = self._parts
+        if parts.mission.phase is Phase.STARTING:
+            self._ready = parts.node.ready(parts.table)
+        self._pace.note(now_s, parts.monitor.flight_time_s)
+        waiting_for = parts.node.waiting_for(parts.participants)
+        silences_s = parts.mission.fleet.silences_s(
+            parts.mission.stalled_s, waiting_for, partial(parts.monitor.heard_ago_s, now_s=now_s)
+        )
+        return Situation(
+            ready=self._ready,
+            simulated_s=parts.monitor.time_s,
+            waiting_for=waiting_for,
+            images_stored=parts.monitor.images_stored,
+            images_rejected=len(parts.monitor.rejections),
+            still=parts.monitor.still,
+            aloft=frozenset(
+                status.name
+                for status in parts.monitor.vehicles
+                if status.is_aloft and silences_s[status.name] < LONGEST_SILENCE_S
+            ),
+            unsettled=parts.monitor.unsettled,
+            sightings={
+                name: parts.monitor.sighting(name, now_s, silent_s)
+                for name, silent_s in silences_s.items()
+            },
+        )
+
+    def _carry_out(self, order: Order) -> None:
+        if order.kind is not OrderKind.WRITE_PRODUCTS:
+            self._parts.node.requests.send(order)
+            return
+        self._parts.mission.accepted(order)
+        self._show(time.monotonic())
+        # Only after the nodes have ended is the recording complete and no image being written.
+        self._stop([spec.name for spec in self._parts.table])
+        self._write_outcome(is_over=False)
+        if self._parts.interrupt.is_urgent:
+            return
+        try:
+            self._parts.supervisor.start(REPORT)
+        except SetupError as error:
+            self._parts.mission.gave_up(REPORT, str(error))
+
+    def _stop(self, names: list[str]) -> None:
+        interrupt = self._parts.interrupt
+        self._parts.supervisor.stop(
+            names, deadline_s=self._stop_s, must_hurry=lambda: interrupt.is_urgent
+        )
+
+    def _write_outcome(self, *, is_over: bool) -> None:
+        """Write the outcome to ``run.json``; before the products are made it is preliminary."""
+        mission = self._parts.mission
+        self._parts.run_info.update(
+            outcome=(mission.phase if is_over else mission.outcome).name.lower(),
+            outcome_text=mission.text,
+            wall_time_s=round(time.monotonic() - self._started_s, 3),
+            restarts=self._parts.supervisor.restarts,
+            lost_vehicles=dict(mission.fleet.lost),
+            may_be_contaminated=self._parts.monitor.contaminated,
+            expected_crew_doses_usv=self._parts.crew_watch.doses_usv,
+            rejected_images=self._parts.monitor.rejections,
+        )
+        try:
+            write_json(self._parts.directory.run_info, self._parts.run_info)
+        except OSError as error:
+            self._parts.display.say(f'{self._parts.directory.run_info}: {error.strerror}')
+
+    def _watch_disk(self, now_s: float) -> None:
+        """Break off while there is room for what was measured; real vehicles land first."""
+        if now_s < self._look_at_disk_s:
+            return
+        self._look_at_disk_s = now_s + DISK_PERIOD_S
+        text = shortage(self._parts.directory.path)
+        if text and not self._parts.interrupt.is_guarded:
+            self._parts.mission.break_off(text)
+        elif text and not self._is_shortage_told:
+            self._is_shortage_told = True
+            self._say(text)
+
+    def _show(self, now_s: float) -> None:
+        mission = self._parts.mission
+        is_news = mission.phase is not self._shown_phase
+        self._shown_phase = mission.phase
+        status = None
+        if is_news or now_s >= self._publish_at_s:
+            self._publish_at_s = now_s + PUBLISH_PERIOD_S
+            status = self._status(now_s)
+            self._parts.node.publish(status)
+        if is_news or now_s >= self._show_at_s:
+            self._show_at_s = now_s + SHOW_PERIOD_S
+            self._parts.display.show(status or self._status(now_s))
+
+    def _status(self, now_s: float) -> RunStatus:
+        mission, monitor = self._parts.mission, self._parts.monitor
+        return RunStatus(
+            phase=mission.phase,
+            text=mission.text,
+            vehicles=monitor.vehicles,
+            images_stored=monitor.images_stored,
+            images_expected=monitor.images_expected,
+            viewpoints_planned=monitor.viewpoints_planned,
+            viewpoints_visited=monitor.viewpoints_visited,
+            peak=monitor.peak,
+            flight_time_s=monitor.flight_time_s,
+            wall_time_s=now_s - self._started_s,
+            real_time_factor=self._pace.factor,
+            restarts=self._parts.supervisor.restarts,
+        )

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the nodes ``air`` and ``estimator``, made from the air block of a scenario."""
+
+from typing import Any
+
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_scenario.scenario import Scenario
+
+Parameters = dict[str, Any]
+ESTIMATOR = 'estimator'
+# Keys of the block that are parameters of the node, not settings of its file.
+OWN_KEYS = {'window_s', 'wind', 'search'}
+
+
+def air_parameters(scenario: Scenario) -> Parameters:
+    """Return the parameters of the air; `air_file` is the content of that file.
+
+    The wind is the one that pushes the vehicles.
+    """
+    metered = scenario.with_simulated_detector
+    east, north = scenario.survey.airspace.wind_mps
+    wind = {'towards_east_mps': east, 'towards_north_mps': north}
+    return {
+        'vehicles': [vehicle.name for vehicle in metered],
+        # The true position of a real vehicle is unknown.
+        'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
+        'start_time_s': scenario.clock.start.timestamp(),
+        'air_file': {
+            'wind': wind | scenario.air.wind.model_dump(),
+            'ground_altitude_m': scenario.origin.ground_altitude_m,
+            **scenario.air.model_dump(mode='json', exclude=OWN_KEYS, exclude_defaults=True),
+        },
+        'window_s': scenario.air.window_s,
+        'seed': scenario.seed,
+        'lock_step': True,
+    }
+
+
+def estimator_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the estimator, which is told of the air but not of releases."""
+    air, origin = scenario.air, scenario.origin_position()
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'origin_latitude_deg': origin.latitude_deg,
+        'origin_longitude_deg': origin.longitude_deg,
+        'origin_altitude_m': origin.altitude_m,
+        'stability': air.wind.stability,
+        'roughness_m': air.wind.roughness_m,
+        'dilution': air.dilution,
+        'intake_delay_s': air.intake_delay_s,
+        **air.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'}),
+        'spool_directory': str(run.spool / ESTIMATOR),
+    }

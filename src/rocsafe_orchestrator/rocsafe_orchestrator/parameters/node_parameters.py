@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: Apache-2.0
+"""ROS parameters of each node, made from a scenario."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from rocsafe_orchestrator.parameters.terrain_parameters import known_terrain_parameters
+from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_scenario.camera_blocks import camera_parameters
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
+
+Parameters = dict[str, Any]
+
+FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
+LOCALIZER, AIR = 'localizer', 'air'
+LOCK_STEP = {'lock_step': True}
+
+
+def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the planner."""
+    parameters: Parameters = {
+        'grid': scenario.survey.grid,
+        'max_viewpoints': scenario.survey.max_viewpoints,
+        'export_directory': str(run.path),
+    }
+    if scenario.survey.effort.method:
+        parameters['default_method'] = scenario.survey.effort.method
+    return parameters
+
+
+def world_parameters(scenario: Scenario) -> Parameters:
+    """Return the parameters of the world: time stands still until the routes are accepted.
+
+    Not where a real vehicle takes part: time runs as on the wall then, and does not wait.
+    """
+    is_real = bool(scenario.linked)
+    return {
+        'step_s': scenario.clock.step_s,
+        'speed': 1.0 if is_real else scenario.clock.speed,
+        'start_time_s': scenario.clock.start.timestamp(),
+        'participants': [*_vehicle_participants(scenario), FIELD, *_air(scenario), RECORDER],
+        'autostart': is_real,
+        'pause_when_idle': not is_real,
+        'pause_on_news': not is_real and scenario.replan == 'on_loss',
+        'scene': scenario.scene,
+    }
+
+
+def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory) -> Parameters:
+    """Return the parameters of the process of one simulated vehicle."""
+    return {
+        'home_latitude_deg': vehicle.home[0],
+        'home_longitude_deg': vehicle.home[1],
+        **_vehicle_model(scenario, vehicle),
+        'spool_directory': str(run.spool / vehicle.name),
+    }
+
+
+def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the one process of all simulated vehicles, which are alike."""
+    return {
+        'fleet_file': {
+            'vehicles': [
+                {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
+            ]
+        },
+        **_vehicle_model(scenario, scenario.simulated[0]),
+        'spool_directory': str(run.spool),
+    }
+
+
+def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
+    """Return the parameters of the bridge to all real vehicles."""
+    return {
+        'drones_file': {
+            'drones': [
+                {
+                    'name': vehicle.name,
+                    'link': vehicle.link,
+                    'speed_mps': vehicle.cruise_speed_mps,
+                    'hover_s': vehicle.hover_s,
+                    'endurance_s': vehicle.endurance_s,
+                    **vehicle.drone.model_dump(exclude={'detector'}),
+                }
+                for vehicle in scenario.linked
+            ]
+        },
+        'state_directory': state_directory,
+        'needs_supervisor': True,
+        'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
+        'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
+        **_origin(scenario),
+    }
+
+
+def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the localizer, which is not told of the sources."""
+    radiation = scenario.radiation
+    search = radiation.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'})
+    levels = {
+        key: list(value) if isinstance(value, tuple) else value
+        for key, value in radiation.levels.model_dump(exclude={'contamination_usvh'}).items()
+    }
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'model': radiation.estimator_model,
+        'detector': radiation.detector,
+        **search,
+        **levels,
+        'spool_directory': str(run.spool / LOCALIZER),
+        **known_terrain_parameters(scenario, run),
+        **_origin(scenario),
+    }
+
+
+def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the image store; an engine's camera knows what it shows."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'store_directory': str(run.images),
+        'store_labels': scenario.camera.backend == 'engine',
+    }
+
+
+def mosaic_parameters(run: RunDirectory) -> Parameters:
+    """Return the parameters of the map maker."""
+    return {'store_directory': str(run.images), 'output_path': str(run.mosaic)}
+
+
+def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the node that commands all vehicles at once."""
+    return {'vehicles': list(scenario.vehicle_names), 'mission': run.name}
+
+
+def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the recorder."""
+    return {
+        'output_directory': str(run.path),
+        'vehicles': list(scenario.vehicle_names),
+        'other_cameras': [camera.name for camera in scenario.other_cameras],
+        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
+        **LOCK_STEP,
+    }
+
+
+def write_parameters(path: Path, node: str, parameters: Mapping[str, Any]) -> None:
+    """Write the ROS parameter file of `node`, a full name such as ``/rav1/rav``, to `path`.
+
+    A value that is a mapping, e.g. of ``cameras_file``, is written to a YAML file of its own
+    beside it, ``rav1-cameras.yaml``, and the parameter is the path of that file. Empty lists are
+    left out: they have no type of their own in a parameter file, and every such parameter is
+    empty by default.
+    """
+    given = {
+        key: _write_value_file(path, key, value) if isinstance(value, Mapping) else value
+        for key, value in parameters.items()
+        if value != []
+    }
+    content = {node: {'ros__parameters': given}}
+    path.write_text(yaml.safe_dump(content, sort_keys=False), encoding='utf-8')
+
+
+def _write_value_file(parameter_file: Path, key: str, values: Mapping[str, Any]) -> str:
+    """Write the nested settings of parameter `key` and return the path of their file."""
+    path = parameter_file.with_name(f'{parameter_file.stem}-{key.removesuffix("_file")}.yaml')
+    path.write_text(yaml.safe_dump(dict(values), sort_keys=False), encoding='utf-8')
+    return str(path)
+
+
+def _air(scenario: Scenario) -> list[str]:
+    return [AIR] if scenario.air.is_used else []
+
+
+def _vehicle_participants(scenario: Scenario) -> list[str]:
+    is_fleet = scenario.simulation.processes == 'fleet'
+    names = [vehicle.name for vehicle in scenario.simulated]
+    return [FLEET] if is_fleet and names else names
+
+
+def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
+    """Return what a vehicle can do and what its sensors are like."""
+    own_keys = {'name', 'home', 'autopilot', *PLANNING_KEYS, *LINK_KEYS}
+    simulation = scenario.simulation.model_dump(exclude={'processes'})
+    return {
+        **vehicle.model_dump(exclude=own_keys),
+        'autopilot_file': vehicle.autopilot.model_dump(),
+        'hover_power_w': vehicle.hover_power_w,
+        'wind_east_mps': scenario.survey.airspace.wind_mps[0],
+        'wind_north_mps': scenario.survey.airspace.wind_mps[1],
+        **simulation,
+        **camera_parameters(scenario.camera, scenario.other_cameras),
+        'scene': scenario.scene,
+        'scene_start_s': scenario.clock.start.timestamp(),
+        'seed': scenario.seed,
+        **_origin(scenario),
+        **LOCK_STEP,
+    }
+
+
+def _origin(scenario: Scenario) -> Parameters:
+    origin = scenario.origin_position()
+    return {
+        'origin_latitude_deg': origin.latitude_deg,
+        'origin_longitude_deg': origin.longitude_deg,
+        'origin_altitude_m': origin.altitude_m,
+    }

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The drive of a ground vehicle that was planned on a run: ``ground/route.json``."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_view import formats
+from rocsafe_view.svg import Point
+
+ROUTE = 'ground/route.json'
+# Shown around the way, as a share of its extent, and at least so many metres.
+MARGIN, LEAST_MARGIN_M = 0.15, 8.0
+CHART_WIDTH, CHART_HEIGHT = 320.0, 160.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveView:
+    """What the template ``drive.html`` draws; places are in map coordinates.
+
+    Attributes
+    ----------
+    sentence
+        The drive in words.
+    box
+        Left, top, width, height of what is shown.
+    way
+        Places in driving order.
+    stands
+        Where evidence is taken, with its name.
+    rows
+        Name and value of each figure.
+    left_out
+        Points that are not visited, and why.
+    curve
+        Dose budget and time of each trade-off, and the same in the coordinates of the chart.
+    """
+
+    sentence: str
+    box: tuple[float, float, float, float]
+    way: tuple[Point, ...]
+    stands: tuple[tuple[Point, str], ...]
+    rows: list[list[str]]
+    left_out: list[list[str]]
+    curve: tuple[tuple[str, str], ...]
+    chart: tuple[Point, ...]
+
+
+def drive_view(folder: Path, frame: LocalFrame | None) -> DriveView | None:
+    """Return the drive planned on the run in `folder`, None if there is none or no `frame`."""
+    if frame is None:
+        return None
+    try:
+        route = json.loads((folder / ROUTE).read_text(encoding='utf-8'))
+        return _view(route, frame)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _view(route: Mapping[str, Any], frame: LocalFrame) -> DriveView:
+    stops = route['stops']
+    enu = frame.to_enu(
+        [stop['latitude_deg'] for stop in stops],
+        [stop['longitude_deg'] for stop in stops],
+        [math.nan] * len(stops),
+    )
+    way = tuple((float(east), -float(north)) for east, north, _ in enu)
+    curve = [(one['dose_budget_usv'], one['time_s']) for one in route['trade_off']]
+    return DriveView(
+        sentence=_sentence(route),
+        box=_box(way),
+        way=way,
+        stands=tuple(
+            (place, stop['evidence'])
+            for place, stop in zip(way, stops, strict=True)
+            if stop['evidence']
+        ),
+        rows=_rows(route),
+        left_out=[[one['evidence'], one['why']] for one in route['left_out']],
+        curve=tuple((_dose(dose), formats.duration(time)) for dose, time in curve),
+        chart=_chart(curve),
+    )
+
+
+def _sentence(route: Mapping[str, Any]) -> str:
+    visited = [stop['evidence'] for stop in route['stops'] if stop['evidence']]
+    dose = route['dose_usv']
+    return (
+        f'To {formats.sentence_list(visited)} and back: {formats.length(route["length_m"])} in '
+        f'{formats.duration(route["time_s"])}, with {_dose(dose["mean"])} by the estimated field. '
+        f'The budget of {_dose(route["dose_budget_usv"])} is kept with a probability of '
+        f'{formats.probability(dose["probability_within_budget"])}.'
+    )
+
+
+def _rows(route: Mapping[str, Any]) -> list[list[str]]:
+    dose, proof, fastest = route['dose_usv'], route['proof'], route['fastest']
+    return [
+        ['Dose, 95 of 100', f'{_dose(dose["low_95"])} to {_dose(dose["high_95"])}'],
+        ['Of it at the evidence', _dose(dose['of_dwells'])],
+        ['Fastest way', f'{formats.duration(fastest["time_s"])}, {_dose(fastest["dose_usv"])}'],
+        ['Over cells, before straight lines', _proof(proof)],
+        ['1 µSv more saves about', f'{proof["seconds_per_usv"]:.3g} s'],
+    ]
+
+
+def _proof(proof: Mapping[str, Any]) -> str:
+    bound, gap = (
+        formats.duration(proof['lower_bound_s']),
+        formats.percent(proof['gap_fraction'], 2),
+    )
+    return (
+        f'{formats.duration(proof["grid_time_s"])}; none within the budget is below {bound} '
+        f'(gap {gap})'
+    )
+
+
+def _dose(value_usv: float) -> str:
+    return formats.spaced(formats.dose(value_usv))
+
+
+def _box(way: Sequence[Point]) -> tuple[float, float, float, float]:
+    xs, ys = zip(*way, strict=True)
+    margin = max(MARGIN * max(max(xs) - min(xs), max(ys) - min(ys)), LEAST_MARGIN_M)
+    width, height = (max(axis) - min(axis) + 2.0 * margin for axis in (xs, ys))
+    return min(xs) - margin, min(ys) - margin, width, height
+
+
+def _chart(curve: Sequence[tuple[float, float]]) -> tuple[Point, ...]:
+    """Return the trade-off in a box: dose to the right, logarithmic, time upwards."""
+    if len(curve) < 2:
+        return ()
+    doses = [math.log(max(dose, 1e-12)) for dose, _ in curve]
+    times = [time for _, time in curve]
+    wide = max(doses[-1] - doses[0], 1e-9)
+    high = max(max(times) - min(times), 1e-9)
+    return tuple(
+        (
+            CHART_WIDTH * (dose - doses[0]) / wide,
+            CHART_HEIGHT * (1.0 - (time - min(times)) / high),
+        )
+        for dose, time in zip(doses, times, strict=True)
+    )

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photographs that look in any direction are tied by structure from motion."""
+
+import dataclasses
+import importlib.util
+import math
+import pathlib
+
+import cv2
+import numpy as np
+import pytest
+
+from rocsafe_geo.pinhole import rotation_enu_from_optical
+from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
+from rocsafe_mapping.alignment.structure.levelled import levelled
+from rocsafe_mapping.alignment_options import StructureOptions
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
+
+_spec = importlib.util.spec_from_file_location(
+    'texture', pathlib.Path(__file__).with_name('texture.py')
+)
+texture = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(texture)
+
+
+def scene_of(rng, count=8, points=120):
+    """Return cameras that look at rough ground from all around, and its points."""
+    turns = np.linspace(0.0, 2.0 * math.pi, count, endpoint=False)
+    rotations = np.array([rotation_enu_from_optical(turn, -0.6, 0.1) for turn in turns])
+    # Each looks at the origin's surroundings.
+    centres = -35.0 * rotations[:, :, 2] + rng.normal(0.0, 2.0, (count, 3))
+    places = rng.uniform(-12.0, 12.0, (points, 3)) * (1.0, 1.0, 0.05)
+    return Scene(centres=centres, rotations=rotations, points=places, lens=np.zeros(3))
+
+
+def seen_in(scene, rng, noise_px=0.3, focal_px=400.0):
+    """Return what the cameras of `scene` see."""
+    count, points = len(scene.centres), len(scene.points)
+    photos, index = (a.ravel() for a in np.mgrid[:count, :points])
+    turned = np.einsum(
+        'nji,nj->ni', scene.rotations[photos], scene.points[index] - scene.centres[photos]
+    )
+    assert np.all(turned[:, 2] > 0.0)
+    offsets = focal_px * turned[:, :2] / turned[:, 2:] + rng.normal(
+        0.0, noise_px, (len(photos), 2)
+    )
+    return Observations(
+        photos=photos, points=index, offsets_px=offsets, focal_px=np.full(len(photos), focal_px)
+    )
+
+
+def test_bundle_adjustment_finds_the_scene_again():
+    """From disturbed poses and points, residuals fall to the noise of the sightings."""
+    rng = np.random.default_rng(3)
+    scene = scene_of(rng)
+    seen = seen_in(scene, rng)
+    steps = rng.normal(0.0, 1.0, (len(scene.centres), 6)) * ([0.4] * 3 + [0.01] * 3)
+    steps[0] = 0.0
+    disturbed = scene.moved(
+        np.concatenate([steps.ravel(), np.zeros(3)]), rng.normal(0.0, 0.3, scene.points.shape)
+    )
+    options = dataclasses.replace(StructureOptions(), bundle_steps=40, least_gain=1e-9)
+    found = bundled(disturbed, seen, options, np.zeros(3))
+    assert np.sqrt(np.mean(seen.errors_px(disturbed) ** 2)) > 3.0
+    assert np.sqrt(np.mean(seen.errors_px(found) ** 2)) < 0.45
+    # The first camera is the frame; the others agree with the truth but for the scale.
+    scale = np.linalg.norm(found.centres[4] - found.centres[0]) / np.linalg.norm(
+        scene.centres[4] - scene.centres[0]
+    )
+    back = (found.centres - found.centres[0]) / scale + scene.centres[0]
+    assert np.abs(back - scene.centres).max() < 0.2
+
+
+def test_ground_is_the_plane_of_most_points():
+    """However the scene is turned, it is laid level with the cameras above it."""
+    rng = np.random.default_rng(4)
+    scene = scene_of(rng)
+    turn = rotation_enu_from_optical(1.0, 0.7, -2.0)
+    turned = Scene(
+        centres=scene.centres @ turn.T + 5.0,
+        rotations=turn @ scene.rotations,
+        points=scene.points @ turn.T + 5.0,
+        lens=scene.lens,
+    )
+    found = levelled(turned, StructureOptions())
+    assert np.median(found.centres[:, 2]) == pytest.approx(100.0)
+    assert np.quantile(np.abs(found.points[:, 2]), 0.9) < 3.0
+
+
+def oblique_flight(seed=7, count=10):
+    """Return photographs from a circle that look 40 degrees off nadir, and some from above.
+
+    The records tell fixes only: neither attitude nor height.
+    """
+    rng = np.random.default_rng(seed)
+    ground = texture.textured_ground(seed)
+    shots = []
+    for number in range(count):
+        turn = 2.0 * math.pi * number / count
+        tilt = 0.7 if number % 2 else 0.35
+        rotation = rotation_enu_from_optical(turn, -tilt, 0.05 * math.sin(3.0 * turn))
+        ahead = rotation[:2, 2] / -rotation[2, 2]
+        place = np.array([8.0 * math.cos(2 * turn), 8.0 * math.sin(turn)])
+        centre = np.array([*(place - ahead * texture.HEIGHT_M), texture.HEIGHT_M])
+        picture = texture.seen(ground, centre, rotation)
+        jpeg = bytes(cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, 92])[1])
+        told = centre + np.array([*rng.normal(0.0, 0.5, 2), 0.0])
+        record = texture.record_of(
+            number, told, rotation_enu_from_optical(0.0), 0.5, math.radians(6.0), jpeg, 'kite'
+        )
+        spread = math.radians(6.0) ** 2
+        record = dataclasses.replace(
+            record, height_agl_m=math.nan,
+            orientation_covariance_rad2=(spread, 0, 0, 0, spread, 0, 0, 0, math.pi**2),
+        )  # fmt: skip
+        shots.append((f'{number}.jpg', record, jpeg, centre, rotation))
+    return shots
+
+
+@pytest.mark.slow
+def test_oblique_photographs_are_placed():
+    """All lie where they were taken, to the fixes' half metre, and look where they looked."""
+    shots = oblique_flight()
+    maker = Mapmaker(MapOptions())
+    maker.add_all(
+        [Shot(name=name, record=record, read=lambda j=jpeg: j) for name, record, jpeg, *_ in shots]
+    )
+    alignment = maker.align()
+    frame, placed = maker.frame.frame, alignment.placements
+    assert [p.placed_by for p in placed.values()] == ['features'] * len(shots)
+    off, turned = [], []
+    for name, _, _, centre, rotation in shots:
+        there = frame.to_geodetic(placed[name].pose.centre)[0]
+        off.append(texture.FRAME.to_enu(there[0], there[1], [60.0])[0, :2] - centre[:2])
+        cosine = (np.trace(rotation.T @ placed[name].pose.rotation) - 1.0) / 2.0
+        turned.append(math.degrees(math.acos(min(cosine, 1.0))))
+    assert np.linalg.norm(off, axis=1).max() < 1.0
+    assert max(turned) < 2.0

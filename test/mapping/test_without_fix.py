@@ -1,0 +1,338 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Photographs without a fix are mapped: by ground control, a list, a track, or locally."""
+
+import dataclasses
+import importlib.util
+import json
+import math
+import pathlib
+from datetime import datetime, timedelta, timezone
+
+import numpy as np
+import pytest
+import rasterio
+from pyproj import Transformer
+
+from rocsafe_geo.pinhole import ground_homography
+from rocsafe_mapping.command_line.map_command import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, main
+from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
+from rocsafe_mapping.mosaic.survey import Survey
+from rocsafe_mapping.photographs.exif import with_exif
+from rocsafe_mapping.photographs.geolocation import read_geolocations
+from rocsafe_mapping.photographs.ground_control import read_control
+from rocsafe_mapping.photographs.track import read_track
+from rocsafe_mapping.products.control_points import control_facts
+from rocsafe_mapping.products.quality import violations
+
+_spec = importlib.util.spec_from_file_location(
+    'texture', pathlib.Path(__file__).with_name('texture.py')
+)
+texture = importlib.util.module_from_spec(_spec)
+_spec.loader.exec_module(texture)
+
+TO_UTM = Transformer.from_crs(4326, 32629, always_xy=True)
+# Surveyed points of the ground, local (east, north) in metres.
+POINTS = {
+    'a': (-20.0, 12.0), 'b': (19.0, 11.0), 'c': (-18.0, -13.0), 'd': (20.0, -12.0),
+    'CHK-1': (1.0, 2.0), 'CHK-2': (-8.0, -9.0),
+}  # fmt: skip
+UNKNOWN = {'latitude_deg': math.nan, 'longitude_deg': math.nan, 'altitude_m': math.nan}
+
+
+def place_of(east, north):
+    """Return longitude and latitude of a point of the ground."""
+    latitude, longitude, _ = texture.FRAME.to_geodetic([east, north, 0.0])[0]
+    return longitude, latitude
+
+
+@pytest.fixture(scope='module')
+def flight():
+    """Twelve photographs of level ground, their fixes off by 3 m."""
+    return texture.flight(5, rows=3, columns=4, spacing_m=(13.0, 13.0), fix_m=3.0)
+
+
+def without_fix(shot):
+    """Return the photograph as a camera without a receiver takes it."""
+    return dataclasses.replace(shot.record, **UNKNOWN, height_agl_m=math.nan)
+
+
+def name_of(shot):
+    """Return the name of its file."""
+    return f'DJI_{shot.record.sequence:04d}.JPG'
+
+
+def gcp_text(flight, points=POINTS):
+    """Return a gcp_list.txt of `points` as the photographs show them."""
+    lines = ['EPSG:32629']
+    for label, (east, north) in points.items():
+        x, y = TO_UTM.transform(*place_of(east, north))
+        for shot in flight:
+            homography = ground_homography(texture.CAMERA, shot.centre, shot.rotation)
+            u, v, w = homography @ [east, north, 1.0]
+            column, row = u / w, v / w
+            if 5 < column < 394 and 5 < row < 294:
+                lines.append(
+                    f'{x:.4f}\t{y:.4f}\t60.0\t{column:.2f}\t{row:.2f}\t{name_of(shot)}\t{label}'
+                )
+    return '\n'.join(lines) + '\n'
+
+
+def aligned(shots, survey=None):
+    """Return the map maker and its alignment of `shots`, pairs of name, record and JPEG file."""
+    notices = []
+    maker = Mapmaker(MapOptions(), notices.append)
+    maker.add_all(
+        [
+            Shot(name=name, record=record, read=lambda jpeg=jpeg: jpeg)
+            for name, record, jpeg in shots
+        ],
+        survey,
+    )
+    return maker, maker.align(), notices
+
+
+@pytest.fixture
+def control(flight, tmp_path):
+    """The surveyed points, read from a file."""
+    path = tmp_path / 'gcp_list.txt'
+    path.write_text(gcp_text(flight))
+    return read_control(path)
+
+
+def test_ground_control_places_photographs_without_a_fix(flight, control):
+    """Check points, which take no part, are exact to what is stated."""
+    shots = [(name_of(shot), without_fix(shot), shot.jpeg) for shot in flight]
+    _, alignment, _ = aligned(shots, Survey(control=control))
+    facts = control_facts(alignment)
+    assert facts['check']['count'] == 2
+    assert facts['check']['rmse_m'] < 0.1
+    assert facts['check']['rmse_m'] < 3.0 * facts['check']['stated_error_m']
+    assert not alignment.is_local
+
+
+def test_ground_control_tightens_a_map_with_fixes(flight, control):
+    """The map that fixes of 3 m place is off by a metre; with ground control by centimetres."""
+    shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
+    points = tuple(point for point in control if point.is_check)
+    loose = control_facts(aligned(shots, Survey(control=points))[1])
+    tight = control_facts(aligned(shots, Survey(control=control))[1])
+    assert tight['check']['rmse_m'] < 0.1 < loose['check']['rmse_m']
+    assert tight['check']['stated_error_m'] < 0.2 * loose['check']['stated_error_m']
+
+
+def test_check_points_do_not_move_the_map(flight, control):
+    """With check points alone, all photographs lie where they lie without."""
+    shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
+    points = tuple(point for point in control if point.is_check)
+    with_checks, without = aligned(shots, Survey(control=points))[1], aligned(shots)[1]
+    for name, placement in without.placements.items():
+        assert np.array_equal(placement.pose.centre, with_checks.placements[name].pose.centre)
+
+
+def test_a_photograph_without_fix_lies_beside_those_that_have_one(flight):
+    """One photograph of twelve lost its fix; it is placed by what it shows."""
+    shots = [
+        (name_of(shot), without_fix(shot) if number == 5 else shot.record, shot.jpeg)
+        for number, shot in enumerate(flight)
+    ]
+    _, alignment, notices = aligned(shots)
+    found = alignment.placements[name_of(flight[5])].pose.centre
+    others = [alignment.placements[name_of(s)].pose.centre - s.centre for s in flight]
+    assert not notices
+    assert np.linalg.norm((found - flight[5].centre - np.mean(others, axis=0))[:2]) < 0.5
+
+
+def test_a_photograph_that_nothing_places_is_left_out(flight):
+    """Neither a fix nor ties: it is named, and not drawn at the edge of the world."""
+    other = texture.flight(99, rows=1, columns=1)[0]
+    shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
+    shots.append(('lost.jpg', without_fix(other), other.jpeg))
+    maker, _, notices = aligned(shots)
+    assert [note for note in notices if 'lost.jpg' in note and 'without a fix' in note]
+    assert 'lost.jpg' not in maker
+
+
+def path_text(flight, behind_s, kind):
+    """Return a track that passes the photographs, its clock `behind_s` ahead of the camera's."""
+    places = np.array([shot.centre[:2] for shot in flight])
+    seconds = np.array([shot.record.time_ns / 1e9 for shot in flight])
+    places = np.concatenate([[places[0] - (40, 25)], places, [places[-1] + (30, -50)]])
+    seconds = np.concatenate([[seconds[0] - 9.0], seconds, [seconds[-1] + 7.0]])
+    rows = []
+    for second in np.arange(seconds[0], seconds[-1] + 0.2, 0.25):
+        east, north = (np.interp(second, seconds, column) for column in places.T)
+        longitude, latitude = place_of(east, north)
+        time = datetime.fromtimestamp(0, timezone.utc) + timedelta(seconds=second + behind_s)
+        rows.append((time.isoformat(), latitude, longitude))
+    if kind == 'csv':
+        lines = ['Latitude,Longitude,Time', *(f'{lat:.8f},{lon:.8f},{t}' for t, lat, lon in rows)]
+        return '\n'.join(lines)
+    points = ''.join(
+        f'<trkpt lat="{lat:.8f}" lon="{lon:.8f}"><ele>92.0</ele><time>{t}</time></trkpt>'
+        for t, lat, lon in rows
+    )
+    return (
+        '<?xml version="1.0"?><gpx version="1.1" xmlns="http://www.topografix.com/GPX/1/1">'
+        f'<trk><trkseg>{points}</trkseg></trk></gpx>'
+    )
+
+
+@pytest.mark.parametrize(('kind', 'given'), [('gpx', False), ('csv', False), ('gpx', True)])
+def test_a_track_places_photographs_by_their_times(flight, tmp_path, kind, given):
+    """The offset of the clocks, two hours and some seconds, is found, or taken as given."""
+    path = tmp_path / 'track'
+    path.write_text(path_text(flight, 7203.4, kind))
+    survey = Survey(track=read_track(path), clock_offset_s=7203.4 if given else math.nan)
+    shots = [(name_of(shot), without_fix(shot), shot.jpeg) for shot in flight]
+    maker, alignment, notices = aligned(shots, survey)
+    assert maker.block.clock_offset_s == pytest.approx(7203.4, abs=0.3)
+    frame = maker.frame.frame
+    off = []
+    for shot in flight:
+        there = frame.to_geodetic(alignment.placements[name_of(shot)].pose.centre)[0]
+        off.append(texture.FRAME.to_enu(there[0], there[1], [60.0])[0, :2] - shot.centre[:2])
+    assert np.sqrt(np.mean(np.sum(np.array(off) ** 2, axis=1))) < 3.0
+    assert any('+7203' in note for note in notices)
+
+
+def test_a_track_of_another_flight_is_refused(flight, tmp_path):
+    """Nothing of it has the shape of the photographs."""
+    path = tmp_path / 'track.csv'
+    rows = [f'{t},{53.28 + 1e-4 * t},{-9.06}' for t in range(60)]
+    path.write_text('\n'.join(['time,lat,lon', *rows]))
+    shots = [(name_of(shot), without_fix(shot), shot.jpeg) for shot in flight]
+    with pytest.raises(PlacementError, match='clock-offset'):
+        aligned(shots, Survey(track=read_track(path)))
+
+
+@pytest.fixture(scope='module')
+def folder(flight, tmp_path_factory):
+    """A folder of photographs whose tags tell no place."""
+    folder = tmp_path_factory.mktemp('no_fix')
+    for shot in flight:
+        (folder / name_of(shot)).write_bytes(with_exif(shot.jpeg, without_fix(shot)))
+    return folder
+
+
+@pytest.mark.slow
+def test_local_map_says_that_it_has_neither_scale_nor_north(flight, folder, tmp_path, capsys):
+    """It is drawn without KML and tiles, its CRS is no place on earth, and its shape is right."""
+    assert main([str(folder), '-o', str(tmp_path)]) == EXIT_FAILED
+    assert 'neither scale nor north' in capsys.readouterr().out
+    quality = json.loads((tmp_path / 'quality.json').read_text())
+    assert quality['is_local']
+    assert quality['epsg_code'] is None
+    assert quality['photographs']['placed_by_features'] == len(flight)
+    with rasterio.open(tmp_path / 'mosaic.tif') as file:
+        assert 'without scale or north' in file.crs.to_wkt()
+        assert np.mean(file.dataset_mask() > 0) > 0.3
+    assert 'without scale or north' in (tmp_path / 'mosaic.prj').read_text()
+    assert not (tmp_path / 'mosaic.kml').exists()
+    assert not (tmp_path / 'mosaic.mbtiles').exists()
+
+
+def test_local_map_has_the_right_shape(flight):
+    """Its camera centres are those of the flight but for a similarity."""
+    shots = [(name_of(shot), without_fix(shot), shot.jpeg) for shot in flight]
+    _, alignment, _ = aligned(shots)
+    found = np.array([complex(*alignment.placements[n].pose.centre[:2]) for n, *_ in shots])
+    truth = np.array([complex(*shot.centre[:2]) for shot in flight])
+    found, truth = found - found.mean(), truth - truth.mean()
+    factor = np.vdot(found, truth) / np.vdot(found, found)
+    assert np.abs(found * factor - truth).max() < 0.5
+
+
+@pytest.mark.slow
+def test_geo_txt_places_photographs(flight, folder, tmp_path):
+    """Places of OpenDroneMap's file, here in UTM, put the map where the flight was."""
+    lines = ['WGS84 UTM 29N']
+    for shot in flight:
+        x, y = TO_UTM.transform(*place_of(*shot.centre[:2]))
+        lines.append(f'{name_of(shot)} {x:.3f} {y:.3f} 92.0 0 0 0 0.05 0.1')
+    path = tmp_path / 'geo.txt'
+    path.write_text('\n'.join(lines))
+    out = tmp_path / 'map'
+    arguments = [str(folder), '--geo', str(path), '-o', str(out), '--only-geotiff']
+    assert main(arguments) == EXIT_OK
+    with rasterio.open(out / 'mosaic.tif') as file:
+        east, north = file.transform @ (file.width / 2, file.height / 2)
+    assert np.hypot(*(np.array([east, north]) - TO_UTM.transform(*place_of(0, 0)))) < 3.0
+
+
+GCP_ROW = '500000 5900000 60 10 20 DJI_0000.JPG a'
+BAD = [
+    (read_control, '', 'it is empty'),
+    (read_control, 'EPSG:32629\n', 'it has no point'),
+    (read_control, 'EPSG:999999\n' + GCP_ROW, "row 1: CRS = 'EPSG:999999'"),
+    (read_control, 'WGS84 UTM 61N\n' + GCP_ROW, 'row 1: UTM zone = 61 must be from 1 to 60'),
+    (read_control, 'EPSG:32629\n500000 x 60 10 20 a.jpg', "row 2: geo_y = 'x' is no number"),
+    (read_control, 'EPSG:32629\n500000 inf 60 10 20 a.jpg', 'row 2: geo_y = inf must be finite'),
+    (read_control, 'EPSG:32629\n500000 5900000 60 10 20', 'row 2: image_name is missing'),
+    (read_control, f'EPSG:32629\n{GCP_ROW}\n500009 5900000 0 1 2 b.jpg a', 'row 3: a has'),
+    (read_control, 'EPSG:4326\n10 95 0 1 2 a.jpg', 'row 2: geo_x = 10, geo_y = 95 lie outside'),
+    (read_geolocations, 'EPSG:4326\n', 'it names no photograph'),
+    (read_geolocations, 'EPSG:4326\na.jpg 9', "row 2: geo_y = '' is no number"),
+    (read_geolocations, 'EPSG:4326\na.jpg 9 53\nA.JPG 9 53', "row 3: image_name = 'A.JPG' stands"),
+    (read_geolocations, 'EPSG:4326\na.jpg 9 53 1 0 0 0 -1', 'row 2: horz_accuracy = -1 must be'),
+    (read_track, 'lat,lon\n1,2', 'row 1: no column is called time or'),
+    (read_track, 'time,lat,lon\nnoon,1,2\n', "row 2: time = 'noon' is neither ISO 8601"),
+    (read_track, 'time,lat,lon\n1,91,2\n2,1,2', 'row 2: latitude = 91 must be'),
+    (read_track, 'time,lat,lon\n1,1,2', '1 points with a time are no track'),
+    (read_track, '<gpx><trk>', 'it is no GPX'),
+    (read_track, '<!DOCTYPE x><gpx/>', 'a GPX file has no DOCTYPE'),
+    (read_track, '<gpx><trkpt lat="1" lon="b"><time>1</time></trkpt></gpx>',
+     "trkpt 1: longitude = 'b' is no number"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(('read', 'text', 'says'), BAD)
+def test_bad_files_are_refused_by_file_row_and_value(tmp_path, read, text, says):
+    """One line tells what is wrong and where."""
+    path = tmp_path / 'list.txt'
+    path.write_text(text)
+    with pytest.raises(MappingError) as caught:
+        read(path)
+    assert str(caught.value).startswith(str(path))
+    assert says in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'text', 'says'),
+    [
+        (['--gcp'], 'EPSG:32629\n' + GCP_ROW.replace('59', '69'), 'km from the photographs'),
+        (['--gcp'], 'EPSG:4326\n-9.06 53.28 0 500 2 DJI_0000.JPG a', 'im_x = 500 must be from 0'),
+        (['--gcp'], 'EPSG:4326\n-9.06 53.28 0 5 2 other.jpg a', 'no photograph is called'),
+        (['--geo'], 'EPSG:4326\nother.jpg -9.06 53.28', 'no photograph is called'),
+        (['--clock-offset', '5', '--region'], '', '--clock-offset'),
+    ],
+)
+def test_lists_of_another_place_are_refused(flight, tmp_path, capsys, arguments, text, says):
+    """The command tells it in one line, without a traceback."""
+    for shot in flight[:2]:
+        (tmp_path / name_of(shot)).write_bytes(with_exif(shot.jpeg, shot.record))
+    path = tmp_path / 'list.txt'
+    path.write_text(text)
+    assert main([str(tmp_path), *arguments, str(path)]) == EXIT_REFUSED
+    errors = capsys.readouterr().err
+    assert says in errors
+    assert errors.count('\n') == 1
+
+
+def test_control_points_that_contradict_each_other_forbid_to_trust_the_map(flight, tmp_path):
+    """Pixels of another photograph: the map is made, but must not be called georeferenced."""
+    lines = gcp_text(flight).splitlines()
+    shuffled = [line.split('\t') for line in lines[1:]]
+    labels = sorted({words[6] for words in shuffled})
+    for words in shuffled:
+        other = labels[(labels.index(words[6]) + 2) % len(labels)]
+        east, north = POINTS[other]
+        x, y = TO_UTM.transform(*place_of(3.0 * east, 3.0 * north))
+        words[:2] = [f'{x:.3f}', f'{y:.3f}']
+    path = tmp_path / 'gcp_list.txt'
+    path.write_text('\n'.join([lines[0], *('\t'.join(words) for words in shuffled)]))
+    shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
+    maker, alignment, _ = aligned(shots, Survey(control=read_control(path)))
+    reasons = violations(alignment, maker.block.state)
+    assert [reason for reason in reasons if 'points are off by' in reason]
