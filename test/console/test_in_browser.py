@@ -293,7 +293,7 @@ def test_a_finished_run_is_replayed(browser, tmp_path, flight):
     view = View(browser, address)
     view.wait('document.querySelectorAll(".vehicle").length === 3')
     view.page.keyboard.press('2')
-    view.page.click('.run-buttons button')
+    view.page.click('.run .run-buttons button')
     view.page.wait_for_selector('#replay input')
     length = 'rocsafe.map.tracks.get("rav1").length'
     assert view.page.evaluate(length) == 40

@@ -71,6 +71,7 @@ export class MissionMap {
     }).setView([20, 0], 3);
     L.control.zoom({ position: 'topleft', zoomInTitle: 'Zoom in', zoomOutTitle: 'Zoom out' }).addTo(this.map);
     L.control.scale({ position: 'bottomleft', imperial: false }).addTo(this.map);
+    this.map.createPane('base').style.zIndex = 210;
     this.map.createPane('images').style.zIndex = 250;
     this.map.createPane('tracks').style.zIndex = 420;
     this.map.createPane('vehicles').style.zIndex = 640;
@@ -90,6 +91,15 @@ export class MissionMap {
     link.addEventListener('sections', (event) => this.onSections(event.detail));
     link.addEventListener('frame', () => this.onFrame());
     this.source = null;
+  }
+
+  drawBase() {
+    const base = this.link.sections.base_map;
+    this.groups.base.clearLayers();
+    if (!base) return;
+    this.groups.base.addLayer(L.tileLayer('/api/base/{z}/{x}/{y}', { pane: 'base', minZoom: 2, maxZoom: 24, minNativeZoom: base.zooms[0], maxNativeZoom: base.zooms[1] }));
+    this.attribution ??= L.control.attribution({ prefix: false, position: 'bottomleft' }).addTo(this.map);
+    if (base.attribution && this.credit !== base.attribution) this.attribution.addAttribution(this.credit = base.attribution.replace(/[<>&]/g, ' '));
   }
 
   drawLegend() {
@@ -131,6 +141,7 @@ export class MissionMap {
     const sections = this.sections;
     this.stops = sections.scale ?? this.link.sections.scale ?? this.stops;
     if (has('scale')) this.drawLegend();
+    if (!names) this.drawBase();
     if (has('region', 'plan')) this.drawPlan(sections);
     if (has('cordons')) this.drawCordons(sections.cordons ?? []);
     if (has('sources')) this.drawSources(sections.sources?.sources ?? []);

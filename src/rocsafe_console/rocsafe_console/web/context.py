@@ -16,6 +16,7 @@ from rocsafe_console.people.session_file import save_sessions
 from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
 from rocsafe_console.people.users import Users
 from rocsafe_console.picture.live import Live
+from rocsafe_console.runs.base_map import BaseMap
 
 # Orders of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0
@@ -85,6 +86,8 @@ class Context:
     ----------
     clock
         Returns the time on the wall, seconds since 1970.
+    base_map
+        Tiles that the operator has brought; None: none.
     environment
         Of the commands that are run for the page.
     fleet
@@ -96,6 +99,7 @@ class Context:
     desk: Desk
     users: Users
     clock: Callable[[], float]
+    base_map: BaseMap | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
     fleet: Fleet | None = None
     sessions: Sessions = field(default_factory=Sessions)

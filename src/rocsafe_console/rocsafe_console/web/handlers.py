@@ -206,6 +206,19 @@ async def image(request: web.Request) -> web.Response:
     return web.Response(body=data, content_type='image/png')
 
 
+async def base_tile(request: web.Request) -> web.Response:
+    """Send a tile of the base map; a transparent one where there is none."""
+    session_of(request, Action.SEE)
+    base = context_of(request).base_map
+    if base is None:
+        raise ConsoleError('there is no base map')
+    place = (int(request.match_info[key]) for key in ('zoom', 'column', 'row'))
+    data = await asyncio.to_thread(base.tile, *place)
+    if data is None:
+        return web.Response(body=EMPTY_TILE, content_type='image/png')
+    return web.Response(body=data, content_type=base.content_type)
+
+
 async def photograph(request: web.Request) -> web.StreamResponse:
     """Send a stored photograph."""
     session_of(request, Action.SEE)

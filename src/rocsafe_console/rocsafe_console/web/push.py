@@ -102,6 +102,10 @@ class Pusher:
                 {name: [_point(p) for p in points] for name, points in tracks.items()}
             )
         may = sorted(action.value for action in MAY[session.role])
+        base = self._context.base_map
+        texts['base_map'] = json.dumps(
+            base and {'zooms': base.zooms, 'attribution': base.attribution}
+        )
         texts['session'] = json.dumps(
             {'user': session.user, 'role': session.role.value, 'may': may}
         )

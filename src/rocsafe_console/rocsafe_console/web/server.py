@@ -2,9 +2,12 @@
 """The server of the page: routes, TLS, start and end."""
 
 import asyncio
+import gzip
+import hashlib
 import ipaddress
 import ssl
 from collections.abc import Callable, Coroutine
+from functools import lru_cache
 from importlib import resources
 from pathlib import Path
 from threading import Event as Flag
@@ -76,6 +79,7 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     post('/api/marks', handlers.mark)
     get('/api/coordinates', handlers.coordinates)
     get('/api/image/{name}', handlers.image)
+    get(r'/api/base/{zoom:\d+}/{column:\d+}/{row:\d+}', handlers.base_tile)
     get('/api/photograph/{shot}', handlers.photograph)
     app[draft_handlers.DRAFTS] = Drafts(
         context.options.runs, context.options.scenarios, context.environment
@@ -178,8 +182,8 @@ class ServerThread:
                 told = str(error)
 
 
-async def _index(_request: web.Request) -> web.StreamResponse:
-    return _file(STATIC / 'index.html')
+async def _index(request: web.Request) -> web.StreamResponse:
+    return _file(request, STATIC / 'index.html')
 
 
 async def _static(request: web.Request) -> web.StreamResponse:
@@ -188,16 +192,31 @@ async def _static(request: web.Request) -> web.StreamResponse:
     for folder in (STATIC, VIEW):
         path = (folder / name).resolve()
         if path.is_relative_to(folder.resolve()) and path.suffix in TYPES and path.is_file():
-            return _file(path)
+            return _file(request, path)
     raise ConsoleError(f'{name!r}: there is none')
 
 
-def _file(path: Path) -> web.StreamResponse:
-    answer = web.FileResponse(path)
-    answer.content_type = TYPES[path.suffix]
-    # The browser asks each time, and is told that nothing has changed.
-    answer.headers['Cache-Control'] = 'no-cache'
-    return answer
+def _file(request: web.Request, path: Path) -> web.StreamResponse:
+    """Send a file compressed; the browser asks each time, and is told if nothing has changed."""
+    data, etag = _compressed(path, path.stat().st_mtime_ns)
+    headers = {'Cache-Control': 'no-cache', 'ETag': f'"{etag}"', 'Vary': 'Accept-Encoding'}
+    if request.headers.get('If-None-Match') == headers['ETag']:
+        return web.Response(status=304, headers=headers)
+    body = data
+    if 'gzip' in request.headers.get('Accept-Encoding', ''):
+        headers['Content-Encoding'] = 'gzip'
+    else:
+        body = gzip.decompress(data)
+    kind = TYPES[path.suffix]
+    charset = 'utf-8' if kind.startswith('text/') else None
+    return web.Response(body=body, headers=headers, content_type=kind, charset=charset)
+
+
+@lru_cache(maxsize=64)
+def _compressed(path: Path, _changed_ns: int) -> tuple[bytes, str]:
+    """Return the content of a file, compressed, and a hash of it; read again after a change."""
+    data = path.read_bytes()
+    return gzip.compress(data, mtime=0), hashlib.sha256(data).hexdigest()[:32]
 
 
 def _tls(options: WebOptions) -> ssl.SSLContext | None:
