@@ -27,6 +27,8 @@ from rocsafe_orchestrator.watches.operator_watch import Verb
 from rocsafe_orchestrator.watches.retreat import retreat
 from rocsafe_ros import topics
 from rocsafe_ros.plan_digest import plan_digest, route_digest
+from rocsafe_scenario.air_blocks import GasSearchBlock
+from rocsafe_scenario.radiation_blocks import SearchBlock
 from rocsafe_scenario.scenario import Scenario
 
 SERVICES = (
@@ -44,7 +46,7 @@ BROKEN_OFF = 'broke off with an error, see its log'
 
 def searches_of(scenario: Scenario) -> dict[str, Search]:
     """Return the searches of a scenario by the name of the service that says where to go."""
-    blocks = {
+    blocks: dict[str, SearchBlock | GasSearchBlock] = {
         topics.SUGGEST_VIEWPOINTS.name: scenario.radiation.search,
         topics.SUGGEST_GAS_VIEWPOINTS.name: scenario.air.search,
     }
