@@ -282,6 +282,17 @@ def test_vehicle_turns_back_and_others_take_over() -> None:
     assert set(flying.mission.fleet.others) == {'rav1', 'rav3'}
 
 
+def test_vehicle_that_turns_back_before_it_has_taken_off_gets_no_route() -> None:
+    """The command to return withdraws its start; a route home would make it take off."""
+    flying = Airborne()
+    flying.mission.turn_back('rav2', 'turns back at 2e+05 uSv/h', is_waiting=True)
+    asked = flying.advance(seen())
+    assert order(OrderKind.RETURN, 'rav2') in asked
+    assert order(OrderKind.RETREAT, 'rav2') not in asked
+    flying.advance(seen(*NAMES))
+    assert set(flying.mission.fleet.others) == {'rav1', 'rav3'}
+
+
 def test_vehicle_that_cannot_fly_that_way_returns_home_by_its_own() -> None:
     """The order to return is always there."""
     flying = Airborne()

@@ -35,7 +35,7 @@ LONGEST_STOP_S = 2.0 + 4.0 + 2.0
 LONGEST_STOP_M = 8.0 * 2.0 + 0.5 * 8.0 * 6.0
 OBEYED = {
     Mode.DISARMED: ('set_home',),
-    Mode.WAITING: (),
+    Mode.WAITING: ('return_home', 'land'),
     Mode.TAKING_OFF: ('hold', 'return_home', 'land', 'go_to', 'set_speed'),
     Mode.FLYING: ('hold', 'return_home', 'land', 'go_to', 'set_speed'),
     Mode.HOLDING: ('resume', 'return_home', 'land', 'go_to', 'set_speed'),
@@ -126,6 +126,19 @@ def test_return_home_ends_at_home() -> None:
     assert summary is not None
     assert summary.outcome is FlightOutcome.RETURNED_EARLY
     assert 0 < summary.viewpoints_visited < len(ROUTE.waypoints)
+
+
+@pytest.mark.parametrize('command', ['return_home', 'land'])
+def test_told_to_return_or_land_while_it_waits_it_never_takes_off(command: str) -> None:
+    """A vehicle on the ground stays there, and its flight ends early."""
+    vehicle = vehicle_in(Mode.WAITING)
+    COMMANDS[command](vehicle)
+    seen = at_s(vehicle, 1000.0)
+    assert (seen.mode, seen.pose.position_enu) == (Mode.LANDED, HOME)
+    assert (seen.shots_taken, seen.distance_flown_m) == (0, 0.0)
+    summary = vehicle.summary()
+    assert summary is not None
+    assert (summary.outcome, summary.viewpoints_visited) == (FlightOutcome.RETURNED_EARLY, 0)
 
 
 def test_land_comes_down_where_it_can_stop() -> None:

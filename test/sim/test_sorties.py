@@ -235,6 +235,18 @@ def test_new_route_waits_for_the_battery_that_is_being_changed() -> None:
     assert vehicle.observe().battery_fraction == 1.0
 
 
+def test_told_to_return_while_its_battery_is_changed_it_stays() -> None:
+    """No further flight of its route follows; what it photographed counts."""
+    vehicle = vehicle_on(SWAPPED)
+    while vehicle.mode is not Mode.WAITING:
+        vehicle.step(vehicle.time_ns + 1_000_000_000)
+    vehicle.return_home()
+    last = list(steps(vehicle, 1.0))[-1]
+    summary = vehicle.summary()
+    assert (last.mode, last.pose.position_enu) == (Mode.LANDED, HOME)
+    assert (summary.outcome, summary.viewpoints_visited) == (FlightOutcome.RETURNED_EARLY, 1)
+
+
 def test_cancelled_while_it_waits_it_stays() -> None:
     """A flight that has not begun never does; the vehicle can be sent elsewhere."""
     vehicle = vehicle_on(replace(ROUTE, delay_s=60.0))

@@ -188,15 +188,19 @@ class Mission(PhaseRecord):
         if is_refused:
             self.fleet.withdraw(vehicle, fault)
 
-    def turn_back(self, vehicle: str, why: str) -> None:
-        """Let a vehicle return by the way of least dose; others take over its work."""
+    def turn_back(self, vehicle: str, why: str, *, is_waiting: bool = False) -> None:
+        """Let a vehicle return by the way of least dose; others take over its work.
+
+        `is_waiting`: it has not taken off. It is told to return by the plain command, which
+        withdraws its start: a route would make it take off.
+        """
         is_aloft = self.phase is Phase.FLYING or self.fleet.is_gathering
         if not is_aloft or not self.fleet.member(vehicle).takes_orders:
             return
         self._requests.finish(OrderKind.FLY, vehicle)
         if not self._replaced([vehicle], why):
             self.fault(f'{vehicle}: {why}')
-        self.fleet.withdraw(vehicle, why, OrderKind.RETREAT)
+        self.fleet.withdraw(vehicle, why, OrderKind.RETURN if is_waiting else OrderKind.RETREAT)
 
     def sent_home(self, vehicle: str) -> None:
         """Note that the plan leaves nothing to a vehicle in the air: it returns home."""

@@ -94,6 +94,11 @@ class VehicleStatus:
         return self.state in _ALOFT
 
     @property
+    def is_waiting(self) -> bool:
+        """Whether it stands on the ground and will take off by itself."""
+        return self.state is FlightState.WAITING
+
+    @property
     def is_still(self) -> bool:
         """Whether it does not move, in the air or on the ground."""
         if self.state is FlightState.HOLDING:

@@ -130,8 +130,9 @@ class MissionLoop:
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
         for vehicle, why in parts.monitor.turned_back.items():
-            if parts.monitor.vehicle(vehicle).is_aloft:
-                parts.mission.turn_back(vehicle, why)
+            seen = parts.monitor.vehicle(vehicle)
+            if seen.is_aloft or seen.is_waiting:
+                parts.mission.turn_back(vehicle, why, is_waiting=seen.is_waiting)
         parts.mission.remarks += parts.crew_watch.advance()
         self._mark_contaminated()
         if may_order:

@@ -135,25 +135,34 @@ class SimulatedVehicle(FlyingVehicle):
     def return_home(self) -> None:
         """End the route, fly home or to the nearest rally point, and land.
 
+        A vehicle that waits on the ground stays there.
+
         Raises
         ------
         CommandRefusedError
-            If on the ground, landing, or returning already.
+            If it has landed, is landing, or is returning already.
         """
-        flight = self._require_mode('return home', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING)
+        flight = self._require_mode(
+            'return home', Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING
+        )
         ended = cut_short(flight, FlightOutcome.RETURNED_EARLY, 'told to return home')
-        self._give(ended, CommandKind.RETURN, goal_enu=self._nearest_rally())
+        if self.mode is Mode.WAITING:
+            self._give(ended, CommandKind.LAND)
+        else:
+            self._give(ended, CommandKind.RETURN, goal_enu=self._nearest_rally())
 
     def land(self) -> None:
         """Land at the present place.
 
+        A vehicle that waits on the ground stays there.
+
         Raises
         ------
         CommandRefusedError
-            If on the ground or landing already.
+            If it has landed or is landing already.
         """
         flight = self._require_mode(
-            'land', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
+            'land', Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
         )
         self._give(
             cut_short(flight, FlightOutcome.RETURNED_EARLY, 'told to land'), CommandKind.LAND
