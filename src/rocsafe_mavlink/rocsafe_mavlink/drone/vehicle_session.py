@@ -170,8 +170,9 @@ class VehicleSession:
             self.send(sent)
             self._note_verified(sequence, self.sequence)
             is_new = self.sequence.is_over and not sequence.is_over
-            if is_new and not self.sequence.error:
-                self.custody = self.custody.obeyed(self.sequence.mode)
+            # A transfer leads to no mode: the one that the vehicle is in may be its pilot's.
+            if is_new and not self.sequence.error and self.sequence.led_to >= 0:
+                self.custody = self.custody.obeyed(self.sequence.led_to)
         kind, is_commanded = self.known_autopilot(), self.is_commanded
         self.send(self.readout.on_tick(self.telemetry, kind, now_s, is_commanded=is_commanded))
 

@@ -227,6 +227,8 @@ class CommandSequence:
         Whether it ended because somebody else took the vehicle over, or it was not heard.
     mode
         Custom mode in which the last step left the vehicle, or the first step found it.
+    led_to
+        Custom mode to which a step of the sequence led; -1: none did.
     was_armed
         Whether its motors ran then.
     look_after_s
@@ -245,6 +247,7 @@ class CommandSequence:
     is_always_taken: bool = False
     is_withdrawn: bool = False
     mode: int = -1
+    led_to: int = -1
     was_armed: bool = False
     look_after_s: float = -math.inf
     obstructed_s: float = math.inf
@@ -369,6 +372,7 @@ class CommandSequence:
             is_begun=False,
             verified_mission=step.verified_mission or self.verified_mission,
             mode=vehicle.custom_mode,
+            led_to=vehicle.custom_mode if vehicle.custom_mode in step.modes else self.led_to,
             was_armed=vehicle.is_armed,
             # A transfer takes long: what the vehicle did meanwhile may not show yet.
             look_after_s=now_s if is_transfer else self.look_after_s,
