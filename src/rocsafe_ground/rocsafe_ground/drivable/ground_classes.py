@@ -29,8 +29,8 @@ class GroundClass(IntEnum):
 class ColourRules:
     """Limits of the classes; colours are 0 to 255.
 
-    Set on temperate farmland under a clear sky: the mosaics of the scenes `derailment`, `field`
-    and `road_tanker_crash`, by eye. Excess green is that of Woebbecke et al. (1995).
+    Set by eye on one mosaic, that of the scene `derailment`: temperate farmland under a clear
+    sky. Excess green is that of Woebbecke et al. (1995).
 
     Attributes
     ----------
