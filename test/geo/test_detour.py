@@ -58,6 +58,7 @@ def test_a_goal_that_is_shut_off_is_flown_to_straight():
     assert WaysAround(zones, 1.0, (0.0, 0.0)).bends((60.0, 0.0)) == []
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(boxes(), st.tuples(COORDINATES, COORDINATES), st.tuples(COORDINATES, COORDINATES))
 def test_no_way_crosses_a_zone_or_could_be_shorter(zones, place, goal):
