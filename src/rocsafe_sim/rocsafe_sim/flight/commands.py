@@ -14,6 +14,7 @@ from rocsafe_sim.flight.tasks import (
     go_to_timeline,
     hold_timeline,
     land_timeline,
+    move_timeline,
     return_timeline,
 )
 from rocsafe_sim.flight.timeline import Timeline
@@ -25,6 +26,7 @@ class CommandKind(Enum):
     FLY = 'fly'
     HOLD = 'hold'
     GO_TO = 'go to'
+    MOVE = 'move'
     RETURN = 'return'
     DIVERT = 'divert'
     LAND = 'land'
@@ -59,6 +61,14 @@ class Command:
         Height of the ground to land or fall on, metres; None: as the route has it.
     goal_enu
         Place in the air to fly to, or on the ground to return to instead of home, metres.
+    via_enu
+        Places in the air to pass on the way to it, metres.
+    velocity_enu
+        Velocity to fly at, m/s.
+    flown_s
+        Time to fly at it, seconds.
+    yaw_rad
+        Yaw at the end, rad, ENU; None: the present one.
     speed_mps
         Speed over ground; 0: that of the vehicle.
     """
@@ -74,6 +84,10 @@ class Command:
     hover_s: float = 0.0
     ground_up_m: float | None = None
     goal_enu: Enu | None = None
+    via_enu: tuple[Enu, ...] = ()
+    velocity_enu: Enu | None = None
+    flown_s: float = 0.0
+    yaw_rad: float | None = None
     speed_mps: float = 0.0
 
 
@@ -85,7 +99,11 @@ def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Tim
     if command.kind is CommandKind.HOLD:
         return hold_timeline(airframe, command.start)
     if command.kind is CommandKind.GO_TO and command.goal_enu is not None:
-        return go_to_timeline(airframe, command.start, route, command.goal_enu)
+        goals = (*command.via_enu, command.goal_enu)
+        return go_to_timeline(airframe, command.start, route, goals, command.yaw_rad)
+    if command.kind is CommandKind.MOVE and command.velocity_enu is not None:
+        velocity = (command.velocity_enu, command.flown_s)
+        return move_timeline(airframe, command.start, velocity, command.yaw_rad)
     if command.kind is CommandKind.RETURN:
         place = command.goal_enu or route.home_enu
         return return_timeline(airframe, command.start, route, place)

@@ -4,9 +4,11 @@
 import math
 from collections.abc import Iterator
 
+from rocsafe_geo.angle import wrap_rad
 from rocsafe_geo.motion.route_motion import Way
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.motion.stop import StopMotion
+from rocsafe_geo.motion.velocity import VelocityMotion
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.route import ON_WAY_M, FlightRoute, horizontal_m
 from rocsafe_sim.flight.segment import FlightPose, Mode, standing
@@ -14,6 +16,8 @@ from rocsafe_sim.flight.timeline import Task, Timeline
 
 # Heights nearer than this count as equal; a conversion to degrees and back changes about 1 nm.
 LEVEL_TOLERANCE_M = 1e-3
+# Yaw rate of a commanded turn, as autopilots have it (PX4: MPC_YAWRAUTO_MAX, 45 deg/s).
+TURN_RATE_RADPS = math.radians(45.0)
 # A bend whose height differs by less is flown level.
 LAYER_TOLERANCE_M = 0.4
 
@@ -68,28 +72,58 @@ def safe_up(route: FlightRoute, up_m: float) -> float:
 def hold_timeline(airframe: Airframe, start: FlightPose) -> Timeline:
     """Return the stop from `start` and a stand without end."""
     stop, at = stopped(airframe, start)
-    way = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
-    return Timeline(airframe, start, stop, [_task(way, Mode.HOLDING, at)])
+    return Timeline(airframe, start, stop, [_stand(airframe, at)])
 
 
 def go_to_timeline(
-    airframe: Airframe, start: FlightPose, route: FlightRoute, goal: Enu
+    airframe: Airframe,
+    start: FlightPose,
+    route: FlightRoute,
+    goals: tuple[Enu, ...],
+    yaw_rad: float | None = None,
 ) -> Timeline:
-    """Return the way from `start` around exclusions to a place in the air, and a stand there.
+    """Return the way from `start` along places in the air, a turn to `yaw_rad`, and a stand.
 
-    It is flown level, at the greater of both heights.
+    The way to each place goes around exclusions. It is flown level, at the greater of both
+    heights.
     """
     stop, at = stopped(airframe, start)
-    up_m = max(at.position_enu[2], goal[2])
-    bends = route.around(at.position_enu, goal)
-    corners = [(*place[:2], up_m) for place in (at.position_enu, *bends, goal)]
     tasks: list[Task] = []
-    for corner in (*corners, goal):
-        if corner != at.position_enu:
-            tasks.append(_task(airframe.performance.way(at.position_enu, corner), Mode.FLYING, at))
-            at = _at_end(tasks[-1])
-    stand = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
-    return Timeline(airframe, start, stop, [*tasks, _task(stand, Mode.HOLDING, at)])
+    for goal in goals:
+        up_m = max(at.position_enu[2], goal[2])
+        bends = route.around(at.position_enu, goal)
+        corners = [(*place[:2], up_m) for place in (at.position_enu, *bends, goal)]
+        for corner in (*corners, goal):
+            if corner != at.position_enu:
+                way = airframe.performance.way(at.position_enu, corner)
+                tasks.append(_task(way, Mode.FLYING, at))
+                at = _at_end(tasks[-1])
+    if yaw_rad is not None:
+        turn_s = abs(wrap_rad(yaw_rad - at.yaw_rad)) / TURN_RATE_RADPS
+        way = airframe.performance.way(at.position_enu, at.position_enu, turn_s)
+        tasks.append(Task(way=way, mode=Mode.FLYING, yaw_rad=yaw_rad))
+        at = _at_end(tasks[-1])
+    return Timeline(airframe, start, stop, [*tasks, _stand(airframe, at)])
+
+
+def move_timeline(
+    airframe: Airframe,
+    start: FlightPose,
+    velocity: tuple[Enu, float],
+    yaw_rad: float | None = None,
+) -> Timeline:
+    """Return the flight at a velocity (m/s) for some seconds, a stop, and a stand.
+
+    The vehicle turns to `yaw_rad` at a constant rate meanwhile.
+    """
+    performance = airframe.performance
+    limits = (performance.level, performance.vertical)
+    motion = VelocityMotion(start.motion, *velocity, *limits)
+    yaw = start.yaw_rad if yaw_rad is None else yaw_rad
+    at = standing(motion.state(motion.duration_s).position_enu, yaw)
+    here = Task(way=performance.way(at.position_enu, at.position_enu), mode=Mode.FLYING,
+                yaw_rad=yaw)  # fmt: skip
+    return Timeline(airframe, start, motion, [here, _stand(airframe, at)], lead_yaw_rad=yaw)
 
 
 def land_timeline(
@@ -206,6 +240,12 @@ def _over(bend: Enu, at: FlightPose, *, is_level: bool) -> Enu:
 def _down_tasks(airframe: Airframe, at: FlightPose, ground_up_m: float) -> Iterator[Task]:
     for way in airframe.performance.descent(at.position_enu, ground_up_m):
         yield _task(way, Mode.LANDING, at)
+
+
+def _stand(airframe: Airframe, at: FlightPose) -> Task:
+    """Return a stand without end."""
+    way = airframe.performance.way(at.position_enu, at.position_enu, math.inf)
+    return _task(way, Mode.HOLDING, at)
 
 
 def _task(way: Way, mode: Mode, at: FlightPose, viewpoint_index: int | None = None) -> Task:

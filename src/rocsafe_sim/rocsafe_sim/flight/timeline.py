@@ -10,7 +10,6 @@ from functools import cached_property
 from rocsafe_geo.motion.battery import Discharge
 from rocsafe_geo.motion.route_motion import RouteMotion, Way
 from rocsafe_geo.motion.state import Motion, MotionState
-from rocsafe_geo.motion.stop import StopMotion
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.segment import FlightPose, Mode, Segment
 
@@ -49,7 +48,7 @@ class Task:
 
 
 class Timeline:
-    """A stop, if the vehicle moves, then tasks one after the other.
+    """A lead motion, mostly a stop, if the vehicle moves, then tasks one after the other.
 
     Elapsed times are seconds since the start. Before the start the vehicle is at its begin, after
     the last task at its end.
@@ -61,13 +60,21 @@ class Timeline:
     start
         Pose at time 0.
     stop
-        Stop from that pose; None if it stands.
+        Motion from that pose to standstill; None if it stands.
     tasks
         Tasks, at least one; they begin where the stop ends.
+    lead_yaw_rad
+        Yaw at the end of the stop; None: that of `start`.
     """
 
     def __init__(
-        self, airframe: Airframe, start: FlightPose, stop: StopMotion | None, tasks: Sequence[Task]
+        self,
+        airframe: Airframe,
+        start: FlightPose,
+        stop: Motion | None,
+        tasks: Sequence[Task],
+        *,
+        lead_yaw_rad: float | None = None,
     ) -> None:
         self._airframe = airframe
         self._stop = stop
@@ -75,7 +82,8 @@ class Timeline:
         at = start.position_enu if stop is None else stop.state(self._stop_s).position_enu
         radius = airframe.performance.corner_radius_m
         self._route = RouteMotion(at, [task.way for task in tasks], radius)
-        self.segments = tuple(self._segments(start.yaw_rad, tasks))
+        lead_yaw = start.yaw_rad if lead_yaw_rad is None else lead_yaw_rad
+        self.segments = tuple(self._segments((start.yaw_rad, lead_yaw), tasks))
         self._ends = [segment.end_s for segment in self.segments]
 
     @property
@@ -149,18 +157,20 @@ class Timeline:
             return self._stop.state(elapsed_s)
         return self._route.state(elapsed_s - self._stop_s)
 
-    def _segments(self, yaw_rad: float, tasks: Sequence[Task]) -> Iterator[Segment]:
-        now, yaw = self._stop_s, yaw_rad
+    def _segments(self, yaws_rad: tuple[float, float], tasks: Sequence[Task]) -> Iterator[Segment]:
+        now, yaw = self._stop_s, yaws_rad[1]
         if self._stop is not None:
-            yield _segment(tasks[0], 0.0, now, (yaw, yaw))
+            yield _segment(tasks[0], 0.0, now, yaws_rad)
         times = zip(self._route.arrivals_s, self._route.departures_s, strict=True)
         for task, (arrival, departure) in zip(tasks, times, strict=True):
             arrives, departs = self._stop_s + arrival, self._stop_s + departure
             has_stand = departs > arrives
             shoots = task.takes_shot
-            yield _segment(task, now, arrives, (yaw, task.yaw_rad), shoots and not has_stand)
+            # A vehicle that goes nowhere turns while it stands; photographs are as commanded.
+            stand_yaw = yaw if arrives == now and not shoots else task.yaw_rad
+            yield _segment(task, now, arrives, (yaw, stand_yaw), shoots and not has_stand)
             if has_stand:
-                yield _segment(task, arrives, departs, (task.yaw_rad, task.yaw_rad), shoots)
+                yield _segment(task, arrives, departs, (stand_yaw, task.yaw_rad), shoots)
             now, yaw = departs, task.yaw_rad
 
 

@@ -14,7 +14,7 @@ from rocsafe_sim.errors import JournalError
 from rocsafe_sim.flight.commands import CommandKind
 from rocsafe_sim.vehicle.flight_record import FlightOutcome, VehicleRecord
 
-FORMAT = 6
+FORMAT = 7
 
 
 def write_journal(path: Path, record: VehicleRecord) -> None:
