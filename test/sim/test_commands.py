@@ -14,7 +14,8 @@ from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehic
 
 from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import Mode, standing
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
@@ -277,7 +278,7 @@ WALLED = replace(
         replace(BEHIND_WALL[1], approach_enu=((14.1, 0.0, 32.0),)),
         BEHIND_WALL[2],
     ),
-    homeward_enu=((5.0, 2.9, 32.0),),
+    homeward_enu=((14.1, 2.9, 32.0), (2.9, 2.9, 32.0)),
     exclusions=(WALL,),
     clearance_m=2.0,
 )
@@ -302,3 +303,55 @@ def test_giving_up_a_route_goes_around_exclusions(why: str) -> None:
     flown += [seen.pose.position_enu[:2] for seen in steps(vehicle, 0.1)]
     assert flown[-1] == HOME[:2]
     assert shapely.distance(shapely.LineString(flown), shapely.Polygon(WALL)) >= 2.0 - 0.03
+
+
+# Four walls about a place, and a place within.
+ENCLOSED = replace(
+    WALLED,
+    plan_id='enclosed',
+    waypoints=(replace(BEHIND_WALL[0], position_enu=(-20.0, 100.0, 32.0)),),
+    homeward_enu=(),
+    exclusions=(
+        ((-50.0, 70.0), (10.0, 70.0), (10.0, 80.0), (-50.0, 80.0)),
+        ((-50.0, 120.0), (10.0, 120.0), (10.0, 130.0), (-50.0, 130.0)),
+        ((-50.0, 70.0), (-40.0, 70.0), (-40.0, 130.0), (-50.0, 130.0)),
+        ((0.0, 70.0), (10.0, 70.0), (10.0, 130.0), (0.0, 130.0)),
+    ),
+)
+
+
+@pytest.mark.parametrize('is_airborne', [False, True], ids=['on the ground', 'in the air'])
+@pytest.mark.parametrize(
+    'route',
+    [ENCLOSED, replace(WALLED, plan_id='through', homeward_enu=())],
+    ids=['no way leads there', 'its way home leads through'],
+)
+def test_route_across_an_exclusion_is_refused(route: FlightRoute, is_airborne: bool) -> None:
+    """On the ground and in the air; the flight under way goes on."""
+    vehicle = vehicle_on(ROUTE if is_airborne else replace(ROUTE, delay_s=100.0))
+    at_s(vehicle, 30.0)
+    with pytest.raises(CommandRefusedError, match='exclusion . lies on leg . of the way'):
+        vehicle.fly_route(route, replaces=True)
+    assert vehicle.flight.route.plan_id == ROUTE.plan_id
+    assert vehicle.mode.is_airborne is is_airborne
+
+
+def test_held_route_is_resumed_on_a_free_way_only() -> None:
+    """It was carried to where no way leads out (a record of another process); nor does it go in."""
+    vehicle = vehicle_on(replace(ENCLOSED, waypoints=WALLED.waypoints[:1]))
+    at_s(vehicle, 15.0)
+    with pytest.raises(CommandRefusedError, match='no way around the exclusions'):
+        vehicle.go_to((-20.0, 100.0, 32.0))
+    vehicle.hold()
+    at_s(vehicle, 25.0)
+    flight = vehicle.flight
+    inside = standing((-20.0, 100.0, 32.0), 0.0)
+    vehicle.restore(
+        replace(
+            vehicle.record, flight=replace(flight, command=replace(flight.command, start=inside))
+        )
+    )
+    for go_on in (vehicle.resume, lambda: vehicle.fly_route(flight.route)):
+        with pytest.raises(CommandRefusedError, match='exclusion . lies on leg 1 of the way'):
+            go_on()
+    assert vehicle.mode is Mode.HOLDING

@@ -9,15 +9,16 @@ from collections.abc import Callable, Sequence
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.checks.check import Check, failures
 from rocsafe_mavlink.checks.preflight import route_checks
+from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
-from rocsafe_mavlink.knowledge.telemetry import Contact
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, rally_items
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.plan.homeward import homeward_plan, leg_fault
+from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -75,7 +76,10 @@ class DroneCommands:
             reason = 'no route is being flown' if is_read else 'it is still being read'
             raise CommandRefusedError(reason)
         self._require_verified()
-        self._begin(lambda commands: commands.resume(session.telemetry), now_s)
+        fault = self._fault_ahead(session.telemetry, now_s)
+        if fault:
+            raise CommandRefusedError(fault)
+        self._begin(lambda commands: commands.resume(session.telemetry, self._fault_ahead), now_s)
 
     def return_home(self, now_s: float) -> None:
         """Give up the route, fly home and land: straight, or around exclusions."""
@@ -135,8 +139,18 @@ class DroneCommands:
         failed = failures(self.route_checks(plan))
         if failed:
             raise CommandRefusedError(failed)
+
+        def strays(vehicle: VehicleTelemetry, _now_s: float) -> str:
+            # It has stopped a little further on than where it was when the order came.
+            home = None if vehicle.home is None else vehicle.home.place
+            checks = [] if home is None else exclusion_checks(plan, start_of(vehicle, home), home)
+            return failures(tuple(checks))
+
         self._begin(
-            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot)), now_s
+            lambda commands: commands.replace_mission(
+                mission_of(plan, commands.autopilot), strays
+            ),
+            now_s,
         )
 
     def route_checks(self, plan: FlightPlan) -> tuple[Check, ...]:
@@ -191,9 +205,19 @@ class DroneCommands:
         flight, motion = self._session.flight, self._session.telemetry.motion
         if flight is None or flight.is_over or motion is None:
             return
-        fault = leg_fault(flight.plan, motion.position, place)
+        fault = way_fault(flight.plan, [motion.position, place])
         if fault:
             raise CommandRefusedError(fault)
+
+    def _fault_ahead(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
+        """Return which exclusion lies between a vehicle and the next place of its mission."""
+        flight = self._session.flight
+        if flight is None or not flight.plan.exclusions:
+            return ''
+        ahead = flight.next_place(vehicle)
+        if ahead is None or vehicle.motion is None:
+            return 'where it is, or its home, is not known'
+        return way_fault(flight.plan, [vehicle.motion.position, ahead])
 
     def _way_home(self) -> FlightPlan | None:
         """Return the way around exclusions; None if the vehicle may return straight."""

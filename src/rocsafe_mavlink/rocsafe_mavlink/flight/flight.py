@@ -10,6 +10,7 @@ always what the vehicle says of itself.
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep, Refusal
 from rocsafe_mavlink.flight.custody import is_commanded
@@ -17,10 +18,11 @@ from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_signs import shown_failsafe
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
-from rocsafe_mavlink.plan.flight_plan import FlightPlan, Mission, mission_of
+from rocsafe_mavlink.plan.flight_plan import WAYPOINT, FlightPlan, Mission, mission_of
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.units import position_of_e7
 
 GIVE_UP_LOST_S = 600.0
 Answer = tuple['MissionFlight', list[Message]]
@@ -85,6 +87,14 @@ class MissionFlight:
     def is_beginning(self) -> bool:
         """Whether commands of the flight's own are under way."""
         return self.stage in (FlightStage.STARTING, FlightStage.DISARMING)
+
+    def next_place(self, vehicle: VehicleTelemetry) -> GeoPosition | None:
+        """Return to where the vehicle flies in its mission; home behind it; None: not known."""
+        ahead = self.mission.items[max(vehicle.mission.current, self.mission.first_item) :]
+        for item in ahead:
+            if item.command == WAYPOINT:
+                return position_of_e7(item.x_e7, item.y_e7, 0.0)
+        return None if vehicle.home is None else vehicle.home.place
 
     def on_message(self, message: Message, now_s: float) -> Answer:
         """Take a message; those of other vehicles change nothing."""

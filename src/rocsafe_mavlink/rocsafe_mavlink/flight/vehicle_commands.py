@@ -104,11 +104,11 @@ class VehicleCommands:
             return self._urgent('hold', self._pause())
         return self._urgent('hold', self._mode(Verb.HOLD))
 
-    def resume(self, vehicle: VehicleTelemetry) -> CommandSequence:
-        """Return the sequence that continues the mission."""
-        if self.autopilot.is_in(vehicle, Verb.MISSION):
-            return self._sequence('resume', self._continue())
-        return self._sequence('resume', self._mode(Verb.MISSION))
+    def resume(self, vehicle: VehicleTelemetry, may_not_go: Refusal) -> CommandSequence:
+        """Return the sequence that continues the mission, unless `may_not_go` names a reason."""
+        is_paused = self.autopilot.is_in(vehicle, Verb.MISSION)
+        step = self._continue() if is_paused else self._mode(Verb.MISSION)
+        return self._sequence('resume', _unless(may_not_go, step))
 
     def return_home(self) -> CommandSequence:
         """Return the sequence that flies home and lands there."""
@@ -116,7 +116,8 @@ class VehicleCommands:
 
     def fly_home(self, mission: Mission) -> CommandSequence:
         """Return the sequence that flies home by a mission, where the straight way is not free."""
-        return replace(self.replace_mission(mission), name='return home', is_always_taken=True)
+        sequence = self.replace_mission(mission, lambda _vehicle, _now_s: '')
+        return replace(sequence, name='return home', is_always_taken=True)
 
     def land(self) -> CommandSequence:
         """Return the sequence that lands where the vehicle is."""
@@ -149,17 +150,19 @@ class VehicleCommands:
         moving = transfer(items, self.target, first_compared=0, mission_type=kind)
         return self._sequence(kind.word, TransferStep(moving=moving))
 
-    def replace_mission(self, mission: Mission) -> CommandSequence:
+    def replace_mission(self, mission: Mission, may_not_go: Refusal) -> CommandSequence:
         """Return the sequence that stops, uploads another mission and flies it from its first leg.
 
         It stops in a mode of its own: an ArduCopter whose mission is only paused flies on by
-        itself as soon as it has another one, before that was read back.
+        itself as soon as it has another one, before that was read back. It does not start if
+        `may_not_go` then names a reason.
         """
+        start = [_unless(may_not_go, step) for step in self._start_in_air(mission)]
         return self._sequence(
             'new route',
             self._mode(Verb.HOLD),
             self._upload(mission, clears_after_failure=False),
-            *self._start_in_air(mission),
+            *start,
         )
 
     def _sequence(self, name: str, *steps: Step) -> CommandSequence:
@@ -262,6 +265,12 @@ def require_reachable(
     away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
     require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
     return home
+
+
+def _unless(may_not_go: Refusal, step: CommandStep) -> CommandStep:
+    """Return a step, and its alternative, that is refused for a further reason."""
+    otherwise = None if step.otherwise is None else _unless(may_not_go, step.otherwise)
+    return replace(step, refusal=may_not_go, otherwise=otherwise)
 
 
 def _unless_armed(may_not_arm: Refusal | None) -> Refusal:

@@ -57,6 +57,7 @@ class SimulatedVehicle(FlyingVehicle):
         flight = self.flight
         if flight is not None and flight.route == route:
             if self.mode is Mode.HOLDING:
+                self._require_clear(route, flight.visited, flight.command.number)
                 self._give(replace(flight, outcome=None, text='', ended_ns=None), CommandKind.FLY)
             return
         mode = self.mode
@@ -76,6 +77,7 @@ class SimulatedVehicle(FlyingVehicle):
             begins = stopped(self.airframe, command.start)[1].position_enu
             route = replace(route, begins_enu=begins)
         self._record.fence.require(route)
+        self._require_clear(route)
         if Course(command, route, self.airframe).low_ns <= command.start_ns:
             raise CommandRefusedError(
                 f'battery {command.charge_fraction:.0%}: must be more, to keep a reserve of '
@@ -130,6 +132,8 @@ class SimulatedVehicle(FlyingVehicle):
         flight = self._require_mode('resume', *modes)
         if flight.outcome is not None:
             raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
+        if flight.ending is FlightOutcome.COMPLETED:
+            self._require_clear(flight.route, flight.visited, flight.command.number)
         self._give(flight, _RESUMED.get(flight.ending, CommandKind.RETURN))
 
     def return_home(self) -> None:
@@ -185,6 +189,8 @@ class SimulatedVehicle(FlyingVehicle):
         way = (here, *flight.route.around(here, place_enu), place_enu)
         if not self._record.fence.holds(way):
             raise CommandRefusedError('cannot go there: the way leaves the fence')
+        if flight.route.crossed(way):
+            raise CommandRefusedError('cannot go there: no way around the exclusions')
         self._give(flight, CommandKind.GO_TO, goal_enu=place_enu)
 
     def set_speed(self, speed_mps: float) -> None:
@@ -295,6 +301,13 @@ class SimulatedVehicle(FlyingVehicle):
         if self.surroundings is None:
             return (*place_enu[:2], self.home_enu[2])
         return on_ground(self.surroundings, place_enu)
+
+    def _require_clear(self, route: FlightRoute, index: int = 0, number: int = 0) -> None:
+        """Refuse to fly what is left of a route from here if an exclusion lies on the way."""
+        here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
+        fault = route.fault(here, index, number)
+        if fault:
+            raise CommandRefusedError(f'cannot fly the route from here: {fault}')
 
     def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
         if self.flight is None or self.mode not in modes:
