@@ -88,6 +88,12 @@ class MissionFlight:
         """Whether commands of the flight's own are under way."""
         return self.stage in (FlightStage.STARTING, FlightStage.DISARMING)
 
+    @property
+    def is_given_up(self) -> bool:
+        """Whether an operator ended it, and its route lies on the vehicle yet."""
+        is_ended = self.cause is FlightOutcome.ABORTED_BY_OPERATOR
+        return is_ended and bool(self.mission.waypoint_items)
+
     def next_place(self, vehicle: VehicleTelemetry) -> GeoPosition | None:
         """Return to where the vehicle flies in its mission; home behind it; None: not known."""
         ahead = self.mission.items[max(vehicle.mission.current, self.mission.first_item) :]
@@ -130,6 +136,19 @@ class MissionFlight:
     def interrupted(self) -> 'MissionFlight':
         """Return the flight once an operator commands it in the air: it is only watched now."""
         return replace(self, stage=FlightStage.FLYING, sequence=None)
+
+    def may_be_armed(self, vehicle: VehicleTelemetry) -> bool:
+        """Whether the start of the flight has started the motors, or may have."""
+        if self.stage is FlightStage.DISARMING:
+            return True
+        sequence = self.sequence
+        if sequence is None or sequence.is_over:
+            return False
+        return vehicle.is_armed or _may_be_armed(sequence, vehicle)
+
+    def called_off(self, reason: str) -> 'MissionFlight':
+        """Return the flight given up on the ground, before its motors were started."""
+        return self._end(FlightOutcome.ABORTED_BY_OPERATOR, reason)
 
     def stopped(self, homeward: tuple[MissionItem, ...] | None = None) -> 'MissionFlight':
         """Return the flight after an operator's accepted command to return or land.
@@ -284,4 +303,4 @@ def _may_be_armed(failed: CommandSequence, vehicle: VehicleTelemetry) -> bool:
     step = failed.steps[0]
     if not isinstance(step, CommandStep):
         return False
-    return vehicle.is_armed or (failed.is_begun and step.starts_motors)
+    return vehicle.is_armed or (failed.is_begun and step.switches_motors)

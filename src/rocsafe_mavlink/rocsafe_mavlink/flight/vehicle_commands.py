@@ -98,6 +98,15 @@ class VehicleCommands:
         step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
         return self._sequence('disarm', step)
 
+    def stay_down(self, name: str, verb: Verb) -> CommandSequence:
+        """Return the sequence that stops the motors; in the air the mode for `verb` is set."""
+        stop = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
+        return self._urgent(name, replace(stop, otherwise=self._mode(verb)))
+
+    def nothing(self, name: str) -> CommandSequence:
+        """Return the sequence of an order that is fulfilled already."""
+        return self._urgent(name)
+
     def hold(self, vehicle: VehicleTelemetry) -> CommandSequence:
         """Return the sequence that stops the vehicle: within its mission if it flies one."""
         if self.autopilot.is_in(vehicle, Verb.MISSION):
