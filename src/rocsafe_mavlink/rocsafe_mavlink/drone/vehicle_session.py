@@ -195,11 +195,11 @@ class VehicleSession:
         if not preempts and self.is_commanded:
             raise ValueError(f'{self._under_way()} is under way')
         # What a command before it leads to may show only now: that is no takeover.
-        late = frozenset[int]().union(*(one.expected_modes for one in self._begun()))
+        sequence = sequence.after(self._begun(), now_s)
         if self.flight is not None and self.flight.is_beginning:
             self.flight = self.flight.interrupted()
         # What is commanded is what was there when the order was given.
-        self.sequence = sequence.after(late).looked_at(self.telemetry, now_s)
+        self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
 
     def withdraw_start(self) -> None:

@@ -16,7 +16,7 @@ itself.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
@@ -233,6 +233,8 @@ class CommandSequence:
         Whether its motors ran then.
     late_modes
         Custom modes to which a command before this sequence may lead yet, during the first step.
+    late_until_s
+        Steady time until which they may show.
     look_after_s
         The next command waits for a heartbeat after this steady time.
     obstructed_s
@@ -252,6 +254,7 @@ class CommandSequence:
     led_to: int = -1
     was_armed: bool = False
     late_modes: frozenset[int] = frozenset()
+    late_until_s: float = -math.inf
     look_after_s: float = -math.inf
     obstructed_s: float = math.inf
 
@@ -307,9 +310,15 @@ class CommandSequence:
         """Custom modes to which the step under way may lead, or a command before it."""
         return frozenset() if self.is_over else self.steps[0].modes | self.late_modes
 
-    def after(self, late_modes: frozenset[int]) -> 'CommandSequence':
-        """Return the sequence that takes the place of others, which may lead to these modes."""
-        return replace(self, late_modes=late_modes)
+    @property
+    def coming_modes(self) -> frozenset[int]:
+        """Custom modes to which a command that was sent may lead yet."""
+        return self.expected_modes if self.is_begun else self.late_modes
+
+    def after(self, others: Iterable['CommandSequence'], now_s: float) -> 'CommandSequence':
+        """Return the sequence that takes the place of others: their modes may show late."""
+        modes = frozenset[int]().union(*(other.coming_modes for other in others))
+        return replace(self, late_modes=modes, late_until_s=now_s + MODE_SHOWS_S)
 
     def withdrawn(self, reason: str) -> 'CommandSequence':
         """Return the sequence ended without another command, unless it is over."""
@@ -341,7 +350,11 @@ class CommandSequence:
             mode, is_armed = vehicle.custom_mode, vehicle.is_armed
             looked = replace(self, mode=mode, was_armed=is_armed, look_after_s=after_s)
         reason = looked._taken_over(vehicle, now_s)
-        return looked.withdrawn(reason) if reason else looked
+        if reason:
+            return looked.withdrawn(reason)
+        # A late mode that shows is the present one: who leaves it again takes the vehicle over.
+        is_late = vehicle.custom_mode in looked.late_modes
+        return replace(looked, mode=vehicle.custom_mode) if is_late else looked
 
     def _taken_over(self, vehicle: VehicleTelemetry, now_s: float) -> str:
         """Return why the vehicle is not ours any more; empty if it is."""
@@ -358,7 +371,8 @@ class CommandSequence:
             return 'somebody else started the motors'
         mode = self.autopilot.mode_name(vehicle.custom_mode)
         own = step.modes if self.is_begun else frozenset[int]()
-        if vehicle.custom_mode not in {self.mode, *own, *self.late_modes}:
+        late = self.late_modes if now_s < self.late_until_s else frozenset[int]()
+        if vehicle.custom_mode not in {self.mode, *own, *late}:
             return f'the vehicle was switched to {mode}'
         if vehicle.is_in_failsafe and not self.is_always_taken:
             return f'a failsafe has the vehicle, in {mode}'

@@ -145,9 +145,11 @@ class VehicleCommands:
 
     def go_to(self, place: GeoPosition, height_m: float, home: Home) -> CommandSequence:
         """Return the sequence that flies to a place, `height_m` above home, and stays there."""
-        steps = [] if self.autopilot.repositions_itself else [self._mode(Verb.GUIDED)]
-        modes = frozenset({self.autopilot.modes[Verb.GUIDED], self.autopilot.modes[Verb.HOLD]})
-        reposition = replace(self._do(self._reposition(place, height_m, home)), modes=modes)
+        by_itself = self.autopilot.repositions_itself
+        steps = [] if by_itself else [self._mode(Verb.GUIDED)]
+        leads_to = self.autopilot.modes[Verb.HOLD if by_itself else Verb.GUIDED]
+        reposition = self._do(self._reposition(place, height_m, home))
+        reposition = replace(reposition, modes=frozenset({leads_to}))
         return self._sequence('go to', *steps, reposition)
 
     def push_fence(self, fence: Fence) -> CommandSequence:
