@@ -71,6 +71,8 @@ class Command:
         Yaw at the end, rad, ENU; None: the present one.
     speed_mps
         Speed over ground; 0: that of the vehicle.
+    is_held
+        Whether it stays on the ground, where it waits, until it is resumed.
     """
 
     kind: CommandKind
@@ -89,6 +91,7 @@ class Command:
     flown_s: float = 0.0
     yaw_rad: float | None = None
     speed_mps: float = 0.0
+    is_held: bool = False
 
 
 def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Timeline | Fall:
