@@ -79,9 +79,13 @@ def routes(draw: st.DrawFn) -> FlightRoute:
     )
 
 
-def vehicle_on(route: FlightRoute = ROUTE, airframe: Airframe = AIRFRAME) -> SimulatedVehicle:
+def vehicle_on(
+    route: FlightRoute = ROUTE,
+    airframe: Airframe = AIRFRAME,
+    kind: type[SimulatedVehicle] = SimulatedVehicle,
+) -> SimulatedVehicle:
     """Return a vehicle that has just been told to fly `route` at `START_NS`."""
-    vehicle = SimulatedVehicle(airframe, HOME)
+    vehicle = kind(airframe, HOME)
     vehicle.step(START_NS)
     vehicle.fly_route(route)
     return vehicle

@@ -28,6 +28,7 @@ SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'markupsafe': ('MarkupSafe', (2, 1)),
     'mcap': ('mcap', (1, 0)),
     'mcap_ros2': ('mcap-ros2-support', (0, 5)),
+    'msgpack': ('msgpack', (1, 0)),
     'numba': ('numba', (0, 58)),
     'panda3d': ('panda3d', (1, 10, 13)),
     'PIL': ('pillow', (10, 2)),

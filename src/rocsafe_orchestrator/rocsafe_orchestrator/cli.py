@@ -99,6 +99,7 @@ class _Version(argparse.Action):
 def _parser() -> argparse.ArgumentParser:
     # Imported here: commands that are passed on need none of it.
     from rocsafe_orchestrator.command_line import (
+        airsim,
         check,
         clear,
         fleet,
@@ -118,7 +119,10 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, fleet, check, plan, replan, preflight, report, replay, clear, passed_on):
+    modules = (
+        run, fleet, check, plan, replan, preflight, report, replay, clear, airsim, passed_on,
+    )  # fmt: skip
+    for module in modules:
         module.add_to(commands)
     return parser
 

@@ -8,7 +8,7 @@ name of fleet scope in that above. `make docs` writes docs/interfaces.md from th
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, TwistStamped
@@ -59,6 +59,8 @@ from rocsafe_interfaces.srv import (
     FleetCommand,
     GoTo,
     Lease,
+    Look,
+    Move,
     Preflight,
     PushFence,
     PushRally,
@@ -166,6 +168,9 @@ class CallSpec:
     kind: str
     scope: Scope
     note: str
+
+
+CameraSpec = TypeVar('CameraSpec', TopicSpec, CallSpec)
 
 
 def _vehicle(name: str, message_type: type, qos: QoSProfile, rate: str, note: str) -> TopicSpec:
@@ -302,6 +307,9 @@ THREAT_ZONES = _fleet(
     'hazard/threat_zones', MarkerArray, _latched(), 'on change', 'ground above response levels'
 )
 MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
+DRAWINGS = _fleet(
+    'drawings', MarkerArray, _latched(), 'on change', 'lines and points of clients of AirSim'
+)
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
 CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
@@ -327,6 +335,10 @@ LAND = _call('land', Trigger, 'service', Scope.VEHICLE, 'land where it is')
 LEASE = _call('lease', Lease, 'service', Scope.VEHICLE, 'take, renew or give back the control')
 PREFLIGHT = _call('preflight', Preflight, 'service', Scope.VEHICLE, 'checks of a real vehicle')
 GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point and stay there')
+LOOK = _call(
+    'camera/look', Look, 'service', Scope.VEHICLE, 'an image now; simulated vehicles only'
+)
+MOVE = _call('move', Move, 'service', Scope.VEHICLE, 'fly freely; simulated vehicles only')
 SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'speed over ground')
 PUSH_FENCE = _call('geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence')
 PUSH_RALLY = _call('rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'replace rally points')
@@ -378,13 +390,13 @@ def name_of(spec: TopicSpec | CallSpec, vehicle: str = '') -> str:
     return f'{vehicle}/{spec.name}'
 
 
-def of_camera(spec: TopicSpec, camera: str) -> TopicSpec:
-    """Return the topic of `camera` that corresponds to `spec` of the first camera.
+def of_camera(spec: CameraSpec, camera: str) -> CameraSpec:
+    """Return the topic or service of `camera` that corresponds to `spec` of the first camera.
 
     Raises
     ------
     ValueError
-        If `spec` is not the topic of a camera.
+        If `spec` is not of a camera.
     """
     first, _, rest = spec.name.partition('/')
     if first != FIRST_CAMERA or not rest:

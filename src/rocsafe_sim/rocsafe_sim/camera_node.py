@@ -5,6 +5,7 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
+from rocsafe_interfaces.srv import Look
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
 from rocsafe_ros.domain.audience import Audience
@@ -35,7 +36,7 @@ class CameraInterface:
     """Publishes the topics of a camera, and executes the commands to its gimbal.
 
     Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
-    gimbal/state, and the frame of a gimbal. Subscribes: gimbal/command.
+    gimbal/state, and the frame of a gimbal. Subscribes: gimbal/command. Service: look.
 
     Images are published when the vehicle takes them at viewpoints, and `stream_rate_hz` times a
     simulated second as long as anybody but a recorder subscribes.
@@ -62,6 +63,8 @@ class CameraInterface:
             self._table.publish(String(data=camera.model.camera.label_table()))
         rate_hz = camera.settings.stream_rate_hz
         self._stream = Cadence(period_ns(rate_hz)) if rate_hz else None
+        look = topics.of_camera(topics.LOOK, camera.name)
+        node.create_service(look.call_type, look.name, self._on_look)
         if camera.gimbal is not None:
             self._add_gimbal()
 
@@ -112,6 +115,21 @@ class CameraInterface:
             self._node.get_logger().warning(f'{self.name}: no picture: {error}', once=True)
             return
         self._publish(picture, self._jpeg_of(picture) if _is_heard(self._compressed) else None)
+
+    def _on_look(self, request: Look.Request, response: Look.Response) -> Look.Response:
+        try:
+            picture = self._rav.look(self._camera, self._rav.vehicle.observe())
+        except ViewError as error:
+            response.message = f'{self._vehicle}: {self.name}: no picture: {error}'
+            return response
+        header = picture_header(self._vehicle, picture)
+        response.image, response.pose = image_message(picture, header), pose_message(picture)
+        response.camera_info = info_message(self._camera.settings, header)
+        if request.with_truth and picture.truth is not None:
+            response.depth = depth_message(picture.truth, header)
+            response.labels = labels_message(picture.truth, header)
+        response.success = True
+        return response
 
     def _is_watched(self) -> bool:
         return any(audience.is_watching for audience in self._audiences)

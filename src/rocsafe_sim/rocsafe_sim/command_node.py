@@ -7,7 +7,7 @@ from typing import Any
 from rocsafe_geo.limits import require_positive
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import GeoPoint
-from rocsafe_interfaces.srv import GoTo, PushRally
+from rocsafe_interfaces.srv import GoTo, Move, PushRally
 from rocsafe_ros import topics
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
@@ -19,7 +19,7 @@ from rocsafe_sim.rav.rav import Rav
 class CommandServices:
     """Services: hold, return_home and land, always taken; with the lease all others.
 
-    These are resume, go_to, set_speed, set_home, fence and rally.
+    These are resume, go_to, move, set_speed, set_home, fence and rally.
 
     Parameters
     ----------
@@ -63,12 +63,37 @@ class CommandServices:
             topics.PUSH_FENCE,
             self._answered(lambda request: vehicle.push_fence(fence_of(request, self._frame))),
         )
+        lease.serve(topics.MOVE, self._answered(self._move))
         lease.serve(topics.PUSH_RALLY, self._answered(self._push_rally))
 
     def _go_to(self, request: GoTo.Request) -> None:
         vehicle = self._rav.vehicle
         (place,) = self._places([request.position])
         vehicle.go_to((*place[:2], vehicle.home_enu[2] + request.height_m))
+
+    def _move(self, request: Move.Request) -> None:
+        vehicle = self._rav.vehicle
+        if request.kind == Move.Request.ALONG:
+            if len(request.places) != len(request.heights_m):
+                raise ValueError(
+                    f'heights_m has {len(request.heights_m)} values: must be '
+                    f'{len(request.places)}, as many as places'
+                )
+            home_up_m = vehicle.home_enu[2]
+            places = [
+                (*place[:2], home_up_m + height_m)
+                for place, height_m in zip(
+                    self._places(request.places), request.heights_m, strict=True
+                )
+            ]
+            vehicle.fly_along(places, request.speed_mps)
+        elif request.kind == Move.Request.AT_VELOCITY:
+            velocity = (request.velocity.x, request.velocity.y, request.velocity.z)
+            vehicle.fly_at(velocity, request.duration_s, request.turn_rate_radps)
+        elif request.kind == Move.Request.TURN:
+            vehicle.turn_to(request.yaw_rad)
+        else:
+            raise ValueError(f'kind is {request.kind}: must be ALONG, AT_VELOCITY or TURN')
 
     def _push_rally(self, request: PushRally.Request) -> None:
         # It returns at the height at which it is.

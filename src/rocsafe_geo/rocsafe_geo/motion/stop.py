@@ -12,6 +12,8 @@ Vector = tuple[float, ...]
 _Phase = tuple[float, Vector]
 """Duration of a phase, seconds, and its jerk."""
 
+# Share of the speed lost while a deceleration falls to zero that may be rounding.
+_OVERSHOOT = 1e-3
 # A vehicle slower than this stands; rounding leaves such speeds.
 _STANDING_MPS = 1e-9
 
@@ -114,8 +116,10 @@ def _phases(velocity: Vector, acceleration: Vector, limits: MotionLimits) -> lis
     speed = math.hypot(*velocity)
     along = _dot(acceleration, velocity) / speed if speed > _STANDING_MPS else 0.0
     size = math.hypot(*acceleration)
-    if size - abs(along) > 1e-9 * (1.0 + size):
-        # The acceleration is not along the velocity: reduce all of it to zero first.
+    lost = along**2 / (2.0 * limits.jerk_mps3) if along < 0.0 else 0.0
+    if size - abs(along) > 1e-9 * (1.0 + size) or speed < lost * (1.0 - _OVERSHOOT):
+        # The acceleration is not along the velocity, or brakes beyond standstill: reduce all of
+        # it to zero first.
         rest_s = size / limits.jerk_mps3
         jerk = _scaled(acceleration, -limits.jerk_mps3 / size)
         _, velocity, _ = _after((still, velocity, acceleration), jerk, rest_s)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Flight at a velocity for some time, and the stop after it, within the limits of a vehicle."""
 
+import math
+
 import numpy as np
 
 from rocsafe_geo.limits import require_finite, require_not_negative
@@ -72,7 +74,9 @@ class VelocityMotion:
         """Return the motion at a time."""
         if elapsed_s < self._flown_s:
             return self._moving(max(0.0, elapsed_s))
-        return self._stop.state(elapsed_s - self._flown_s)
+        # At the end exactly still, whatever the rounding of the difference.
+        is_over = elapsed_s >= self.duration_s
+        return self._stop.state(math.inf if is_over else elapsed_s - self._flown_s)
 
     def progress_m(self, elapsed_s: float) -> float:
         """Return the horizontal length of the path until a time."""

@@ -51,6 +51,14 @@ def add_to(commands: Commands) -> None:
     parser.add_argument(
         '--console', action='store_true', help="serve the operator's page while the mission runs"
     )
+    parser.add_argument(
+        '--airsim',
+        type=int,
+        nargs='?',
+        const=41451,
+        metavar='PORT',
+        help="serve AirSim's API on loopback while the mission runs (default port: 41451)",
+    )
     parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
     parser.set_defaults(command=_run)
 
@@ -71,5 +79,6 @@ def _run(arguments: argparse.Namespace) -> int:
         is_quiet=arguments.quiet,
         confirmed=frozenset(arguments.confirm),
         has_console=arguments.console,
+        airsim_port=arguments.airsim,
     )
     return run_scenario(request, Console())

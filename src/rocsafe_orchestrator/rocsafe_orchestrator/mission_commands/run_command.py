@@ -43,7 +43,7 @@ from rocsafe_orchestrator.processes.launches import (
     require_executables,
 )
 from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
-from rocsafe_orchestrator.processes.process_table import crew_of, process_table
+from rocsafe_orchestrator.processes.process_table import airsim_process, crew_of, process_table
 from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
@@ -60,6 +60,7 @@ from rocsafe_view.formats import clock
 
 # Real vehicles must be heard and ready within this time.
 PREFLIGHT_S = 60.0
+LOOPBACK = '127.0.0.1'
 # Simulated seconds between two reports of the vehicles, with a margin.
 BEATS_PERIOD_S = 2.0
 
@@ -76,6 +77,7 @@ class RunRequest:
     is_quiet: bool = False
     confirmed: frozenset[str] = frozenset()
     has_console: bool = False
+    airsim_port: int | None = None
 
 
 def run_scenario(request: RunRequest, console: Console) -> int:
@@ -171,6 +173,9 @@ class _Run:
         levels = self.scenario.radiation.levels
         self.monitor = Monitor(self.scenario.vehicle_names, levels.contamination_usvh)
         self.table = process_table(self.scenario, self.directory)
+        if self.request.airsim_port is not None:
+            server = airsim_process(self.scenario, LOOPBACK, self.request.airsim_port)
+            self.table = (*self.table, server)
         self.supervisor = Supervisor(
             launches(self.table, self.directory, self.identity, self.request.config),
             child_environment(self.directory),

@@ -136,6 +136,11 @@ def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     return {'vehicles': list(scenario.vehicle_names), 'mission': run.name}
 
 
+def airsim_parameters(scenario: Scenario, host: str, port: int) -> Parameters:
+    """Return the parameters of the server of AirSim's API."""
+    return {'host': host, 'port': port, **_origin(scenario)}
+
+
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the recorder."""
     return {

@@ -19,6 +19,7 @@ from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
+AIRSIM = 'airsim'
 Spec = topics.TopicSpec | topics.CallSpec
 VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
 
@@ -94,6 +95,12 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
         *_air_processes(scenario, run),
         *_vehicle_processes(scenario, run),
     )  # fmt: skip
+
+
+def airsim_process(scenario: Scenario, host: str, port: int) -> ProcessSpec:
+    """Return the process that serves scripts of AirSim's API."""
+    values = parameters.airsim_parameters(scenario, host, port)
+    return _process(AIRSIM, 'rocsafe_airsim/airsim', values, *_shared(topics.DRAWINGS))
 
 
 def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:

@@ -67,8 +67,10 @@ class Command:
         Velocity to fly at, m/s.
     flown_s
         Time to fly at it, seconds.
+    turn_rate_radps
+        Yaw rate meanwhile, anticlockwise from above.
     yaw_rad
-        Yaw at the end, rad, ENU; None: the present one.
+        Yaw at the end of a way, rad, ENU; None: the present one.
     speed_mps
         Speed over ground; 0: that of the vehicle.
     is_held
@@ -89,6 +91,7 @@ class Command:
     via_enu: tuple[Enu, ...] = ()
     velocity_enu: Enu | None = None
     flown_s: float = 0.0
+    turn_rate_radps: float = 0.0
     yaw_rad: float | None = None
     speed_mps: float = 0.0
     is_held: bool = False
@@ -106,7 +109,7 @@ def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Tim
         return go_to_timeline(airframe, command.start, route, goals, command.yaw_rad)
     if command.kind is CommandKind.MOVE and command.velocity_enu is not None:
         velocity = (command.velocity_enu, command.flown_s)
-        return move_timeline(airframe, command.start, velocity, command.yaw_rad)
+        return move_timeline(airframe, command.start, velocity, command.turn_rate_radps)
     if command.kind is CommandKind.RETURN:
         place = command.goal_enu or route.home_enu
         return return_timeline(airframe, command.start, route, place)

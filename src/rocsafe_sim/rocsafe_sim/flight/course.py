@@ -44,7 +44,7 @@ class Course:
             command.charge_fraction,
             route,
             command.number,
-            climbs=command.kind is CommandKind.GO_TO,
+            climbs=command.kind in (CommandKind.GO_TO, CommandKind.MOVE),
         )
         self.low_ns = self._after_start_ns(low_s)
         self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)

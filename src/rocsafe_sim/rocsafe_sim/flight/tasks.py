@@ -92,6 +92,10 @@ def go_to_timeline(
     for goal in goals:
         up_m = max(at.position_enu[2], goal[2])
         bends = route.around(at.position_enu, goal)
+        if at.position_enu[2] <= route.home_enu[2] + LEVEL_TOLERANCE_M:
+            for way in airframe.performance.ascent(at.position_enu, up_m):
+                tasks.append(_task(way, Mode.TAKING_OFF, at))
+                at = _at_end(tasks[-1])
         corners = [(*place[:2], up_m) for place in (at.position_enu, *bends, goal)]
         for corner in (*corners, goal):
             if corner != at.position_enu:
@@ -110,16 +114,16 @@ def move_timeline(
     airframe: Airframe,
     start: FlightPose,
     velocity: tuple[Enu, float],
-    yaw_rad: float | None = None,
+    turn_rate_radps: float = 0.0,
 ) -> Timeline:
     """Return the flight at a velocity (m/s) for some seconds, a stop, and a stand.
 
-    The vehicle turns to `yaw_rad` at a constant rate meanwhile.
+    The vehicle turns at a constant rate meanwhile, by less than half a turn in all.
     """
     performance = airframe.performance
     limits = (performance.level, performance.vertical)
     motion = VelocityMotion(start.motion, *velocity, *limits)
-    yaw = start.yaw_rad if yaw_rad is None else yaw_rad
+    yaw = wrap_rad(start.yaw_rad + turn_rate_radps * motion.duration_s)
     at = standing(motion.state(motion.duration_s).position_enu, yaw)
     here = Task(way=performance.way(at.position_enu, at.position_enu), mode=Mode.FLYING,
                 yaw_rad=yaw)  # fmt: skip

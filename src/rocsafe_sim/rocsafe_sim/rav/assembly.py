@@ -24,7 +24,7 @@ from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
 from rocsafe_sim.options import ENGINE, SCENE_GROUND, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
-from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
+from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 from rocsafe_sim.vehicle.surroundings import Surroundings
 
 
@@ -150,5 +150,5 @@ def make_rav(
     )
     surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
-    vehicle = SimulatedVehicle(options.airframe(), (east, north, up), surroundings)
+    vehicle = FreeVehicle(options.airframe(), (east, north, up), surroundings)
     return Rav(parts, vehicle, spool, is_lockstep=options.lock_step)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A simulated RAV: a `SimulatedVehicle` with sensors, cameras, journal and photographs.
+"""A simulated RAV: a `FreeVehicle` with sensors, cameras, journal and photographs.
 
 It knows nothing of ROS; `rocsafe_sim.vehicle_node` gives it its topics.
 """
@@ -28,8 +28,8 @@ from rocsafe_sim.clock.step_times import StepTimes
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.flight_record import VehicleRecord
+from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
-from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 from rocsafe_sim.vehicle.snapshot import ShotDue, VehicleSnapshot
 from rocsafe_sim.vehicle.surroundings import on_ground
 
@@ -109,7 +109,7 @@ class Rav:
     def __init__(
         self,
         parts: RavParts,
-        vehicle: SimulatedVehicle,
+        vehicle: FreeVehicle,
         spool: Path | None = None,
         *,
         is_lockstep: bool = False,

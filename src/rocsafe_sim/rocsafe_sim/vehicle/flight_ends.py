@@ -18,7 +18,7 @@ from rocsafe_sim.vehicle.flight_record import FlightOutcome, FlightRecord
 # away is meant for another vehicle.
 HOME_TOLERANCE_M = 5.0
 # After a flight with such an outcome a vehicle does not fly again.
-_BROKEN = frozenset({FlightOutcome.FAILED, FlightOutcome.COLLIDED})
+BROKEN = frozenset({FlightOutcome.FAILED, FlightOutcome.COLLIDED})
 _BUSY = frozenset({Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING, Mode.LANDING})
 
 
@@ -45,7 +45,7 @@ def require_ready(
     """
     if flight is not None and flight.outcome is None and not replaces:
         raise CommandRefusedError(f'flies plan {flight.route.plan_id!r}: cancel that first')
-    if flight is not None and flight.ending in _BROKEN:
+    if flight is not None and flight.ending in BROKEN:
         raise CommandRefusedError(f'cannot fly a route: {flight.text}')
     if mode is Mode.LANDING or (mode in _BUSY and not replaces):
         raise CommandRefusedError(f'cannot fly a route: {mode.value}')
@@ -69,7 +69,7 @@ def cut_short(flight: FlightRecord, ending: FlightOutcome, text: str) -> FlightR
 
 def failure_ns(flight: FlightRecord, course: Course, airframe: Airframe) -> int | float:
     """Return the time at which the battery fails; infinite if it does not, or already did."""
-    if not airframe.fails_after_s or flight.ending in _BROKEN or course.command.is_held:
+    if not airframe.fails_after_s or flight.ending in BROKEN or course.command.is_held:
         return math.inf
     fails_ns = flight.take_off_ns + round(airframe.fails_after_s * NS_PER_S)
     return fails_ns if course.command.start_ns <= fails_ns < course.touch_down_ns else math.inf

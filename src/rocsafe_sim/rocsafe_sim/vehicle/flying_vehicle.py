@@ -9,6 +9,7 @@ import math
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.time_units import NS_PER_S
@@ -148,10 +149,11 @@ class FlyingVehicle:
         kind: CommandKind,
         time_ns: int | None = None,
         goal_enu: Enu | None = None,
+        **aims: Any,
     ) -> None:
-        """Put a command of `kind` in force at `time_ns`, or now."""
+        """Put a command in force at `time_ns`, or now; `aims` are further fields of it."""
         command = self._command(kind, self.time_ns if time_ns is None else time_ns, flight.visited)
-        self._follow(replace(flight, command=replace(command, goal_enu=goal_enu)))
+        self._follow(replace(flight, command=replace(command, goal_enu=goal_enu, **aims)))
 
     def _command(self, kind: CommandKind, time_ns: int, first_index: int) -> Command:
         course, start = self._course, self.pose_at(time_ns)

@@ -152,6 +152,8 @@ class SimulatedVehicle(FlyingVehicle):
             return
         if flight.outcome is not None:
             raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
+        if not flight.route.waypoints:
+            raise CommandRefusedError('cannot resume: it flies no route')
         if flight.ending is FlightOutcome.COMPLETED:
             self._require_clear(flight.route, flight.visited, flight.command.number)
         self._give(flight, _RESUMED.get(flight.ending, CommandKind.RETURN))
@@ -230,9 +232,18 @@ class SimulatedVehicle(FlyingVehicle):
         flight = self._require_mode(
             'change its speed', Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
         )
+        command = flight.command
+        if command.kind is CommandKind.MOVE:
+            raise CommandRefusedError('cannot change its speed: it flies at a commanded velocity')
         self.airframe.at_speed(require_positive('speed_mps', speed_mps, 'm/s'))
         self._record = replace(self._record, speed_mps=speed_mps)
-        self._give(flight, flight.command.kind, goal_enu=flight.command.goal_enu)
+        self._give(
+            flight,
+            command.kind,
+            goal_enu=command.goal_enu,
+            via_enu=command.via_enu,
+            yaw_rad=command.yaw_rad,
+        )
 
     def set_home(self, place_enu: Enu) -> None:
         """Stand at another place on the ground, and have its home there.
@@ -329,7 +340,8 @@ class SimulatedVehicle(FlyingVehicle):
 
     @property
     def _is_sent_away(self) -> bool:
-        return self.flight is not None and self.flight.command.kind is CommandKind.GO_TO
+        kinds = (CommandKind.GO_TO, CommandKind.MOVE)
+        return self.flight is not None and self.flight.command.kind in kinds
 
     def _nearest_rally(self) -> Enu | None:
         """Return the rally point that is nearer than home and all others; None: home."""

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What all methods share: vehicles by name, who leads them, cameras, instances."""
+
+import re
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Any, TypeVar
+
+from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.moving import Mover
+from rocsafe_airsim.ned import Vector
+from rocsafe_airsim.vehicle import Vehicle, World
+
+Method = Callable[..., Awaitable[Any]]
+MethodT = TypeVar('MethodT', bound=Method)
+# Names that scripts use for the camera of a vehicle, besides its own.
+FIRST_CAMERA_NAMES = frozenset({'', '0', '1', '3', 'front_center', 'bottom_center', 'high_res'})
+# AirSim's own examples name their vehicles so.
+_NUMBERED = re.compile(r'(?:[Dd]rone|[Vv]ehicle|UAV)_?(\d+)$')
+_WHITE = (1.0, 1.0, 1.0, 1.0)
+
+
+def served(name: str) -> Callable[[MethodT], MethodT]:
+    """Mark a function as the method `name` of AirSim."""
+
+    def mark(function: MethodT) -> MethodT:
+        function.airsim_name = name  # type: ignore[attr-defined]
+        return function
+
+    return mark
+
+
+def methods_of(part: object) -> Mapping[str, Method]:
+    """Return the methods that an object serves, by name."""
+    found = {}
+    for attribute in dir(part):
+        function = getattr(part, attribute)
+        if name := getattr(function, 'airsim_name', ''):
+            found[name] = function
+    return found
+
+
+class Access:
+    """Finds what a call names, and refuses what its client may not do.
+
+    Parameters
+    ----------
+    world
+        The vehicles and their time.
+    tell
+        Takes a line for people.
+
+    Attributes
+    ----------
+    controlled
+        Names of the vehicles for which a client has called enableApiControl.
+    ids
+        Segmentation ids by number of the instance.
+    """
+
+    def __init__(self, world: World, tell: Callable[[str], None]) -> None:
+        self.world, self.tell = world, tell
+        self.mover = Mover(world)
+        self.controlled: set[str] = set()
+        self.ids: dict[int, int] = {}
+
+    def vehicle(self, name: Any) -> Vehicle:
+        """Return the vehicle of a name; the first if it is empty."""
+        vehicles = self.world.vehicles
+        if not vehicles:
+            raise AirsimError('no vehicle is heard')
+        if not name:
+            return next(iter(vehicles.values()))
+        if name in vehicles:
+            return vehicles[name]
+        numbered = _NUMBERED.match(str(name))
+        if numbered and 1 <= int(numbered[1]) <= len(vehicles):
+            return list(vehicles.values())[int(numbered[1]) - 1]
+        raise AirsimError(f'vehicle {name!r}: there are {", ".join(vehicles)}')
+
+    def simulated(self, name: Any) -> Vehicle:
+        """Return a simulated vehicle."""
+        vehicle = self.vehicle(name)
+        if not vehicle.is_simulated:
+            raise AirsimError(f'{vehicle.name} is a real vehicle: sim methods are refused')
+        return vehicle
+
+    def led(self, name: Any) -> Vehicle:
+        """Return a vehicle that clients lead."""
+        vehicle = self.vehicle(name)
+        if vehicle.name not in self.controlled:
+            raise AirsimError(f'{vehicle.name}: call enableApiControl first')
+        return vehicle
+
+    def camera(self, vehicle: Vehicle, name: Any) -> str:
+        """Return the name of a camera of a vehicle."""
+        if name in vehicle.cameras:
+            return str(name)
+        if str(name) in FIRST_CAMERA_NAMES and vehicle.cameras:
+            return vehicle.cameras[0]
+        known = ', '.join(vehicle.cameras) or 'none'
+        raise AirsimError(f'camera {name!r} of {vehicle.name}: has {known}')
+
+    def instances(self) -> Sequence[Mapping[str, Any]]:
+        """Return number, name, class and colour of each thing of the scene."""
+        for vehicle in self.world.vehicles.values():
+            for camera in vehicle.cameras:
+                if table := vehicle.label_table(camera):
+                    return table
+        return ()
+
+    def draw(
+        self,
+        lines_ned: Sequence[Sequence[Vector]],
+        rgba: Any,
+        size: Any,
+        kind: str,
+        lasting: tuple[Any, Any],
+    ) -> None:
+        """Show lines or points; `lasting` is their duration in seconds, and whether for ever."""
+        origin = self.vehicle('').origin
+        lines = [[origin.to_enu(place) for place in line] for line in lines_ned]
+        duration_s = 0.0 if lasting[1] else max(float(lasting[0]), 0.0)
+        colour = tuple(map(float, rgba or _WHITE))
+        # AirSim's sizes are pixels or centimetres of its engine.
+        size_m = max(float(size) / 100.0, 0.05)
+        self.world.draw(lines, colour, size_m, kind=kind, duration_s=duration_s)
+
+
+def parameters(call: tuple[Any, ...], least: int) -> tuple[Any, ...]:
+    """Return the parameters of a call, of which there must be `least`."""
+    if len(call) < least:
+        raise AirsimError(f'{len(call)} parameters: must be {least} at least')
+    return call
+
+
+def at_least(timeout_s: Any, default_s: float) -> float:
+    """Return a time limit that a vehicle of this suite can keep."""
+    return max(float(timeout_s), default_s)
+
+
+def matches(pattern: str, row: Mapping[str, Any]) -> bool:
+    """Return whether the name of an instance matches a regular expression."""
+    try:
+        return re.fullmatch(pattern, str(row['name']), re.IGNORECASE) is not None
+    except re.error as error:
+        raise AirsimError(f'{pattern!r} is no regular expression: {error}') from error

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Methods that tell what is known of a vehicle and what its cameras see."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rocsafe_airsim import images, values
+from rocsafe_airsim.access import Access, matches, served
+from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.moving import vector_of
+from rocsafe_airsim.ned import Origin, Quaternion, attitude_ned
+from rocsafe_airsim.vehicle import DISARMED, Picture
+
+
+class SensingMethods:
+    """State, sensors and images."""
+
+    def __init__(self, at: Access) -> None:
+        self._at = at
+
+    @served('getMultirotorState')
+    async def _get_multirotor_state(self, name: str = '') -> values.Plain:
+        vehicle = self._at.vehicle(name)
+        return values.multirotor_state(vehicle, vehicle.now())
+
+    @served('getGpsData')
+    async def _get_gps_data(self, _gps: str = '', name: str = '') -> values.Plain:
+        return values.gps_data(self._at.vehicle(name).now())
+
+    @served('simGetVehiclePose')
+    async def _sim_get_vehicle_pose(self, name: str = '') -> values.Plain:
+        vehicle = self._at.simulated(name)
+        now = vehicle.now()
+        return values.pose(vehicle.origin.to_ned(now.true_enu), attitude_ned(now.attitude))
+
+    @served('simSetVehiclePose')
+    async def _sim_set_vehicle_pose(
+        self, pose: Any, _ignore_collision: Any = True, name: str = ''
+    ) -> None:
+        vehicle = self._at.simulated(name)
+        if vehicle.now().state != DISARMED:
+            raise AirsimError(f'{vehicle.name} has flown: can be placed before its first flight')
+        place = vehicle.origin.to_enu(vector_of(pose['position']))
+        await vehicle.set_home(self._at.world.to_geodetic(place))
+        vehicle.origin = Origin(place)
+
+    @served('simGetGroundTruthKinematics')
+    async def _sim_get_ground_truth_kinematics(self, name: str = '') -> values.Plain:
+        vehicle = self._at.simulated(name)
+        return values.kinematics(vehicle, vehicle.now(), is_true=True)
+
+    @served('simGetGroundTruthEnvironment')
+    async def _sim_get_ground_truth_environment(self, name: str = '') -> values.Plain:
+        vehicle = self._at.simulated(name)
+        return values.environment(vehicle, vehicle.now())
+
+    @served('simGetCollisionInfo')
+    async def _sim_get_collision_info(self, name: str = '') -> values.Plain:
+        vehicle = self._at.simulated(name)
+        return values.collision(vehicle, vehicle.now())
+
+    @served('getRadSensorData')
+    async def _get_rad_sensor_data(self, _sensor: str = '', name: str = '') -> Any:
+        return dict(self._at.vehicle(name).reading('radiation'))
+
+    @served('getGasData')
+    async def _get_gas_data(self, _sensor: str = '', name: str = '') -> Any:
+        return dict(self._at.vehicle(name).reading('gas'))
+
+    @served('simGetImages')
+    async def _sim_get_images(
+        self, requests: Sequence[Mapping[str, Any]], name: str = '', *_external: Any
+    ) -> list[values.Plain]:
+        vehicle = self._at.simulated(name)
+        kinds = [images.image_type(one.get('image_type', 0)) for one in requests]
+        looks: dict[str, Picture] = {}
+        for one in requests:
+            camera = self._at.camera(vehicle, one.get('camera_name', ''))
+            with_truth = any(kind != images.SCENE for kind in kinds)
+            if camera not in looks:
+                looks[camera] = await vehicle.look(camera, with_truth=with_truth)
+        answers = []
+        for one in requests:
+            picture = looks[self._at.camera(vehicle, one.get('camera_name', ''))]
+            place = vehicle.origin.to_ned(picture.place_enu)
+            aim = (place, attitude_ned(_body_of_optical(picture.attitude)))
+            answers.append(images.response(picture, one, aim, self._at.ids))
+        return answers
+
+    @served('simGetImage')
+    async def _sim_get_image(
+        self, camera: str, image_type: int, name: str = '', *_external: Any
+    ) -> bytes:
+        request = {'camera_name': camera, 'image_type': image_type, 'compress': True}
+        (found,) = await self._sim_get_images([request], name)
+        return bytes(found['image_data_uint8'])
+
+    @served('simGetCameraInfo')
+    async def _sim_get_camera_info(
+        self, camera: str, name: str = '', *_external: Any
+    ) -> values.Plain:
+        vehicle = self._at.simulated(name)
+        own = self._at.camera(vehicle, camera)
+        picture = await vehicle.look(own, with_truth=False)
+        place = vehicle.origin.to_ned(picture.place_enu)
+        aim = attitude_ned(_body_of_optical(picture.attitude))
+        height, width = picture.pixels.shape[:2]
+        fov_deg = picture.fov_deg
+        return {
+            'pose': values.pose(place, aim),
+            'fov': fov_deg,
+            'proj_mat': {'matrix': _projection(fov_deg, width / height)},
+        }
+
+    @served('simListSceneObjects')
+    async def _sim_list_scene_objects(self, name_regex: str = '.*') -> list[str]:
+        return [str(row['name']) for row in self._at.instances() if matches(name_regex, row)]
+
+    @served('simGetSegmentationObjectID')
+    async def _sim_get_segmentation_object_id(self, mesh: str) -> int:
+        for row in self._at.instances():
+            if str(row['name']).lower() == mesh.lower():
+                number = int(row['number'])
+                return self._at.ids.get(number, number % images.MOST_IDS)
+        return -1
+
+    @served('simSetSegmentationObjectID')
+    async def _sim_set_segmentation_object_id(
+        self, mesh: str, object_id: int, is_regex: bool = False
+    ) -> bool:
+        if not 0 <= int(object_id) < images.MOST_IDS:
+            raise AirsimError(f'object_id is {object_id}: must be within 0 and 255')
+        pattern = mesh if is_regex else re.escape(mesh)
+        found = [row for row in self._at.instances() if matches(pattern, row)]
+        self._at.ids |= {int(row['number']): int(object_id) for row in found}
+        return bool(found)
+
+
+def _body_of_optical(attitude: Quaternion) -> Quaternion:
+    """Return the attitude of a body (ahead, left, up) whose camera has this optical attitude."""
+    x, y, z, w = attitude
+    # Optical right, down, ahead are the body's -y, -z, x: the rotation by (0.5, -0.5, 0.5, 0.5).
+    bx, by, bz, bw = 0.5, -0.5, 0.5, 0.5
+    return (
+        w * bx + x * bw + y * bz - z * by,
+        w * by - x * bz + y * bw + z * bx,
+        w * bz + x * by - y * bx + z * bw,
+        w * bw - x * bx - y * by - z * bz,
+    )
+
+
+def _projection(fov_deg: float, aspect: float) -> list[list[float]]:
+    """Return a projection of the near plane 0.1 m, without a far plane."""
+    scale = 1.0 / math.tan(math.radians(fov_deg) / 2.0)
+    return [
+        [scale, 0.0, 0.0, 0.0],
+        [0.0, scale * aspect, 0.0, 0.0],
+        [0.0, 0.0, 0.0, 0.1],
+        [0.0, 0.0, 1.0, 0.0],
+    ]

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The TCP server: connections, calls that run side by side, one answer each."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from rocsafe_airsim.errors import AirsimError, ProtocolError
+from rocsafe_airsim.wire import Call, CallReader, answer, refusal
+
+PORT = 41451
+MOST_CLIENTS = 64
+# Calls of one client that wait for their end, such as movements.
+MOST_PENDING = 64
+CHUNK = 65_536
+Handle = Callable[[Call], Awaitable[Any]]
+Tell = Callable[[str], None]
+
+
+class AirsimServer:
+    """Serves calls on one port; every call has one answer, or its connection is closed.
+
+    Parameters
+    ----------
+    handle
+        Carries a call out; raises `AirsimError` to refuse it.
+    tell
+        Takes a line for people.
+    """
+
+    def __init__(self, handle: Handle, tell: Tell) -> None:
+        self._handle, self._tell = handle, tell
+        self._clients = 0
+        self._server: asyncio.Server | None = None
+
+    async def start(self, host: str, port: int) -> int:
+        """Listen; return the port; raises `OSError` if it is taken."""
+        self._server = await asyncio.start_server(self._serve, host, port)
+        return int(self._server.sockets[0].getsockname()[1])
+
+    async def stop(self) -> None:
+        """Stop listening and close all connections."""
+        if self._server is not None:
+            self._server.close()
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if self._clients >= MOST_CLIENTS:
+            self._tell(f'a client is turned away: {MOST_CLIENTS} are connected')
+            writer.close()
+            return
+        self._clients += 1
+        pending: set[asyncio.Task[None]] = set()
+        try:
+            await self._read(reader, writer, pending)
+        except ProtocolError as error:
+            self._tell(f'a connection is closed: {error}')
+        except (ConnectionError, TimeoutError):
+            pass
+        finally:
+            self._clients -= 1
+            for task in pending:
+                task.cancel()
+            writer.close()
+
+    async def _read(
+        self,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        pending: set[asyncio.Task[None]],
+    ) -> None:
+        calls = CallReader()
+        while data := await reader.read(CHUNK):
+            for call in calls.feed(data):
+                if len(pending) >= MOST_PENDING:
+                    raise ProtocolError(f'more than {MOST_PENDING} calls wait for their end')
+                task = asyncio.create_task(self._answer(call, writer))
+                pending.add(task)
+                task.add_done_callback(pending.discard)
+            await writer.drain()
+
+    async def _answer(self, call: Call, writer: asyncio.StreamWriter) -> None:
+        try:
+            result = await self._handle(call)
+            told = answer(call.call_id or 0, result)
+        except AirsimError as error:
+            told = refusal(call.call_id or 0, f'{call.method}: {error}')
+        except (TypeError, ValueError, KeyError, AttributeError, OverflowError) as error:
+            # Of values that a client sent: wrong types within its parameters.
+            told = refusal(call.call_id or 0, f'{call.method}: wrong parameters: {error}')
+        if call.call_id is not None and not writer.is_closing():
+            writer.write(told)

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``airsim``: AirSim's API on a TCP port, over the vehicles of the ROS domain."""
+
+import asyncio
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+from visualization_msgs.msg import Marker, MarkerArray
+
+from rocsafe_airsim.api import Api
+from rocsafe_airsim.conversions import marker_of
+from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.ned import Vector
+from rocsafe_airsim.options import AirsimOptions
+from rocsafe_airsim.server import AirsimServer
+from rocsafe_airsim.vehicle_node import RENEW_S, RosVehicle
+from rocsafe_geo.position import GeoPosition
+from rocsafe_ros import topics
+from rocsafe_ros.parameters import ParameterError, declare_options
+from rocsafe_ros.run import run
+
+STATE_TYPE, LOOK_TYPE = 'rocsafe_interfaces/msg/VehicleState', 'rocsafe_interfaces/srv/Look'
+LOOK_S = 0.5
+START_S = 10.0
+MOST_DRAWINGS = 500
+
+
+class AirsimNode(Node):
+    """Hears all vehicles of the domain, and serves clients of AirSim.
+
+    Subscribes, of each vehicle: state, odom, fix, ground_truth/fix, home, radiation, gas, and the
+    label_table of its cameras. Publishes: drawings. Calls: lease, move, go_to, hold, land,
+    return_home, set_home, the look of its cameras, world/run. Parameters: see `AirsimOptions`.
+    """
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__('airsim', **node_options)
+        options = declare_options(self, AirsimOptions)
+        self._frame = options.frame()
+        self._by_name: dict[str, RosVehicle] = {}
+        self._is_paused = False
+        self._drawings: dict[int, Marker] = {}
+        self._drawn = 0
+        self._publisher = topics.create_publisher(self, topics.DRAWINGS)
+        self._run = self.create_client(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name)
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        log = self.get_logger()
+        self._server = AirsimServer(Api(self, log.info).handle, log.info)
+        starting = self._server.start(options.host, options.port)
+        try:
+            self.port = asyncio.run_coroutine_threadsafe(starting, self._loop).result(START_S)
+        except (OSError, TimeoutError) as error:
+            why = getattr(error, 'strerror', None) or error
+            raise ParameterError(f'airsim: {options.host}:{options.port}: {why}') from error
+        log.info(f'AirSim clients are served on {options.host}:{self.port}')
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.create_timer(LOOK_S, self._look, clock=steady)
+        self.create_timer(RENEW_S, self._renew, clock=steady)
+
+    @property
+    def vehicles(self) -> dict[str, RosVehicle]:
+        """The vehicles that are heard, in the order of their names."""
+        known = self._by_name
+        return {name: known[name] for name in sorted(known) if known[name].is_heard}
+
+    def to_geodetic(self, place_enu: Vector) -> Vector:
+        """Return latitude, longitude and altitude of a place."""
+        latitude, longitude, altitude = self._frame.to_geodetic([place_enu])[0].tolist()
+        return latitude, longitude, altitude
+
+    def to_enu(self, position: Vector) -> Vector:
+        """Return the place of a position."""
+        place = GeoPosition(*position)
+        east, north, up = self._frame.to_enu(
+            place.latitude_deg, place.longitude_deg, place.altitude_m
+        )[0].tolist()
+        return east, north, up
+
+    def time_ns(self) -> int:
+        """Return mission time."""
+        return int(self.get_clock().now().nanoseconds)
+
+    def is_paused(self) -> bool:
+        """Return whether a client has stopped time."""
+        return self._is_paused
+
+    async def pause(self, *, is_paused: bool) -> None:
+        """Stop or start time."""
+        if not self._run.service_is_ready():
+            raise AirsimError('no simulated time here that could be paused')
+        future = self._run.call_async(SetBool.Request(data=not is_paused))
+        end_s = self._loop.time() + START_S
+        while not future.done():
+            if self._loop.time() > end_s:
+                raise AirsimError(f'no answer of the world within {START_S:g} s')
+            await asyncio.sleep(0.002)
+        self._is_paused = is_paused
+
+    def draw(
+        self,
+        lines: Sequence[Sequence[Vector]],
+        rgba: Sequence[float],
+        size_m: float,
+        *,
+        kind: str,
+        duration_s: float,
+    ) -> None:
+        """Show points or lines to viewers of the topic drawings."""
+        self._drawn += 1
+        marker = marker_of(self._drawn, lines, rgba, size_m, kind)
+        marker.lifetime.sec = int(duration_s)
+        marker.lifetime.nanosec = int(duration_s % 1.0 * 1e9)
+        self._drawings[self._drawn] = marker
+        while len(self._drawings) > MOST_DRAWINGS:
+            del self._drawings[next(iter(self._drawings))]
+        self._publisher.publish(MarkerArray(markers=list(self._drawings.values())))
+
+    def clear_drawings(self) -> None:
+        """Remove what was drawn."""
+        self._drawings.clear()
+        self._publisher.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
+
+    def destroy_node(self) -> None:
+        """Stop serving."""
+        with suppress(TimeoutError, RuntimeError):
+            stopping = asyncio.run_coroutine_threadsafe(self._server.stop(), self._loop)
+            stopping.result(START_S)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(START_S)
+        super().destroy_node()
+
+    def _look(self) -> None:
+        """Use vehicles and cameras that are new in the domain."""
+        for full, types in self.get_topic_names_and_types():
+            name = full.strip('/').removesuffix('/state')
+            if STATE_TYPE in types and '/' not in name and name not in self._by_name:
+                self._by_name[name] = RosVehicle(self, name, self._frame)
+        for full, types in self.get_service_names_and_types():
+            vehicle, _, rest = full.strip('/').partition('/')
+            camera, _, call = rest.partition('/')
+            if LOOK_TYPE in types and call == 'look' and vehicle in self._by_name:
+                self._by_name[vehicle].add_camera(camera)
+
+    def _renew(self) -> None:
+        for vehicle in self._by_name.values():
+            asyncio.run_coroutine_threadsafe(_renewed(vehicle), self._loop)
+
+
+async def _renewed(vehicle: RosVehicle) -> None:
+    # A lease that was taken over is told with the next order.
+    with suppress(AirsimError):
+        await vehicle.renew()
+
+
+def main() -> int:
+    """Run the node until it is asked to stop."""
+    return run(AirsimNode)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Methods of time and of drawings."""
+
+import asyncio
+from typing import Any
+
+from rocsafe_airsim.access import Access, parameters, served
+from rocsafe_airsim.moving import NS_PER_S, POLL_S, vector_of
+
+
+class WorldMethods:
+    """Time and drawings."""
+
+    def __init__(self, at: Access) -> None:
+        self._at = at
+
+    @served('simPause')
+    async def _sim_pause(self, is_paused: bool) -> None:
+        await self._at.world.pause(is_paused=bool(is_paused))
+
+    @served('simIsPaused')
+    async def _sim_is_paused(self) -> bool:
+        return self._at.world.is_paused()
+
+    @served('simContinueForTime')
+    async def _sim_continue_for_time(self, seconds: float) -> None:
+        end_ns = self._at.world.time_ns() + round(float(seconds) * NS_PER_S)
+        await self._at.world.pause(is_paused=False)
+        while self._at.world.time_ns() < end_ns:
+            await asyncio.sleep(POLL_S / 4.0)
+        await self._at.world.pause(is_paused=True)
+
+    @served('simPlotPoints')
+    async def _sim_plot_points(self, *call: Any) -> None:
+        points, rgba, size, duration_s, is_lasting = parameters(call, 5)
+        self._at.draw(
+            [list(map(vector_of, points))], rgba, size, 'points', (duration_s, is_lasting)
+        )
+
+    @served('simPlotLineStrip')
+    async def _sim_plot_line_strip(self, *call: Any) -> None:
+        points, rgba, size, duration_s, is_lasting = parameters(call, 5)
+        self._at.draw(
+            [list(map(vector_of, points))], rgba, size, 'lines', (duration_s, is_lasting)
+        )
+
+    @served('simPlotLineList')
+    async def _sim_plot_line_list(self, *call: Any) -> None:
+        points, rgba, size, duration_s, is_lasting = parameters(call, 5)
+        ends = list(map(vector_of, points))
+        pairs = [list(pair) for pair in zip(ends[::2], ends[1::2], strict=False)]
+        self._at.draw(pairs, rgba, size, 'lines', (duration_s, is_lasting))
+
+    @served('simPlotArrows')
+    async def _sim_plot_arrows(self, *call: Any) -> None:
+        starts, ends, rgba, size, _head, duration_s, is_lasting = parameters(call, 7)
+        pairs = [[vector_of(a), vector_of(b)] for a, b in zip(starts, ends, strict=True)]
+        self._at.draw(pairs, rgba, size, 'lines', (duration_s, is_lasting))
+
+    @served('simFlushPersistentMarkers')
+    async def _sim_flush_persistent_markers(self) -> None:
+        self._at.world.clear_drawings()
+
+    @served('simPrintLogMessage')
+    async def _sim_print_log_message(
+        self, message: str, parameter: str = '', _severity: int = 0
+    ) -> None:
+        self._at.tell(f'{message}{parameter}')

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A simulated multirotor that flies freely, without a route: along places and at velocities."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from rocsafe_geo.angle import wrap_rad
+from rocsafe_geo.limits import require_between, require_finite, require_positive
+from rocsafe_geo.motion.state import Enu
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.flight.commands import CommandKind
+from rocsafe_sim.flight.course import Course
+from rocsafe_sim.flight.route import FlightRoute, require_enu
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.flight.tasks import stopped
+from rocsafe_sim.flight.timeline import Timeline
+from rocsafe_sim.vehicle.flight_ends import BROKEN
+from rocsafe_sim.vehicle.flight_record import FlightRecord
+from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
+
+LONGEST_S = 3600.0
+# Yaw turns the shorter way: a longer turn in one command would be flown backwards.
+WIDEST_TURN_RAD = 0.99 * math.pi
+_IN_THE_AIR = (Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING)
+_ON_GROUND = (Mode.DISARMED, Mode.LANDED)
+
+
+class FreeVehicle(SimulatedVehicle):
+    """A vehicle that also takes orders of single movements; after each it stands in the air."""
+
+    def fly_along(self, places_enu: Sequence[Enu], speed_mps: float = 0.0) -> None:
+        """Fly along places in the air, and stay at the last; on the ground it takes off first.
+
+        Parameters
+        ----------
+        places_enu
+            At least one, metres.
+        speed_mps
+            Speed over ground until the end of the flight; 0: as before.
+
+        Raises
+        ------
+        CommandRefusedError
+            If landing or waiting, if the battery is too low, if it was in an accident, or if the
+            way leaves the fence or crosses an exclusion.
+        ValueError
+            If a place is not above home, or the speed is above its own.
+        """
+        places = tuple(places_enu)
+        if not places:
+            raise ValueError('places: there must be one at least')
+        flight = self._flight_for('fly there')
+        for place in places:
+            require_enu('place', place)
+            require_positive('height_m', place[2] - flight.route.home_enu[2], 'm')
+        self.airframe.at_speed(speed_mps)
+        here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
+        way = [here]
+        for place in places:
+            way += [*flight.route.around(way[-1], place), place]
+        self._require_free(flight, way)
+        if speed_mps:
+            self._record = replace(self._record, speed_mps=speed_mps)
+        self._move(flight, CommandKind.GO_TO, goal_enu=places[-1], via_enu=places[:-1])
+
+    def fly_at(self, velocity_enu: Enu, flown_s: float, turn_rate_radps: float = 0.0) -> None:
+        """Fly at a velocity for some time, turning meanwhile, and then stop.
+
+        Parameters
+        ----------
+        velocity_enu
+            Metres per second, within its own speeds.
+        flown_s
+            Up to an hour; the stop comes after it.
+        turn_rate_radps
+            Yaw rate until it stands, anticlockwise from above; less than half a turn in all.
+
+        Raises
+        ------
+        CommandRefusedError
+            If on the ground, or as `fly_along`.
+        ValueError
+            If a value is out of its range.
+        """
+        flight = self._require_mode('fly at a velocity', *_IN_THE_AIR)
+        self._require_velocity(velocity_enu)
+        require_between('duration_s', flown_s, 0.0, LONGEST_S, 's')
+        require_finite('turn_rate_radps', turn_rate_radps)
+        aims: dict[str, Any] = {
+            'velocity_enu': velocity_enu,
+            'flown_s': flown_s,
+            'turn_rate_radps': turn_rate_radps,
+        }
+        command = replace(self._command(CommandKind.MOVE, self.time_ns, flight.visited), **aims)
+        course = Course(command, flight.route, self.airframe)
+        if isinstance(course.timeline, Timeline):
+            end_s = course.timeline.segments[-1].begin_s
+            turn = turn_rate_radps * end_s
+            require_between('the turn', turn, -WIDEST_TURN_RAD, WIDEST_TURN_RAD, 'rad')
+            way = [course.timeline.pose(end_s * n / 16.0).position_enu for n in range(17)]
+            self._require_free(flight, way)
+        self._move(flight, CommandKind.MOVE, **aims)
+
+    def turn_to(self, yaw_rad: float) -> None:
+        """Stop, and turn to a yaw (rad, ENU) at the place.
+
+        Raises
+        ------
+        CommandRefusedError
+            If on the ground or landing.
+        """
+        flight = self._require_mode('turn', *_IN_THE_AIR)
+        require_finite('yaw_rad', yaw_rad)
+        here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
+        self._move(flight, CommandKind.GO_TO, goal_enu=here, yaw_rad=wrap_rad(yaw_rad))
+
+    def _flight_for(self, what: str) -> FlightRecord:
+        """Return the flight under way, or a new one without a route."""
+        mode = self.mode
+        if mode not in _ON_GROUND:
+            return self._require_mode(what, *_IN_THE_AIR)
+        if self.flight is not None and self.flight.ending in BROKEN:
+            raise CommandRefusedError(f'cannot {what}: {self.flight.text}')
+        command = replace(self._command(CommandKind.GO_TO, self.time_ns, 0), number=0)
+        return FlightRecord(
+            route=FlightRoute(plan_id='', home_enu=command.start.position_enu, waypoints=()),
+            command=command,
+            take_off_ns=command.start_ns,
+            take_off_distance_m=command.distance_m,
+        )
+
+    def _move(self, flight: FlightRecord, kind: CommandKind, **aims: Any) -> None:
+        """Put a movement in force, unless its battery would end it at once."""
+        command = replace(self._command(kind, self.time_ns, flight.visited), **aims)
+        if Course(command, flight.route, self.airframe).low_ns <= command.start_ns:
+            raise CommandRefusedError(
+                f'battery {command.charge_fraction:.0%}: must be more, to keep a reserve of '
+                f'{self.airframe.reserve_fraction:.0%}'
+            )
+        self._follow(replace(flight, command=command))
+
+    def _require_free(self, flight: FlightRecord, way: Sequence[Enu]) -> None:
+        if not self._record.fence.holds(way):
+            raise CommandRefusedError('cannot fly there: the way leaves the fence')
+        if flight.route.crossed(tuple(way)):
+            raise CommandRefusedError('cannot fly there: the way crosses an exclusion')
+
+    def _require_velocity(self, velocity_enu: Enu) -> None:
+        require_enu('velocity_enu', velocity_enu)
+        performance = self.airframe.performance
+        speed = math.hypot(*velocity_enu[:2])
+        require_between('speed', speed, 0.0, performance.cruise_speed_mps, 'm/s')
+        rates = (-performance.descent_rate_mps, performance.climb_rate_mps)
+        require_between('vertical speed', velocity_enu[2], *rates, 'm/s')

@@ -1,0 +1,326 @@
+# SPDX-License-Identifier: Apache-2.0
+"""AirSim's methods over vehicles without ROS: the core of the simulation in real code."""
+
+import asyncio
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from test.sim.flights import AIRFRAME, START_NS
+
+from rocsafe_airsim.api import Api
+from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.ned import Origin
+from rocsafe_airsim.vehicle import Picture, VehicleNow
+from rocsafe_airsim.wire import Call
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
+
+FRAME = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
+# Simulated seconds a look at the vehicle: the waits of the methods end at once.
+STEP_NS = 200_000_000
+STATES = {
+    Mode.DISARMED: 1, Mode.TAKING_OFF: 3, Mode.FLYING: 4, Mode.HOLDING: 5, Mode.RETURNING: 6,
+    Mode.LANDING: 7, Mode.LANDED: 8,
+}  # fmt: skip
+DEPTH = np.linspace(1.0, 200.0, 12, dtype=np.float32).reshape(3, 4)
+DEPTH[0, 0] = np.inf
+LABELS = np.arange(12, dtype=np.uint16).reshape(3, 4)
+PIXELS = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
+ANY_YAW = {'is_rate': True, 'yaw_or_rate': 0.0}
+
+
+@dataclass
+class World:
+    """Vehicles that fly on by a step each time that somebody asks for the time."""
+
+    vehicles: dict = field(default_factory=dict)
+    now_ns: int = START_NS
+    paused: bool = False
+    drawn: list = field(default_factory=list)
+
+    def to_geodetic(self, place):
+        """Return latitude, longitude, altitude."""
+        return tuple(FRAME.to_geodetic([place])[0].tolist())
+
+    def to_enu(self, position):
+        """Return east, north, up."""
+        return tuple(FRAME.to_enu(*position)[0].tolist())
+
+    def time_ns(self):
+        """Fly on."""
+        if not self.paused:
+            self.now_ns += STEP_NS
+            for vehicle in self.vehicles.values():
+                vehicle.core.step(self.now_ns)
+        return self.now_ns
+
+    def is_paused(self):
+        """Return whether time stands."""
+        return self.paused
+
+    async def pause(self, *, is_paused):
+        """Stop or start time."""
+        self.paused = is_paused
+
+    def draw(self, lines, rgba, size_m, *, kind, duration_s):
+        """Keep what is drawn."""
+        self.drawn.append((lines, rgba, size_m, kind, duration_s))
+
+    def clear_drawings(self):
+        """Forget it."""
+        self.drawn.clear()
+
+
+class Vehicle:
+    """A vehicle of the simulation's core."""
+
+    def __init__(self, world, name, home, *, is_simulated=True):
+        self.name, self.world, self.is_simulated = name, world, is_simulated
+        self.core = FreeVehicle(AIRFRAME, home)
+        self.core.step(START_NS)
+        self.origin = Origin(home)
+        self.home = world.to_geodetic(home)
+        self.cameras = ['camera', 'oblique']
+        self.leads = False
+        world.vehicles[name] = self
+
+    def now(self):
+        """Return its state."""
+        seen = self.core.observe()
+        yaw, place = seen.pose.yaw_rad, seen.pose.position_enu
+        return VehicleNow(
+            stamp_ns=seen.time_ns, state=STATES[seen.mode], text='', place_enu=place,
+            velocity_enu=seen.pose.velocity_enu, true_enu=place,
+            attitude=(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
+            position=self.world.to_geodetic(place), std_m=(1.0, 2.0),
+        )  # fmt: skip
+
+    async def take(self):
+        """Lead it."""
+        self.leads = True
+
+    async def release(self):
+        """Lead it no more."""
+        self.leads = False
+
+    async def along(self, places, speed_mps):
+        """Fly along places."""
+        up = self.origin.home_enu[2]
+        goals = [(*self.world.to_enu((p[0], p[1], 60.0))[:2], up + p[2]) for p in places]
+        self._do(lambda: self.core.fly_along(goals, min(speed_mps, 8.0)))
+
+    async def at_velocity(self, velocity_enu, duration_s, turn_rate_radps):
+        """Fly at a velocity."""
+        self._do(lambda: self.core.fly_at(velocity_enu, duration_s, turn_rate_radps))
+
+    async def turn(self, yaw_enu_rad):
+        """Turn."""
+        self._do(lambda: self.core.turn_to(yaw_enu_rad))
+
+    async def plain(self, verb):
+        """Hold, land or return."""
+        self._do(getattr(self.core, verb))
+
+    async def set_home(self, position):
+        """Stand elsewhere."""
+        self._do(lambda: self.core.set_home(self.world.to_enu(position)))
+
+    async def look(self, camera, *, with_truth):
+        """Return a picture."""
+        down = (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0)
+        truth = {'depth_m': DEPTH, 'labels': LABELS} if with_truth and camera == 'camera' else {}
+        return Picture(
+            stamp_ns=5, pixels=PIXELS, place_enu=(1.0, 2.0, 33.0), attitude=down, fov_deg=70.0,
+            **truth,
+        )  # fmt: skip
+
+    def label_table(self, camera) -> Sequence[dict]:
+        """Return two instances."""
+        rows = [{'number': 3, 'name': 'wagon_1'}, {'number': 300, 'name': 'drum'}]
+        return rows if camera == 'camera' else ()
+
+    def reading(self, kind):
+        """Return a reading."""
+        return {'dose_rate_usvh': 2.5} if kind == 'radiation' else self._none()
+
+    def _none(self):
+        raise AirsimError(f'{self.name} has no gas reading')
+
+    def _do(self, order):
+        try:
+            order()
+        except (CommandRefusedError, ValueError) as error:
+            raise AirsimError(str(error)) from error
+
+
+@pytest.fixture
+def world() -> World:
+    """Return a world with two vehicles; the second is real."""
+    world = World()
+    Vehicle(world, 'rav1', (-40.0, 25.0, 0.0))
+    Vehicle(world, 'rav2', (10.0, 0.0, 0.0), is_simulated=False)
+    return world
+
+
+def ask(world: World, *calls):
+    """Carry out calls one after the other; return the last result."""
+    api = Api(world, print)
+
+    async def all_of_them():
+        result = None
+        for method, *arguments in calls:
+            call = Call(call_id=1, method=method, arguments=tuple(arguments))
+            result = await api.handle(call)
+        return result
+
+    return asyncio.run(all_of_them())
+
+
+def position(state):
+    """Return the place of a MultirotorState."""
+    place = state['kinematics_estimated']['position']
+    return place['x_val'], place['y_val'], place['z_val']
+
+
+LED = (('enableApiControl', True, ''), ('takeoff', 20, ''))
+
+
+def test_a_script_takes_off_flies_and_lands(world):
+    """As hello_drone does; places are north, east, down about home."""
+    state = ask(world, *LED, ('getMultirotorState', ''))
+    assert position(state) == pytest.approx((0.0, 0.0, -3.0), abs=0.1)
+    assert state['landed_state'] == 1
+    move = ('moveToPosition', 10.0, -20.0, -15.0, 5.0, 3e38, 0, ANY_YAW, -1, 1, '')
+    state = ask(world, LED[0], move, ('getMultirotorState', ''))
+    assert position(state) == pytest.approx((10.0, -20.0, -15.0), abs=0.1)
+    assert ask(world, LED[0], ('land', 60, '')) is True
+    assert world.vehicles['rav1'].core.mode is Mode.LANDED
+
+
+def test_path_velocity_and_turns(world):
+    """Each ends where it should; forward only faces the way."""
+    path = [{'x_val': x, 'y_val': y, 'z_val': -8.0} for x, y in ((0.0, 30.0), (30.0, 30.0))]
+    done = ask(world, *LED, ('moveOnPath', path, 6.0, 1e9, 1, {'is_rate': False, 'yaw_or_rate': 0},
+                             -1, 1, ''))  # fmt: skip
+    assert done is True
+    seen = world.vehicles['rav1'].now()
+    assert world.vehicles['rav1'].origin.to_ned(seen.true_enu) == pytest.approx(
+        (30.0, 30.0, -8.0), abs=0.1
+    )
+    velocity = ('moveByVelocity', 0.0, 3.0, 0.0, 4.0, 0, ANY_YAW, '')
+    assert ask(world, LED[0], velocity) is True
+    ask(world, LED[0], ('rotateToYaw', 180.0, 1e9, 5.0, ''))
+    pose = ask(world, ('simGetVehiclePose', ''))
+    assert abs(pose['orientation']['z_val']) == pytest.approx(1.0, abs=0.01)
+    assert ask(world, LED[0], ('rotateByYawRate', 30.0, 9.0, '')) is True
+
+
+def test_another_order_ends_the_wait_for_the_first(world):
+    """The first answers false, as AirSim's does."""
+    api = Api(world, print)
+
+    async def both():
+        for method, *arguments in LED:
+            await api.handle(Call(call_id=1, method=method, arguments=tuple(arguments)))
+        far = (500.0, 0.0, -20.0, 5.0, 3e38, 0, ANY_YAW, -1, 1, '')
+        first = asyncio.create_task(
+            api.handle(Call(call_id=2, method='moveToPosition', arguments=far))
+        )
+        await asyncio.sleep(0.1)
+        await api.handle(Call(call_id=3, method='cancelLastTask', arguments=('',)))
+        return await first
+
+    assert asyncio.run(both()) is False
+    assert world.vehicles['rav1'].core.mode is Mode.HOLDING
+
+
+@pytest.mark.parametrize(
+    ('calls', 'words'),
+    [
+        ([('takeoff', 20, '')], 'enableApiControl first'),
+        ([('moveByMotorPWMs', 1, 1, 1, 1, 1, '')], 'not served here'),
+        ([('getMultirotorState', 'rav9')], 'there are rav1, rav2'),
+        ([('simGetVehiclePose', 'rav2')], 'real vehicle'),
+        ([('simGetImages', [{'camera_name': '0', 'image_type': 0}], 'rav2')], 'real vehicle'),
+        ([('simGetImages', [{'camera_name': 'x', 'image_type': 0}])], "camera 'x' of rav1"),
+        ([('simGetImages', [{'camera_name': '0', 'image_type': 7}])], 'image_type is 7'),
+        ([('simGetImages', [{'camera_name': 'oblique', 'image_type': 1}])], 'no'),
+        ([*LED, ('moveToPosition', 1.0, 1.0, 5.0, 5.0, 9, 0, ANY_YAW, -1, 1, '')], 'height_m'),
+        ([*LED, ('moveToPosition', 1.0, 1.0, -5.0, 0.0, 9, 0, ANY_YAW, -1, 1, '')], 'velocity is'),
+        ([*LED, ('moveByVelocity', 50.0, 0.0, 0.0, 9.0, 0, ANY_YAW, '')], 'speed is 50'),
+        ([('getGasData', '', '')], 'no gas reading'),
+        ([('simSetSegmentationObjectID', '[', 3, True)], 'no regular expression'),
+        ([('simSetSegmentationObjectID', 'drum', 300, False)], 'within 0 and 255'),
+    ],
+)
+def test_what_cannot_be_done_is_refused_by_name(world, calls, words):
+    """One line, with the limit where there is one."""
+    with pytest.raises(AirsimError, match=words):
+        ask(world, *calls)
+
+
+def test_images_have_what_clients_read(world):
+    """Sizes, forms, colours by instance; depth as floats in metres, the sky a large one."""
+    requests = [
+        {'camera_name': '0', 'image_type': 0, 'pixels_as_float': False, 'compress': False},
+        {'camera_name': '0', 'image_type': 1, 'pixels_as_float': True, 'compress': False},
+        {'camera_name': '0', 'image_type': 5, 'pixels_as_float': False, 'compress': False},
+        {'camera_name': '0', 'image_type': 0, 'pixels_as_float': False, 'compress': True},
+    ]
+    scene, depth, segments, packed = ask(world, ('simGetImages', requests, ''))
+    assert (scene['width'], scene['height']) == (4, 3)
+    assert scene['image_data_uint8'] == PIXELS.tobytes()
+    assert depth['image_data_float'][1:] == DEPTH.ravel().tolist()[1:]
+    assert depth['image_data_float'][0] == 65_504.0
+    colours = np.frombuffer(segments['image_data_uint8'], np.uint8).reshape(12, 3)
+    assert len({tuple(colour) for colour in colours.tolist()}) == 12
+    assert packed['image_data_uint8'].startswith(b'\x89PNG')
+    # The camera looks down: its pitch is -90 degrees in NED.
+    w, y = scene['camera_orientation']['w_val'], scene['camera_orientation']['y_val']
+    x, z = scene['camera_orientation']['x_val'], scene['camera_orientation']['z_val']
+    assert math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))) == pytest.approx(-math.pi / 2)
+
+
+def test_segmentation_ids_are_chosen_by_name(world):
+    """By a regular expression or the name; what is not there is -1."""
+    assert ask(world, ('simGetSegmentationObjectID', 'WAGON_1')) == 3
+    assert ask(world, ('simGetSegmentationObjectID', 'nothing')) == -1
+    chosen = ('simSetSegmentationObjectID', 'wag.*', 20, True)
+    assert ask(world, chosen, ('simGetSegmentationObjectID', 'wagon_1')) == 20
+    assert ask(world, ('simSetSegmentationObjectID', 'x', 20, False)) is False
+    assert ask(world, ('simListSceneObjects', '.*')) == ['wagon_1', 'drum']
+
+
+def test_time_is_paused_and_goes_on_for_some_seconds(world):
+    """Nothing flies meanwhile."""
+    ask(world, ('simPause', True))
+    before = world.time_ns()
+    assert ask(world, ('simIsPaused',)) is True
+    assert world.time_ns() == before
+    ask(world, ('simContinueForTime', 2.0))
+    assert 2.0 <= (world.now_ns - before) / 1e9 <= 2.5
+    assert world.paused
+
+
+def test_a_vehicle_is_placed_before_its_first_flight(world):
+    """Its origin goes with it, as that of a start pose does."""
+    pose = {'position': {'x_val': 5.0, 'y_val': 6.0, 'z_val': 0.0}, 'orientation': {}}
+    ask(world, ('simSetVehiclePose', pose, True, ''))
+    assert world.vehicles['rav1'].core.home_enu[:2] == pytest.approx((-34.0, 30.0), abs=1e-6)
+    with pytest.raises(AirsimError, match='has flown'):
+        ask(world, *LED, ('simSetVehiclePose', pose, True, ''))
+
+
+def test_drawings_lie_in_the_frame_of_the_mission(world):
+    """Lines of pairs; for ever or for some seconds."""
+    points = [{'x_val': float(n), 'y_val': 0.0, 'z_val': -1.0} for n in range(4)]
+    ask(world, ('simPlotLineList', points, [1.0, 0.0, 0.0, 1.0], 10.0, 3.0, False))
+    ((lines, rgba, size_m, kind, duration_s),) = world.drawn
+    assert lines[1][0] == pytest.approx((-40.0, 27.0, 1.0))
+    assert (len(lines), rgba, size_m, kind, duration_s) == (2, (1, 0, 0, 1), 0.1, 'lines', 3.0)
