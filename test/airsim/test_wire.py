@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_airsim.errors import ProtocolError
-from rocsafe_airsim.wire import DEEPEST, Call, CallReader, answer, refusal
+from rocsafe_airsim.wire import DEEPEST, LARGEST_BYTES, Call, CallReader, answer, refusal
 
 FRAMES = 20_000
 
@@ -76,11 +76,20 @@ def test_a_forged_length_allocates_nothing(head):
     """Of 4 GiB; the memory stays below 2 MB."""
     tracemalloc.start()
     try:
-        with pytest.raises(ProtocolError):
-            list(CallReader().feed(head))
+        with suppress(ProtocolError):
+            assert not list(CallReader().feed(head))
         assert tracemalloc.get_traced_memory()[1] < 2_000_000
     finally:
         tracemalloc.stop()
+
+
+def test_a_message_beyond_the_limit_ends_the_connection():
+    """Bytes that belong to a forged length are not kept for ever."""
+    reader = CallReader()
+    assert not list(reader.feed(b'\xc6\xff\xff\xff\xff'))
+    pieces = [bytes(1_000_000)] * (LARGEST_BYTES // 1_000_000 + 2)
+    with pytest.raises(ProtocolError):
+        all(list(reader.feed(piece)) == [] for piece in pieces)
 
 
 def test_any_bytes_are_calls_or_one_error():

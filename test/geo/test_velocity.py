@@ -57,6 +57,7 @@ def test_distance_is_the_length_of_the_path(velocity, flown_s):
     chords = sum(math.dist(a[:2], b[:2]) for a, b in pairwise(places))
     assert motion.distance_m == pytest.approx(chords, rel=1e-4, abs=1e-6)
     assert motion.knots_s == sorted(motion.knots_s)
+    assert motion.progress_m(0.0) == 0.0
 
 
 @pytest.mark.parametrize(

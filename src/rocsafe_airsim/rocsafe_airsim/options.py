@@ -18,6 +18,10 @@ class AirsimOptions:
         metadata={'doc': 'address to listen on; whoever reaches it commands the vehicles'},
     )
     port: int = field(default=PORT, metadata={'doc': 'TCP port; 0: any', 'min': 0, 'max': 65_535})
+    vehicles: tuple[str, ...] = field(
+        default=(),
+        metadata={'doc': 'the port is opened when these are heard; empty: at once'},
+    )
     origin_latitude_deg: float = field(
         default=0.0, metadata={'doc': 'latitude of the origin, deg', 'min': -90.0, 'max': 90.0}
     )

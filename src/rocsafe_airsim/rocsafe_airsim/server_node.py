@@ -53,13 +53,10 @@ class AirsimNode(Node):
         self._thread.start()
         log = self.get_logger()
         self._server = AirsimServer(Api(self, log.info).handle, log.info)
-        starting = self._server.start(options.host, options.port)
-        try:
-            self.port = asyncio.run_coroutine_threadsafe(starting, self._loop).result(START_S)
-        except (OSError, TimeoutError) as error:
-            why = getattr(error, 'strerror', None) or error
-            raise ParameterError(f'airsim: {options.host}:{options.port}: {why}') from error
-        log.info(f'AirSim clients are served on {options.host}:{self.port}')
+        self._options = options
+        self.port = 0
+        if not options.vehicles:
+            self._open()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_S, self._look, clock=steady)
         self.create_timer(RENEW_S, self._renew, clock=steady)
@@ -136,6 +133,31 @@ class AirsimNode(Node):
         self._thread.join(START_S)
         super().destroy_node()
 
+    def _open(self) -> None:
+        """Listen for clients.
+
+        Raises
+        ------
+        ParameterError
+            If the address is none of this machine, or the port is taken.
+        """
+        host, port = self._options.host, self._options.port
+        starting = self._server.start(host, port)
+        try:
+            self.port = asyncio.run_coroutine_threadsafe(starting, self._loop).result(START_S)
+        except (OSError, TimeoutError) as error:
+            why = getattr(error, 'strerror', None) or error
+            raise ParameterError(f'airsim: {host}:{port}: {why}') from error
+        self.get_logger().info(f'AirSim clients are served on {host}:{self.port}')
+
+    def _is_complete(self) -> bool:
+        """Return whether all vehicles that were named are heard, with a camera if simulated."""
+        heard = self.vehicles
+        return all(
+            name in heard and (heard[name].cameras or not heard[name].is_simulated)
+            for name in self._options.vehicles
+        )
+
     def _look(self) -> None:
         """Use vehicles and cameras that are new in the domain."""
         for full, types in self.get_topic_names_and_types():
@@ -147,6 +169,8 @@ class AirsimNode(Node):
             camera, _, call = rest.partition('/')
             if LOOK_TYPE in types and call == 'look' and vehicle in self._by_name:
                 self._by_name[vehicle].add_camera(camera)
+        if not self.port and self._is_complete():
+            self._open()
 
     def _renew(self) -> None:
         for vehicle in self._by_name.values():

@@ -50,7 +50,9 @@ class StopMotion:
     @property
     def knots_s(self) -> list[float]:
         """Times between which the motion is a polynomial, ascending from 0."""
-        return sorted({*self._level.begins, *self._vertical.begins, self.duration_s})
+        level, vertical = self._level, self._vertical
+        ends = {level.duration_s, vertical.duration_s}
+        return sorted({*level.begins, *vertical.begins, *ends})
 
     def state(self, elapsed_s: float) -> MotionState:
         """Return the motion at a time."""
@@ -141,8 +143,10 @@ def _brake(speed: float, acceleration: float, limits: MotionLimits) -> list[tupl
     v + a |a| / 2j.
     """
     jerk = limits.jerk_mps3
-    # A braking vehicle has at least the speed that is lost while its deceleration falls to zero.
-    from_rest = max(speed + acceleration**2 / (2.0 * jerk), acceleration**2 / jerk)
+    from_rest = speed + acceleration**2 / (2.0 * jerk)
+    if acceleration < 0.0:
+        # It has at least the speed that is lost while its deceleration falls to zero.
+        from_rest = max(from_rest, acceleration**2 / jerk)
     peak = min(max(limits.acceleration_mps2, -acceleration), math.sqrt(jerk * from_rest))
     rest_s = max(0.0, (from_rest - peak**2 / jerk) / peak)
     return [

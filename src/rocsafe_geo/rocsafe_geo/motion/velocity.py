@@ -81,7 +81,7 @@ class VelocityMotion:
     def progress_m(self, elapsed_s: float) -> float:
         """Return the horizontal length of the path until a time."""
         end_s = min(max(0.0, elapsed_s), self.duration_s)
-        knots = [knot for knot in self.knots_s if knot < end_s]
+        knots = [knot for knot in self.knots_s if knot < end_s] or [0.0]
         length_m = 0.0
         for begin_s, until_s in zip(knots, [*knots[1:], end_s], strict=True):
             middle_s, half_s = (begin_s + until_s) / 2.0, (until_s - begin_s) / 2.0

@@ -138,7 +138,8 @@ def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 def airsim_parameters(scenario: Scenario, host: str, port: int) -> Parameters:
     """Return the parameters of the server of AirSim's API."""
-    return {'host': host, 'port': port, **_origin(scenario)}
+    vehicles = list(scenario.vehicle_names)
+    return {'host': host, 'port': port, 'vehicles': vehicles, **_origin(scenario)}
 
 
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
