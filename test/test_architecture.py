@@ -40,6 +40,7 @@ ROSDEP_KEYS = {
     'markupsafe': 'python3-jinja2',  # which depends on it
     'mcap': 'mcap-ros2-support',
     'mcap_ros2': 'mcap-ros2-support',
+    'msgpack': 'python3-msgpack',
     'numba': 'python3-numba',
     'numpy': 'python3-numpy',
     'piexif': 'python3-piexif',
@@ -100,6 +101,7 @@ WITHOUT_ROS = DOMAINS | {
     'rocsafe_scenario',
     'rocsafe_view',
     'rocsafe_console',
+    'rocsafe_airsim',
 }
 EMPTY_NAMES = {'utils', 'util', 'helpers', 'helper', 'common', 'manager', 'misc', 'data'}
 CLOCKS = {

@@ -113,7 +113,7 @@ class Vehicle:
         """Fly along places."""
         up = self.origin.home_enu[2]
         goals = [(*self.world.to_enu((p[0], p[1], 60.0))[:2], up + p[2]) for p in places]
-        self._do(lambda: self.core.fly_along(goals, min(speed_mps, 8.0)))
+        self._do(lambda: self.core.fly_along(goals, speed_mps))
 
     async def at_velocity(self, velocity_enu, duration_s, turn_rate_radps):
         """Fly at a velocity."""
@@ -253,7 +253,7 @@ def test_another_order_ends_the_wait_for_the_first(world):
         ([('simGetImages', [{'camera_name': 'oblique', 'image_type': 1}])], 'no'),
         ([*LED, ('moveToPosition', 1.0, 1.0, 5.0, 5.0, 9, 0, ANY_YAW, -1, 1, '')], 'height_m'),
         ([*LED, ('moveToPosition', 1.0, 1.0, -5.0, 0.0, 9, 0, ANY_YAW, -1, 1, '')], 'velocity is'),
-        ([*LED, ('moveByVelocity', 50.0, 0.0, 0.0, 9.0, 0, ANY_YAW, '')], 'speed is 50'),
+        ([*LED, ('moveByVelocity', 5.0, 0.0, 0.0, -9.0, 0, ANY_YAW, '')], 'duration is -9'),
         ([('getGasData', '', '')], 'no gas reading'),
         ([('simSetSegmentationObjectID', '[', 3, True)], 'no regular expression'),
         ([('simSetSegmentationObjectID', 'drum', 300, False)], 'within 0 and 255'),

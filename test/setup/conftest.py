@@ -203,7 +203,7 @@ def system_ros(machine: FakeMachine, tmp_path: Path) -> FakeMachine:
             '{"aiohttp": "3.9.1", "cryptography": "41.0.7", '
             '"colcon_core": "0.16.1", "contourpy": "1.0.7", '
             '"cv2": "4.6.0", "mcap": "", '
-            '"mcap_ros2": "", "pymavlink": "2.4.41", '
+            '"mcap_ros2": "", "msgpack": "1.0.3", "pymavlink": "2.4.41", '
             '"numba": "0.58.1", "panda3d": "1.10.14", "pmtiles": "3.4.1", "scipy": "1.11.4", '
             '"PIL": "10.2.0", "pydantic": "1.10.14", "pyproj": "3.6.1", "rasterio": "1.3.9", '
             '"jinja2": "3.1.2", "markupsafe": "2.1.5", '

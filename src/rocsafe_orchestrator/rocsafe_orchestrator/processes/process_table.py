@@ -19,7 +19,7 @@ from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
-AIRSIM = 'airsim'
+AIRSIM, AIRSIM_PACKAGE = 'airsim', 'rocsafe_airsim'
 Spec = topics.TopicSpec | topics.CallSpec
 VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
 
@@ -100,7 +100,8 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
 def airsim_process(scenario: Scenario, host: str, port: int) -> ProcessSpec:
     """Return the process that serves scripts of AirSim's API."""
     values = parameters.airsim_parameters(scenario, host, port)
-    return _process(AIRSIM, 'rocsafe_airsim/airsim', values, *_shared(topics.DRAWINGS))
+    executable = f'{AIRSIM_PACKAGE}/airsim'
+    return _process(AIRSIM, executable, values, *_shared(topics.DRAWINGS))
 
 
 def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:

@@ -7,7 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from rocsafe_geo.angle import wrap_rad
-from rocsafe_geo.limits import require_between, require_finite, require_positive
+from rocsafe_geo.limits import (
+    require_between,
+    require_finite,
+    require_not_negative,
+    require_positive,
+)
 from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.commands import CommandKind
@@ -38,7 +43,7 @@ class FreeVehicle(SimulatedVehicle):
         places_enu
             At least one, metres.
         speed_mps
-            Speed over ground until the end of the flight; 0: as before.
+            Speed over ground until the end of the flight, at most its own; 0: as before.
 
         Raises
         ------
@@ -46,7 +51,7 @@ class FreeVehicle(SimulatedVehicle):
             If landing or waiting, if the battery is too low, if it was in an accident, or if the
             way leaves the fence or crosses an exclusion.
         ValueError
-            If a place is not above home, or the speed is above its own.
+            If a place is not above home, or the speed is negative.
         """
         places = tuple(places_enu)
         if not places:
@@ -55,14 +60,15 @@ class FreeVehicle(SimulatedVehicle):
         for place in places:
             require_enu('place', place)
             require_positive('height_m', place[2] - flight.route.home_enu[2], 'm')
-        self.airframe.at_speed(speed_mps)
+        require_not_negative('speed_mps', speed_mps, 'm/s')
         here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
         way = [here]
         for place in places:
             way += [*flight.route.around(way[-1], place), place]
         self._require_free(flight, way)
         if speed_mps:
-            self._record = replace(self._record, speed_mps=speed_mps)
+            own_mps = self.airframe.performance.cruise_speed_mps
+            self._record = replace(self._record, speed_mps=min(speed_mps, own_mps))
         self._move(flight, CommandKind.GO_TO, goal_enu=places[-1], via_enu=places[:-1])
 
     def fly_at(self, velocity_enu: Enu, flown_s: float, turn_rate_radps: float = 0.0) -> None:
@@ -71,7 +77,7 @@ class FreeVehicle(SimulatedVehicle):
         Parameters
         ----------
         velocity_enu
-            Metres per second, within its own speeds.
+            Metres per second; what exceeds its own speeds is limited to them.
         flown_s
             Up to an hour; the stop comes after it.
         turn_rate_radps
@@ -85,7 +91,7 @@ class FreeVehicle(SimulatedVehicle):
             If a value is out of its range.
         """
         flight = self._require_mode('fly at a velocity', *_IN_THE_AIR)
-        self._require_velocity(velocity_enu)
+        velocity_enu = self._limited(velocity_enu)
         require_between('duration_s', flown_s, 0.0, LONGEST_S, 's')
         require_finite('turn_rate_radps', turn_rate_radps)
         aims: dict[str, Any] = {
@@ -147,10 +153,10 @@ class FreeVehicle(SimulatedVehicle):
         if flight.route.crossed(tuple(way)):
             raise CommandRefusedError('cannot fly there: the way crosses an exclusion')
 
-    def _require_velocity(self, velocity_enu: Enu) -> None:
+    def _limited(self, velocity_enu: Enu) -> Enu:
+        """Return a velocity of the same direction over ground, within its own speeds."""
         require_enu('velocity_enu', velocity_enu)
-        performance = self.airframe.performance
-        speed = math.hypot(*velocity_enu[:2])
-        require_between('speed', speed, 0.0, performance.cruise_speed_mps, 'm/s')
-        rates = (-performance.descent_rate_mps, performance.climb_rate_mps)
-        require_between('vertical speed', velocity_enu[2], *rates, 'm/s')
+        performance, (east, north, up) = self.airframe.performance, velocity_enu
+        share = min(1.0, performance.cruise_speed_mps / max(math.hypot(east, north), 1e-9))
+        up = min(max(up, -performance.descent_rate_mps), performance.climb_rate_mps)
+        return share * east, share * north, up
