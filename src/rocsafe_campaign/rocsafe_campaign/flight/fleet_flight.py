@@ -10,6 +10,7 @@ from rocsafe_campaign.flight.planned_route import planned_route
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.motion.performance import Performance
+from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_scenario.scenario import Scenario
@@ -116,7 +117,8 @@ class _Clock:
 def _rav(scenario: Scenario, block: VehicleBlock, frame: LocalFrame) -> Rav:
     """Return a vehicle without cameras on level ground, or on that of its home."""
     simulation = scenario.simulation
-    east, north, _ = frame.enu_of(scenario.ground_position(block.home)).tolist()
+    # At altitude 0, as the process `rav` places it: half a millimetre away from the ground.
+    east, north, _ = frame.enu_of(GeoPosition(*block.home, 0.0)).tolist()
     parts = RavParts(
         name=block.name,
         frame=frame,
