@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,8 @@ from rocsafe_campaign.errors import CampaignError
 from rocsafe_campaign.execution.full_run import FullRuns
 from rocsafe_campaign.execution.journal import FILE, Journal
 from rocsafe_campaign.execution.one_run import Task, carry_out
+from rocsafe_campaign.execution.workers import rows_of_cluster
+from rocsafe_campaign.flight.pure_mission import impure_keys
 from rocsafe_campaign.results.intervals import bootstrap_mean
 from rocsafe_campaign.results.metrics import match
 from rocsafe_campaign.results.page import page_text
@@ -28,6 +31,7 @@ from rocsafe_campaign.results.sensitivity import influences
 from rocsafe_scenario.errors import ScenarioError
 
 SCENARIO = Path(__file__).with_name('search_once.yaml')
+SHIPPED = Path(__file__).resolve().parents[2] / 'config' / 'campaigns'
 BASE = {
     'name': 'one_source',
     'scenario': str(SCENARIO),
@@ -68,6 +72,14 @@ def test_combinations_have_the_same_draws(tmp_path: Path) -> None:
     assert [run.inputs[key] for run in low] == [run.inputs[key] for run in high]
     assert low[0].inputs[key] != low[1].inputs[key]
     assert {run.inputs['survey.height_agl_m'] for run in low} == {25.0}
+
+
+@pytest.mark.parametrize('path', sorted(SHIPPED.glob('*.yaml')), ids=lambda path: path.stem)
+def test_shipped_campaigns_can_be_flown(path: Path) -> None:
+    """Every campaign in config/campaigns is valid and needs no processes."""
+    if 'scenario:' in path.read_text():
+        found = read_campaign(path)
+        assert not list(impure_keys(found.scenario_of(found.runs()[-1])))
 
 
 def test_draws_have_their_distribution(tmp_path: Path) -> None:
@@ -207,6 +219,22 @@ def test_a_campaign_is_flown_and_goes_on(tmp_path: Path) -> None:
     found = campaign(tmp_path, vary={}, seeds=[2, 3])
     assert found.key_of(found.runs()[1]) in before
     assert found.key_of(found.runs()[0]) not in before
+
+
+@pytest.mark.all
+def test_a_cluster_gives_the_same_rows(tmp_path: Path) -> None:
+    """Two workers of a Dask scheduler give what this process gives."""
+    distributed = pytest.importorskip('distributed', reason='needs pip install distributed')
+    found = campaign(tmp_path, seeds=1)
+    task, runs = Task(campaign=found), found.runs()
+    own = [carry_out(task, run) for run in runs]
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, dashboard_address=None, host='127.0.0.1'
+    ) as cluster:
+        rows = sorted(
+            rows_of_cluster(task, runs, cluster.scheduler_address), key=lambda row: row.number
+        )
+    assert [replace(row, cpu_s=0.0) for row in rows] == [replace(row, cpu_s=0.0) for row in own]
 
 
 def test_sources_and_estimates_are_matched() -> None:

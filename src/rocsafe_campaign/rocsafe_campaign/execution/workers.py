@@ -65,15 +65,20 @@ def _alone(task: Task, run: Run) -> Row:
         try:
             return pool.submit(_work, run).result()
         except BrokenProcessPool:
-            return Row(
-                number=run.number,
-                key=task_key(task, run),
-                seed=run.seed,
-                repeat=run.repeat,
-                inputs=run.inputs,
-                outcome=FAULT,
-                text='its process ended unexpectedly (memory?)',
-            )
+            return _ended_unexpectedly(task, run)
+
+
+def _ended_unexpectedly(task: Task, run: Run) -> Row:
+    """Return the row of a run in which each process that tried it ended."""
+    return Row(
+        number=run.number,
+        key=task_key(task, run),
+        seed=run.seed,
+        repeat=run.repeat,
+        inputs=run.inputs,
+        outcome=FAULT,
+        text='its process ended unexpectedly (memory?)',
+    )
 
 
 def _pool(task: Task, workers: int) -> ProcessPoolExecutor:
@@ -117,7 +122,14 @@ def rows_of_cluster(task: Task, runs: Sequence[Run], address: str) -> Iterator[R
     except (OSError, ValueError) as error:
         raise CampaignError(f'--scheduler = {address}: does not answer: {error}') from error
     with client:
+        try:
+            client.wait_for_workers(1, timeout=CONNECT_S)
+        except TimeoutError as error:
+            raise CampaignError(f'--scheduler = {address}: has no workers') from error
         shared = client.scatter(task, broadcast=True)
         futures = client.map(_with_task, runs, task=shared, pure=False)
-        for future in distributed.as_completed(futures):
-            yield future.result()
+        by_key = {future.key: run for future, run in zip(futures, runs, strict=True)}
+        limit_s = CONNECT_S + len(runs) * task.campaign.block.limit_s
+        for future in distributed.as_completed(futures, loop=client.loop, timeout=limit_s):
+            is_done = future.status == 'finished'
+            yield future.result() if is_done else _ended_unexpectedly(task, by_key[future.key])
