@@ -3,8 +3,6 @@
 
 import csv
 import math
-import os
-import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -91,6 +89,25 @@ def test_draws_have_their_distribution(tmp_path: Path) -> None:
     assert places.mean(axis=0) == pytest.approx([53.2803, -9.0605], abs=5e-5)
     logs = np.log([run.inputs['radiation.sources[0].activity_gbq'] for run in runs])
     assert logs.mean() == pytest.approx(math.log(math.sqrt(10.0)), abs=0.2)
+
+
+def test_a_row_belongs_to_the_files_of_its_scenario(tmp_path: Path) -> None:
+    """Another polygon in a file of the same name is another run."""
+    scenario = yaml.safe_load(SCENARIO.read_text())
+    polygon = scenario['region'].pop('polygon')
+    scenario['region']['file'] = 'region.csv'
+    (tmp_path / 'scenario.yaml').write_text(yaml.safe_dump(scenario))
+    keys = set()
+    for number, corner in enumerate((53.2806, 53.2807)):
+        rows = [*polygon[:2], [corner, -9.0610], [corner, -9.0600]]
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        (folder / 'scenario.yaml').write_text((tmp_path / 'scenario.yaml').read_text())
+        lines = ['latitude,longitude', *(f'{a},{b}' for a, b in rows)]
+        (folder / 'region.csv').write_text('\n'.join(lines))
+        found = campaign(folder, scenario='scenario.yaml', vary={}, draw={}, seeds=1)
+        keys.add(found.key_of(found.runs()[0]))
+    assert len(keys) == 2
 
 
 def test_a_key_path_reaches_every_entry_and_makes_blocks() -> None:
@@ -194,8 +211,9 @@ def test_the_table_does_not_depend_on_workers_or_kills(tmp_path: Path) -> None:
     killed = subprocess.Popen(command, stdout=subprocess.PIPE, start_new_session=True, text=True)
     assert killed.stdout is not None
     seen = next(line for line in killed.stdout if '1 of 4' in line)
-    os.killpg(killed.pid, signal.SIGKILL)
-    killed.wait()
+    killed.kill()
+    # The output ends when no process has it open any more: the workers have ended too.
+    killed.communicate()
     with Journal(tmp_path / 'two') as journal:
         assert len(journal.rows) >= 1, seen
     again = subprocess.run(command, check=True, capture_output=True, text=True)

@@ -96,7 +96,10 @@ def _obey(arguments: argparse.Namespace) -> int:
 
 
 def _full(arguments: argparse.Namespace, folder: Path) -> FullRuns:
-    first = int(os.environ.get(_DOMAIN, '0'))
+    text = os.environ.get(_DOMAIN) or '0'
+    if not text.isdecimal():
+        raise CampaignError(f'{_DOMAIN} = {text!r}: must be a whole number')
+    first = int(text)
     return FullRuns(
         folder=folder.resolve() / 'runs', domains=tuple(range(first, first + arguments.workers))
     )

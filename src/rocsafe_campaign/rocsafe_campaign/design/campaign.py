@@ -4,8 +4,9 @@
 import hashlib
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,6 +27,7 @@ from rocsafe_scenario.scenario_file import read_scenario, scenario_of
 from rocsafe_scenario.validation_text import error_lines
 
 MOST_RUNS = 1_000_000
+LONGEST_PATH = 256
 Single = float | int | bool | str
 Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 
@@ -138,10 +140,32 @@ class Campaign:
         return scenario_of(self.content_of(run), self.scenario_path)
 
     def key_of(self, run: Run) -> str:
-        """Return the hash of what a run depends on: the scenario with its seed."""
-        content = [self.content_of(run), run.repeat]
+        """Return the hash of what a run depends on: the scenario, its files and its seed."""
+        scenario = self.content_of(run)
+        files = sorted(set(_texts(scenario)))
+        digests = {text: _digest(self.scenario_path.parent / text) for text in files}
+        content = [scenario, {k: v for k, v in digests.items() if v}, run.repeat]
         text = json.dumps(content, sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+
+def _texts(content: Any) -> Iterator[str]:
+    """Yield every text of a scenario that may be the path of a file."""
+    if isinstance(content, str):
+        if content and len(content) < LONGEST_PATH:
+            yield content
+    elif isinstance(content, Mapping):
+        for value in content.values():
+            yield from _texts(value)
+    elif isinstance(content, (tuple, list)):
+        for value in content:
+            yield from _texts(value)
+
+
+@lru_cache(maxsize=256)
+def _digest(path: Path) -> str:
+    """Return the hash of the content of a file, empty if it is none."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ''
 
 
 def _generator(seed: int, repeat: int, key: str) -> np.random.Generator:

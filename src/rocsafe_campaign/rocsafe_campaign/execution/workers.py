@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Distribution of the runs of a campaign to processes of this machine, or of a cluster."""
 
+import ctypes
 import multiprocessing
+import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -16,6 +18,7 @@ from rocsafe_campaign.results.row import FAULT, Row
 # Runs that wait at each worker, so that none is idle between two.
 _AHEAD = 2
 CONNECT_S = 30.0
+_PR_SET_PDEATHSIG = 1
 
 
 def rows_here(task: Task, runs: Sequence[Run], workers: int) -> Iterator[Row]:
@@ -94,6 +97,9 @@ class _Worker:
 
 
 def _open(task: Task) -> None:
+    # It ends with the process that gives it runs, however that ends, and leaves Ctrl-C to it.
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     _Worker.task = task
 
 
