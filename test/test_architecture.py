@@ -56,7 +56,9 @@ ROSDEP_KEYS = {
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
 # files of a map work without. Areas of threat zones need contourpy.
-OPTIONAL = {'contourpy', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles'}
+OPTIONAL = {
+    'contourpy', 'distributed', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles', 'pyarrow',
+}  # fmt: skip
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
@@ -80,6 +82,21 @@ MAY_IMPORT = {
     # Compilation of loops; the order of more than twelve evidence points.
     'rocsafe_ground': {'rocsafe_planner.solver'},
     'rocsafe_console': {'rocsafe_view'},
+    # A mission in one process: the cores of all parts, wired as the orchestrator wires nodes.
+    'rocsafe_campaign': {
+        'rocsafe_orchestrator.errors',
+        'rocsafe_orchestrator.parameters',
+        'rocsafe_orchestrator.planning_commands.plan_command',
+        'rocsafe_orchestrator.processes.domain_lock',
+        'rocsafe_orchestrator.processes.executables',
+        'rocsafe_orchestrator.provenance',
+        'rocsafe_orchestrator.run_directory',
+        'rocsafe_planner',
+        'rocsafe_radiation',
+        'rocsafe_scenario',
+        'rocsafe_sim',
+        'rocsafe_view',
+    },
     'rocsafe_orchestrator': {
         'rocsafe_scenario',
         'rocsafe_view',
@@ -94,6 +111,7 @@ MAY_IMPORT = {
 }
 # Packages that ROS and its messages are kept out of, nodes and conversions aside.
 WITHOUT_ROS = DOMAINS | {
+    'rocsafe_campaign',
     'rocsafe_geo',
     'rocsafe_hazard',
     'rocsafe_dataset',
@@ -121,6 +139,9 @@ CLOCKS = {
 }
 # Modules beside a node's event loop, with the clock they may read and why.
 EXEMPT_CLOCKS = {
+    # a command: its first ROS domain; runs of whole processes get one each
+    'rocsafe_campaign.campaign_command': {'os.environ'},
+    'rocsafe_campaign.execution.full_run': {'os.environ'},
     # which pipe and which graphics device to draw with is the machine's matter
     'rocsafe_scene.graphics.pipe': {'os.environ'},
     # tells the renderers of its workers how many threads each may use

@@ -21,6 +21,7 @@ setup(
     entry_points={
         'console_scripts': [
             'bridge = rocsafe_mavlink.bridge_node:main',
+            'mavlink_view = rocsafe_mavlink.view_node:main',
             'preflight = rocsafe_mavlink.preflight_command:main',
             'signing = rocsafe_mavlink.signing_command:main',
         ],

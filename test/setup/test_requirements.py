@@ -48,8 +48,8 @@ def test_every_imported_library_is_there_for_a_mission():
     foreign = {name for name in imported - sys.stdlib_module_names if not is_ros(name)}
     # numpy comes with ROS, pydantic_core with pydantic, markupsafe with jinja2.
     brought = {'numpy', 'pydantic_core', 'markupsafe'}
-    # No mission starts the environments for learning.
-    extras = {'gymnasium', 'pettingzoo'}
+    # No mission starts the environments for learning, or a campaign.
+    extras = {'distributed', 'gymnasium', 'pettingzoo', 'pyarrow'}
     assert foreign - brought - extras <= set(SYSTEM_MINIMA)
 
 

@@ -15,6 +15,9 @@ from typing import Any
 import pytest
 from test.small_file_system import small_file_system
 
+from rocsafe_campaign.flight.pure_mission import run_purely
+from rocsafe_scenario.scenario_file import read_scenario
+
 from .conftest import DEADLINE_S
 
 # 9 viewpoints, see small.yaml.
@@ -52,6 +55,21 @@ def test_mission_hands_over_everything(complete: Any) -> None:
     assert complete.damaged_images() == set()
     assert 'mission complete' in complete.output
     assert 'Traceback' not in complete.output
+
+
+def test_one_function_flies_the_same_mission(complete: Any) -> None:
+    """The mission of campaigns, without ROS, has the plan and every reading of the processes."""
+    alone = run_purely(read_scenario(complete.run.scenario))
+    assert json.loads(complete.run.plan.read_text())['plan_id'] == alone.plan.plan_id
+    with complete.run.readings.open() as file:
+        rows = {(row['vehicle'], int(row['time_ns'])): row for row in csv.DictReader(file)}
+    own = {reading.key: reading for reading in alone.readings}
+    assert rows.keys() == own.keys()
+    for key, row in rows.items():
+        # The table rounds places to a tenth of a millimetre, dose rates not at all.
+        assert float(row['dose_rate_usvh']) == own[key].dose_rate_usvh
+        assert row['latitude_deg'] == f'{own[key].latitude_deg:.9f}'
+        assert row['altitude_m'] == f'{own[key].altitude_m:.3f}'
 
 
 def test_mission_leaves_no_process(complete: Any) -> None:

@@ -36,7 +36,25 @@ def read_scenario(path: Path, *, speed: float | None = None, seed: int | None = 
         raise ScenarioError(str(error)) from error
     if not isinstance(content, dict):
         raise ScenarioError(f'{path.name}: must be a block of keys (name, region, survey, ...)')
-    scenario = _validated(path.name, _with_options(content, speed, seed))
+    return scenario_of(_with_options(content, speed, seed), path)
+
+
+def scenario_of(content: dict[str, Any], path: Path) -> Scenario:
+    """Return the scenario of the content of a file, as `read_yaml` reads it.
+
+    Parameters
+    ----------
+    content
+        Keys and values.
+    path
+        The file, from which other files are named; it need not exist.
+
+    Raises
+    ------
+    ScenarioError
+        As `read_scenario` does.
+    """
+    scenario = _validated(path.name, content)
     scenario = _with_files(_with_region(scenario, path), path)
     lines = mistakes(scenario)
     if lines:

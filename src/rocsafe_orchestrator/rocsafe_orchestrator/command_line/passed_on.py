@@ -33,6 +33,8 @@ PASSED_ON = (
     PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
     PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
     PassedOn('ground', 'rocsafe_ground', 'plan the drive of a ground vehicle to evidence points'),
+    PassedOn('campaign', 'rocsafe_campaign', 'fly many missions; what moves the result'),
+    PassedOn('mavlink_view', 'rocsafe_mavlink', 'show simulated vehicles to QGroundControl'),
     PassedOn('map', 'rocsafe_mapping', 'map a folder of photographs'),
     PassedOn('scene', 'rocsafe_scene', 'check, list and render scenes; write terrain heights'),
     PassedOn('dataset', 'rocsafe_dataset', 'make labelled images of a scene for training'),

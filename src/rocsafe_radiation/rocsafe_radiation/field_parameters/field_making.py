@@ -48,12 +48,19 @@ def survey_field(options: FieldOptions) -> SurveyField:
     path = Path(options.field_file)
     settings = read_values(path, FieldFile) if options.field_file else FieldFile()
     try:
-        return _survey_field(options, settings, path.parent)
+        return field_of(options, settings, path.parent)
     except ValueError as error:
         raise ValueError(f'{path.name}: {error}' if options.field_file else error) from error
 
 
-def _survey_field(options: FieldOptions, settings: FieldFile, folder: Path) -> SurveyField:
+def field_of(options: FieldOptions, settings: FieldFile, folder: Path) -> SurveyField:
+    """Return what parameters and settings describe; paths count from `folder`.
+
+    Raises
+    ------
+    ValueError
+        As `survey_field`, without the name of the file.
+    """
     ground = _ground(settings, folder)
     is_shielded = options.model == SHIELDED_MODEL
     return SurveyField(
