@@ -12,7 +12,9 @@ from rocsafe_mavlink.autopilots.ardupilot import BRAKE
 from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.knowledge.telemetry import MODE_SHOWS_S
 from rocsafe_mavlink.plan.fence import Fence
+from rocsafe_mavlink.protocols.command_call import COMMAND_TIMING
 
 PLACE = GeoPosition(*HOME)
 ORDERS = {
@@ -148,3 +150,41 @@ def test_route_that_was_given_up_is_not_resumed():
     with pytest.raises(CommandRefusedError, match='was given up'):
         ORDERS['resume'](air.drones[1].commands, air.now_s)
     air.drones[1].commands.replace_route(plan(4), air.now_s)
+
+
+def unheard(air):
+    """Let nothing reach the copter or come from it."""
+    air.loss = 1.0
+
+
+def unanswered(air):
+    """Let the copter say nothing to commands."""
+    air.copters[1]._on_command = lambda _message: None
+
+
+def in_progress(air):
+    """Let the copter answer for ever that it is at work."""
+    copter = air.copters[1]
+    copter._on_command = lambda message: copter._say(
+        'COMMAND_ACK', command=message['command'], result=5
+    )
+
+
+# A call and its alternative, each given up after a while whatever is answered.
+ANSWERED_S = 2.0 * COMMAND_TIMING.longest_s + MODE_SHOWS_S
+
+
+@pytest.mark.parametrize('order', ['hold', 'return_home', 'land'])
+@pytest.mark.parametrize('state', ['flying', 'holding', 'arming', 'starting'])
+@pytest.mark.parametrize('misfortune', [None, unheard, unanswered, in_progress])
+def test_orders_that_end_a_flight_and_cancels_are_answered_in_time(state, order, misfortune):
+    """A cancelled goal is a hold. Whatever the autopilot does, it is known how it ended."""
+    air = air_in(state)
+    if misfortune is not None:
+        misfortune(air)
+    commands = air.drones[1].commands
+    ORDERS[order](commands, air.now_s)
+    number = commands.count
+    air.until(lambda: commands.outcome(number) is not None, ANSWERED_S)
+    if misfortune is None:
+        assert commands.outcome(number) == ''
