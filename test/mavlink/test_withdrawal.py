@@ -72,6 +72,22 @@ def test_new_route_is_withdrawn_when_the_vehicle_is_taken_over(take_over, words)
     assert not air.copters[1].is_armed or air.copters[1].mode == mode
 
 
+def test_critical_status_withdraws_all_but_what_makes_the_flight_safer():
+    """Without a text and in the same mode: a new route is withdrawn, a hold is obeyed."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    number = replacing(air)
+    copter.status = 5
+    air.until(lambda: commands.outcome(number) is not None, 60.0)
+    assert commands.outcome(number) == 'new route: withdrawn: a failsafe has the vehicle, in BRAKE'
+    air = flying()
+    commands = air.drones[1].commands
+    commands.hold(air.now_s)
+    air.copters[1].status = 5
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert commands.outcome(commands.count) == ''
+
+
 def test_new_route_is_withdrawn_from_a_vehicle_that_has_landed():
     """It falls silent in the middle of the upload, and stands on the ground when it is heard."""
     air = flying()
@@ -259,6 +275,44 @@ def test_no_command_is_repeated_against_the_pilot(order):
     air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
     assert 'withdrawn: the vehicle was switched to LOITER' in commands.outcome(commands.count)
     assert len(ignored) == 1
+
+
+@pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
+def test_no_command_is_sent_or_repeated_without_a_heartbeat_since_the_last(order):
+    """Other messages come, and nobody knows its mode: a pilot may have taken it meanwhile."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    ignored = []
+    copter._on_command = lambda message: message['command'] != 511 and ignored.append(message)
+    air.until(lambda: air.drones[1].vehicle.heartbeat_s == air.now_s)
+    due = copter._due
+    copter._due = lambda name, *rest: None if name == 'HEARTBEAT' else due(name, *rest)
+    ORDERS[order](commands, air.now_s)
+    air.wait(2.5)
+    is_urgent = order in ('hold', 'return home', 'land')
+    assert len(ignored) == (1 if is_urgent else 0)
+    assert commands.outcome(commands.count) is None
+    copter._due = due
+    air.wait(2.5)
+    assert len(ignored) > is_urgent
+
+
+@pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
+def test_order_to_a_vehicle_that_falls_silent_is_not_given_when_it_is_heard_again(order):
+    """Ten seconds later nobody knows what it did meanwhile: the order is withdrawn."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    ignored = []
+    copter._on_command = lambda message: message['command'] != 511 and ignored.append(message)
+    ORDERS[order](commands, air.now_s)
+    air.until(lambda: ignored, 5.0)
+    copter.is_silent = True
+    air.wait(11.0)
+    assert 'withdrawn: the vehicle is not heard' in commands.outcome(commands.count)
+    sent = len(ignored)
+    copter.is_silent = False
+    air.wait(10.0)
+    assert len(ignored) == sent
 
 
 def test_motors_that_the_pilot_started_are_left_to_him():
