@@ -328,6 +328,41 @@ def test_motors_that_the_pilot_started_are_left_to_him():
     assert 'somebody else started the motors' in air.flight().reason
 
 
+def test_nothing_is_disarmed_in_a_mode_of_the_pilot():
+    """The answer to "arm" is lost, and he takes another mode: his motors may run by now."""
+    air = Air()
+    air.wait(46.0)
+    copter = air.copters[1]
+    asked = []
+    on_command = copter._on_command
+    copter._on_command = lambda message: (
+        asked.append(message['param1']) if message['command'] == 400 else on_command(message)
+    )
+    air.fly()
+    air.until(lambda: asked, 60.0)
+    copter.mode = LOITER
+    air.until(lambda: air.flight().is_over, 60.0)
+    assert 0.0 not in asked
+    assert 'switched to LOITER before it was armed' in air.flight().reason
+
+
+def test_mode_of_the_pilot_is_not_ours_because_a_transfer_ended_in_it():
+    """A fence is pushed, and before the next heartbeat he has started the motors."""
+    air = Air()
+    air.wait(46.0)
+    commands, copter = air.drones[1].commands, air.copters[1]
+    copter.mode = LOITER
+    air.wait(2.0)
+    commands.push_fence(Fence(), air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    copter.is_armed, copter.height_m = True, 20.0
+    air.wait(2.0)
+    assert air.drones[1].vehicle.is_armed
+    for order in ('hold', 'return home', 'land', 'go to'):
+        with pytest.raises(CommandRefusedError, match='not ours to command: it is in LOITER'):
+            ORDERS[order](commands, air.now_s)
+
+
 def test_checks_are_repeated_before_the_motors_start():
     """The autopilot fails its self-test from the middle of the upload on: no flight begins."""
     air = Air()
