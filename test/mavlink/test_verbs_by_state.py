@@ -108,6 +108,7 @@ def test_who_is_told_to_stay_before_it_takes_off_stays(state, order):
     """Also where its motors run already: they are stopped, and the flight is over."""
     air = air_in(state)
     assert obeyed(air, order) == ''
+    assert not air.copters[1].is_armed
     air.wait(120.0)
     copter, drone = air.copters[1], air.drones[1]
     assert not copter.is_armed
@@ -136,7 +137,10 @@ def test_hold_is_not_withdrawn_by_what_an_order_before_it_does():
     air.wait(2.0)
     ORDERS['resume'](commands, air.now_s)
     air.until(lambda: copter.mode != BRAKE)
+    on_command, lost = copter._on_command, []
+    copter._on_command = lambda message: on_command(message) if lost else lost.append(message)
     assert obeyed(air, 'hold') == ''
+    assert lost
     air.wait(3.0)
     assert air.drones[1].status(air.now_s).state is FlightState.HOLDING
 

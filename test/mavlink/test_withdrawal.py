@@ -13,7 +13,7 @@ from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LOITER, RTL
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LAND, LOITER, RTL
 from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
@@ -295,6 +295,21 @@ def test_no_command_is_sent_or_repeated_without_a_heartbeat_since_the_last(order
     copter._due = due
     air.wait(2.5)
     assert len(ignored) > is_urgent
+
+
+@pytest.mark.parametrize(('order', 'mode'), [('land', LAND), ('return home', RTL)])
+def test_mode_that_shows_is_not_ordered_again(order, mode):
+    """The answer is lost, and a failsafe has chosen the same mode: nothing is repeated."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    ignored = []
+    copter._on_command = lambda message: message['command'] != 511 and ignored.append(message)
+    ORDERS[order](commands, air.now_s)
+    air.until(lambda: ignored, 5.0)
+    copter.mode = mode
+    air.wait(10.0)
+    assert len(ignored) == 1
+    assert commands.outcome(commands.count) == ''
 
 
 @pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
