@@ -19,6 +19,8 @@ from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
+from rocsafe_mavlink.wire.dialect import Message, encode
+from rocsafe_mavlink.wire.framing import pack_frame
 
 
 def flying(count=6):
@@ -371,6 +373,9 @@ def test_mode_of_the_pilot_is_not_ours_because_a_transfer_ended_in_it():
     commands.push_fence(Fence(), air.now_s)
     air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
     copter.is_armed, copter.height_m = True, 20.0
+    # It is the very next message.
+    told = Message('HEARTBEAT', copter._heartbeat())
+    air.say(pack_frame(*encode(told), 1, 1, 0, sign=False))
     air.wait(2.0)
     assert air.drones[1].vehicle.is_armed
     for order in ('hold', 'return home', 'land', 'go to'):
