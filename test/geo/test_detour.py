@@ -91,6 +91,7 @@ def test_without_a_clearance_a_way_may_touch_a_zone():
     assert zone_on_way([sliver], 0.0, [(9.0, -5.0), (9.0, 5.0)]) == (1, 1)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(boxes(), st.tuples(COORDINATES, COORDINATES), st.tuples(COORDINATES, COORDINATES))
 def test_no_way_crosses_a_zone_or_could_be_shorter(zones, place, goal):

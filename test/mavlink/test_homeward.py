@@ -131,6 +131,7 @@ def flying_around():
     return air
 
 
+@pytest.mark.slow
 def test_commanded_return_flies_around():
     """A straight one would cross the square; nothing is left behind, and the flight has ended."""
     air = flying_around()
