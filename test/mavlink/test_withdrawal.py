@@ -427,3 +427,39 @@ def test_position_and_speed_of_a_vehicle_that_has_not_told_them_are_nan():
     message = state_message(status, 'rav1', Time(), (0, 0))
     assert math.isnan(message.position.latitude)
     assert math.isnan(message.speed_mps)
+
+
+@pytest.mark.parametrize(('station', 'is_ours'), [((255, 190), True), ((250, 190), False)])
+def test_upload_of_a_bridge_that_is_gone_is_cancelled_at_its_next_request(station, is_ours):
+    """The autopilot still waits for an item: it is told that none comes, and is not asked then."""
+    air = Air()
+    air.wait(46.0)
+    air.sent.clear()
+    system, component = station
+    air.copters[1]._say(
+        'MISSION_REQUEST_INT',
+        target_system=system,
+        target_component=component,
+        seq=0,
+        mission_type=0,
+    )
+    air.wait(0.5)
+    cancels = [m for m in air.sent if m.name == 'MISSION_ACK' and m['type'] == 15]
+    assert len(cancels) == is_ours
+
+
+def test_nothing_is_read_while_the_autopilot_waits_for_an_upload_that_is_gone():
+    """A PX4 that is asked for a list then refuses every upload."""
+    air = Air()
+
+    def lists():
+        return [m for m in air.sent if m.name == 'MISSION_REQUEST_LIST']
+
+    for _ in range(150):
+        air.copters[1]._say(
+            'MISSION_REQUEST_INT', target_system=255, target_component=190, seq=0, mission_type=0
+        )
+        air.wait(0.3)
+    assert lists() == []
+    air.wait(30.0)
+    assert lists()
