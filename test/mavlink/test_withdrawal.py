@@ -463,3 +463,23 @@ def test_nothing_is_read_while_the_autopilot_waits_for_an_upload_that_is_gone():
     assert lists() == []
     air.wait(30.0)
     assert lists()
+
+
+@pytest.mark.parametrize(
+    ('happens', 'holder'),
+    [
+        (lambda _copter: None, ''),
+        (lambda copter: setattr(copter, 'mode', LOITER), 'pilot'),
+        (lambda copter: copter.lose_battery(), 'failsafe'),
+    ],
+    ids=['nothing', 'pilot', 'failsafe'],
+)
+def test_who_has_the_vehicle_is_told_in_its_state(happens, holder):
+    """A mission gives no orders to one that others have; our own hold is no takeover."""
+    air = flying()
+    commands = air.drones[1].commands
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    happens(air.copters[1])
+    air.wait(2.0)
+    assert air.drones[1].status(air.now_s).taken_by == holder
