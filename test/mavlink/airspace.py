@@ -121,7 +121,7 @@ def told_once(orders):
     return [order for order, _ in itertools.groupby(o for o in orders if o not in HARMLESS)]
 
 
-def write_drones(folder, link, systems=(1,)):
+def write_drones(folder, link, systems=(1,), **more):
     """Write the drones file of a bridge to the copters behind `link`; return its path."""
     folder.mkdir(parents=True, exist_ok=True)
     drones = [
@@ -132,6 +132,7 @@ def write_drones(folder, link, systems=(1,)):
             'geoid_separation_m': SEPARATION_M,
             'speed_mps': 10.0,
             'hover_s': 0.0,
+            **more,
         }
         for system in systems
     ]

@@ -380,7 +380,12 @@ def test_what_is_missing_is_owed_and_named(tmp_path):
         'rav1: 1 without a picture: shot 1',
         'rav1: 1 pictures without a place: old.jpg',
     ]
-    assert bridge.made.owed(context().assignment, 2) == 2
+    flown = context().assignment
+    along = replace(flown, plan=replace(flown.plan, trigger_distance_m=10.0))
+    # Two were triggered; where each stop has one, the report of the third was lost.
+    owed = bridge.made.owed
+    assert [owed(flown, 0), owed(flown, 2), owed(flown, 3), owed(along, 3)] == [2, 2, 3, 2]
+    assert owed(None, 3) == 0
     assert bridge.made.owed(replace(context().assignment, plan_id='other'), 0) == 0
     assert len(bridge.shots) == 1
 

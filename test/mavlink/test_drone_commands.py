@@ -6,6 +6,7 @@ import struct
 from dataclasses import replace
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as library
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.telemetry import heartbeat, ready, said
 from test.mavlink.test_flight import plan
@@ -264,6 +265,10 @@ def test_circles_are_part_of_a_fence():
             for one in fence.outer_circles
         ),
     )
+    assert [item.command for item in fence_items(fence)] == [
+        library.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+        library.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+    ]
     assert fence.holds(offset(PLACE, 99.0, 0.0))
     assert not fence.holds(offset(PLACE, 101.0, 0.0))
     assert not fence.holds(offset(PLACE, 0.0, 41.0))
@@ -429,18 +434,19 @@ def test_px4_returns_by_one_action_only(value):
             {'checks before arming', 'height of the return', 'radio-loss action'},
         ),
         ({'MAV_GCS_SYSID': 255.0}, {'station that may command'}),
+        ({'WP_YAW_BEHAVIOR': 1.0}, {Parameter.YAW_BEHAVIOUR.value}),
     ],
 )
 def test_settings_that_make_a_failsafe_worse_are_warned_of(found, warned):
     """In both spellings of the names, whose meaning differs."""
     good = {'ARMING_CHECK': 1.0, 'RTL_ALT': 3000.0, 'FS_THR_ENABLE': 1.0}
-    told = found if 'ARMING_SKIPCHK' in found else {**good, **found}
+    told = {'WP_YAW_BEHAVIOR': 0.0, **({} if 'ARMING_SKIPCHK' in found else good), **found}
     known = VehicleSettings(
         parameters=ParameterReader(autopilot=3, target=TARGET, found=told, asks=6), station=255
     )
     checks = preflight(ready(), COPTER, None, FlightLimits(), 100.0, known)
     names = {'checks before arming', 'height of the return', 'radio-loss action'}
-    names |= {'station that may command'}
+    names |= {'station that may command', Parameter.YAW_BEHAVIOUR.value}
     found_bad = {check.name for check in checks if check.verdict is CheckVerdict.WARN}
     assert found_bad & names == warned
 

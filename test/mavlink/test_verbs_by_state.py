@@ -108,6 +108,7 @@ def test_who_is_told_to_stay_before_it_takes_off_stays(state, order):
     """Also where its motors run already: they are stopped, and the flight is over."""
     air = air_in(state)
     assert obeyed(air, order) == ''
+    assert not air.copters[1].is_armed
     air.wait(120.0)
     copter, drone = air.copters[1], air.drones[1]
     assert not copter.is_armed
@@ -136,7 +137,10 @@ def test_hold_is_not_withdrawn_by_what_an_order_before_it_does():
     air.wait(2.0)
     ORDERS['resume'](commands, air.now_s)
     air.until(lambda: copter.mode != BRAKE)
+    on_command, lost = copter._on_command, []
+    copter._on_command = lambda message: on_command(message) if lost else lost.append(message)
     assert obeyed(air, 'hold') == ''
+    assert lost
     air.wait(3.0)
     assert air.drones[1].status(air.now_s).state is FlightState.HOLDING
 
@@ -148,3 +152,41 @@ def test_route_that_was_given_up_is_not_resumed():
     with pytest.raises(CommandRefusedError, match='was given up'):
         ORDERS['resume'](air.drones[1].commands, air.now_s)
     air.drones[1].commands.replace_route(plan(4), air.now_s)
+
+
+def unheard(air):
+    """Let nothing reach the copter or come from it."""
+    air.loss = 1.0
+
+
+def unanswered(air):
+    """Let the copter say nothing to commands."""
+    air.copters[1]._on_command = lambda _message: None
+
+
+def in_progress(air):
+    """Let the copter answer for ever that it is at work."""
+    copter = air.copters[1]
+    copter._on_command = lambda message: copter._say(
+        'COMMAND_ACK', command=message['command'], result=5
+    )
+
+
+# A call and its alternative, 30 s each, and 3.5 s until a mode shows: as docs/bridge.md says.
+ANSWERED_S = 64.0
+
+
+@pytest.mark.parametrize('order', ['hold', 'return_home', 'land'])
+@pytest.mark.parametrize('state', ['flying', 'holding', 'arming', 'starting'])
+@pytest.mark.parametrize('misfortune', [None, unheard, unanswered, in_progress])
+def test_orders_that_end_a_flight_and_cancels_are_answered_in_time(state, order, misfortune):
+    """A cancelled goal is a hold. Whatever the autopilot does, it is known how it ended."""
+    air = air_in(state)
+    if misfortune is not None:
+        misfortune(air)
+    commands = air.drones[1].commands
+    ORDERS[order](commands, air.now_s)
+    number = commands.count
+    air.until(lambda: commands.outcome(number) is not None, ANSWERED_S)
+    if misfortune is None:
+        assert commands.outcome(number) == ''

@@ -13,12 +13,14 @@ from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LOITER, RTL
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LAND, LOITER, RTL
 from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
+from rocsafe_mavlink.wire.dialect import Message, encode
+from rocsafe_mavlink.wire.framing import pack_frame
 
 
 def flying(count=6):
@@ -71,6 +73,22 @@ def test_new_route_is_withdrawn_when_the_vehicle_is_taken_over(take_over, words)
     air.wait(20.0)
     assert [change for change in changes(air) if change != (176, float(BRAKE))] == []
     assert not air.copters[1].is_armed or air.copters[1].mode == mode
+
+
+def test_critical_status_withdraws_all_but_what_makes_the_flight_safer():
+    """Without a text and in the same mode: a new route is withdrawn, a hold is obeyed."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    number = replacing(air)
+    copter.status = 5
+    air.until(lambda: commands.outcome(number) is not None, 60.0)
+    assert commands.outcome(number) == 'new route: withdrawn: a failsafe has the vehicle, in BRAKE'
+    air = flying()
+    commands = air.drones[1].commands
+    commands.hold(air.now_s)
+    air.copters[1].status = 5
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert commands.outcome(commands.count) == ''
 
 
 def test_new_route_is_withdrawn_from_a_vehicle_that_has_landed():
@@ -264,6 +282,59 @@ def test_no_command_is_repeated_against_the_pilot(order):
     assert len(ignored) == 1
 
 
+@pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
+def test_no_command_is_sent_or_repeated_without_a_heartbeat_since_the_last(order):
+    """Other messages come, and nobody knows its mode: a pilot may have taken it meanwhile."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    ignored = []
+    copter._on_command = lambda message: message['command'] != 511 and ignored.append(message)
+    air.until(lambda: air.drones[1].vehicle.heartbeat_s == air.now_s)
+    due = copter._due
+    copter._due = lambda name, *rest: None if name == 'HEARTBEAT' else due(name, *rest)
+    ORDERS[order](commands, air.now_s)
+    air.wait(2.5)
+    is_urgent = order in ('hold', 'return home', 'land')
+    assert len(ignored) == (1 if is_urgent else 0)
+    assert commands.outcome(commands.count) is None
+    copter._due = due
+    air.wait(2.5)
+    assert len(ignored) > is_urgent
+
+
+@pytest.mark.parametrize(('order', 'mode'), [('land', LAND), ('return home', RTL)])
+def test_mode_that_shows_is_not_ordered_again(order, mode):
+    """The answer is lost, and a failsafe has chosen the same mode: nothing is repeated."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    ignored = []
+    copter._on_command = lambda message: message['command'] != 511 and ignored.append(message)
+    ORDERS[order](commands, air.now_s)
+    air.until(lambda: ignored, 5.0)
+    copter.mode = mode
+    air.wait(10.0)
+    assert len(ignored) == 1
+    assert commands.outcome(commands.count) == ''
+
+
+@pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
+def test_order_to_a_vehicle_that_falls_silent_is_not_given_when_it_is_heard_again(order):
+    """Ten seconds later nobody knows what it did meanwhile: the order is withdrawn."""
+    air = flying()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    ignored = []
+    copter._on_command = lambda message: message['command'] != 511 and ignored.append(message)
+    ORDERS[order](commands, air.now_s)
+    air.until(lambda: ignored, 5.0)
+    copter.is_silent = True
+    air.wait(11.0)
+    assert 'withdrawn: the vehicle is not heard' in commands.outcome(commands.count)
+    sent = len(ignored)
+    copter.is_silent = False
+    air.wait(10.0)
+    assert len(ignored) == sent
+
+
 def test_motors_that_the_pilot_started_are_left_to_him():
     """He arms by his stick while the mission is sent: the flight begins with no command."""
     air = Air()
@@ -275,6 +346,44 @@ def test_motors_that_the_pilot_started_are_left_to_him():
     air.wait(30.0)
     assert changes(air) == []
     assert 'somebody else started the motors' in air.flight().reason
+
+
+def test_nothing_is_disarmed_in_a_mode_of_the_pilot():
+    """The answer to "arm" is lost, and he takes another mode: his motors may run by now."""
+    air = Air()
+    air.wait(46.0)
+    copter = air.copters[1]
+    asked = []
+    on_command = copter._on_command
+    copter._on_command = lambda message: (
+        asked.append(message['param1']) if message['command'] == 400 else on_command(message)
+    )
+    air.fly()
+    air.until(lambda: asked, 60.0)
+    copter.mode = LOITER
+    air.until(lambda: air.flight().is_over, 60.0)
+    assert 0.0 not in asked
+    assert 'switched to LOITER before it was armed' in air.flight().reason
+
+
+def test_mode_of_the_pilot_is_not_ours_because_a_transfer_ended_in_it():
+    """A fence is pushed, and before the next heartbeat he has started the motors."""
+    air = Air()
+    air.wait(46.0)
+    commands, copter = air.drones[1].commands, air.copters[1]
+    copter.mode = LOITER
+    air.wait(2.0)
+    commands.push_fence(Fence(), air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    copter.is_armed, copter.height_m = True, 20.0
+    # It is the very next message.
+    told = Message('HEARTBEAT', copter._heartbeat())
+    air.say(pack_frame(*encode(told), 1, 1, 0, sign=False))
+    air.wait(2.0)
+    assert air.drones[1].vehicle.is_armed
+    for order in ('hold', 'return home', 'land', 'go to'):
+        with pytest.raises(CommandRefusedError, match='not ours to command: it is in LOITER'):
+            ORDERS[order](commands, air.now_s)
 
 
 def test_checks_are_repeated_before_the_motors_start():
@@ -318,3 +427,59 @@ def test_position_and_speed_of_a_vehicle_that_has_not_told_them_are_nan():
     message = state_message(status, 'rav1', Time(), (0, 0))
     assert math.isnan(message.position.latitude)
     assert math.isnan(message.speed_mps)
+
+
+@pytest.mark.parametrize(('station', 'is_ours'), [((255, 190), True), ((250, 190), False)])
+def test_upload_of_a_bridge_that_is_gone_is_cancelled_at_its_next_request(station, is_ours):
+    """The autopilot still waits for an item: it is told that none comes, and is not asked then."""
+    air = Air()
+    air.wait(46.0)
+    air.sent.clear()
+    system, component = station
+    air.copters[1]._say(
+        'MISSION_REQUEST_INT',
+        target_system=system,
+        target_component=component,
+        seq=0,
+        mission_type=0,
+    )
+    air.wait(0.5)
+    cancels = [m for m in air.sent if m.name == 'MISSION_ACK' and m['type'] == 15]
+    assert len(cancels) == is_ours
+
+
+def test_nothing_is_read_while_the_autopilot_waits_for_an_upload_that_is_gone():
+    """A PX4 that is asked for a list then refuses every upload."""
+    air = Air()
+
+    def lists():
+        return [m for m in air.sent if m.name == 'MISSION_REQUEST_LIST']
+
+    for _ in range(150):
+        air.copters[1]._say(
+            'MISSION_REQUEST_INT', target_system=255, target_component=190, seq=0, mission_type=0
+        )
+        air.wait(0.3)
+    assert lists() == []
+    air.wait(30.0)
+    assert lists()
+
+
+@pytest.mark.parametrize(
+    ('happens', 'holder'),
+    [
+        (lambda _copter: None, ''),
+        (lambda copter: setattr(copter, 'mode', LOITER), 'pilot'),
+        (lambda copter: copter.lose_battery(), 'failsafe'),
+    ],
+    ids=['nothing', 'pilot', 'failsafe'],
+)
+def test_who_has_the_vehicle_is_told_in_its_state(happens, holder):
+    """A mission gives no orders to one that others have; our own hold is no takeover."""
+    air = flying()
+    commands = air.drones[1].commands
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    happens(air.copters[1])
+    air.wait(2.0)
+    assert air.drones[1].status(air.now_s).taken_by == holder

@@ -115,21 +115,35 @@ OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2
 
 
 @pytest.mark.parametrize(
-    ('changes', 'words'),
+    ('changes', 'words', 'code'),
     [
-        ({'exclusions': [{'polygon': OVER_THE_HOME}]}, 'rav1 home lies in an exclusion'),
-        ({'vehicles[0].endurance_s': 5.0}, 'endurance_s is 4 s'),
+        (
+            {'exclusions': [{'polygon': OVER_THE_HOME}]},
+            'rav1 home lies in an exclusion',
+            errors.EXIT_FAILED,
+        ),
+        (
+            {'vehicles[0].endurance_s': 5.0, 'vehicles[1].endurance_s': 5.0},
+            'endurance_s is 4 s',
+            errors.EXIT_FAILED,
+        ),
+        (
+            {'clock.start': '1066-10-14T09:00:00Z'},
+            'must be within 1970-01-01 to 2038-01-01',
+            errors.EXIT_USAGE,
+        ),
     ],
+    ids=['exclusion over the home', 'endurance of 5 s', 'start in the year 1066'],
 )
-def test_check_finds_what_has_no_plan(
+def test_check_finds_what_will_fail(
     changes: dict[str, object],
     words: str,
+    code: int,
     small: Callable[..., Path],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """The planner itself is asked, so that what it refuses in a mission is told here."""
-    path = small({'vehicles[1].endurance_s': 5.0, **changes})
-    assert main(['check', str(path)]) == errors.EXIT_FAILED
+    assert main(['check', str(small(changes))]) == code
     told = capsys.readouterr()
     assert words in told.err
     assert 'valid' not in told.out

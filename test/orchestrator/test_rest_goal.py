@@ -83,3 +83,28 @@ def test_real_vehicle_that_has_landed_starts_again_by_hand_only(
     seen = monitor(status('rav1'), status('rav2', state=FlightState.LANDED))
     goal = rest_goal(scenario(small, **changes), (FIRST, ROUTES), seen, {'rav1', 'rav2'})
     assert [vehicle.name for vehicle in goal.able] == able
+
+
+@pytest.mark.parametrize(
+    ('state', 'heights_m'),
+    [
+        (FlightState.FLYING, [42.0]),
+        (FlightState.LOST, [42.0]),
+        (FlightState.WAITING, [42.0]),
+        (FlightState.LANDED, []),
+        (FlightState.CRASHED, []),
+        (FlightState.DISARMED, []),
+    ],
+)
+def test_height_of_a_vehicle_that_nobody_hears_is_occupied(
+    small: Callable[..., Path], state: FlightState, heights_m: list[float]
+) -> None:
+    """Unless it stood on the ground for good when it was heard last."""
+    seen = monitor(status('rav1'), status('rav2', state=state))
+    flown = {key: Route(vehicle=r.vehicle, viewpoints=r.viewpoints) for key, r in ROUTES.items()}
+    flown['p', 'rav2'].flight_height_m = 42.0
+    goal = rest_goal(scenario(small), (FIRST, flown), seen, {'rav1'}, ['rav2'])
+    assert list(goal.occupied_heights_m) == heights_m
+    assert (
+        list(rest_goal(scenario(small), (FIRST, flown), seen, {'rav1'}).occupied_heights_m) == []
+    )

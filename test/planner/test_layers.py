@@ -8,11 +8,13 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
 from rocsafe_planner.checking.plan_checker import check_plan
-from rocsafe_planner.errors import BeyondEnduranceError, NoWayError
+from rocsafe_planner.errors import BeyondEnduranceError, NoFreeHeightError, NoWayError
 from rocsafe_planner.flights.keeping_apart import _turns
 from rocsafe_planner.plan.plan import Route
+from rocsafe_planner.plan.plan_json import plan_document
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.replanning import Situation, replan
 
 from .fleets import STARTS, changed, request, vehicle
 from .surveys import surveys
@@ -109,3 +111,60 @@ def test_no_layer_is_above_the_greatest_height():
     heights = {route.flight_height_m for route in plan.routes}
     assert max(heights) <= 45.0 < max(r.flight_height_m for r in crowded(by='layers').routes)
     assert check_plan(plan) == []
+
+
+def rest_of(plan, *occupied_m, **request_changes):
+    """Return the rest of a plan for all but the second vehicle, which nobody hears in the air."""
+    plan = dataclasses.replace(plan, request=dataclasses.replace(plan.request, **request_changes))
+    ids = [view.id for route in plan.routes for view in route.viewpoints]
+    first, _silent, *others = plan.routes
+    place = first.viewpoints[0].position
+    now = Aloft(position=dataclasses.replace(place, altitude_m=0.0), used_s=60.0)
+    alive = {first.vehicle.name: now, **{route.vehicle.name: None for route in others}}
+    situation = Situation(
+        alive=alive, visited=frozenset(ids[:1]), occupied_heights_m=tuple(occupied_m)
+    )
+    return replan(plan, situation)
+
+
+@pytest.mark.parametrize('by', ['layers', 'delay'])
+def test_rest_keeps_away_from_the_height_of_a_vehicle_that_nobody_hears(by):
+    """It goes on along its route by itself, at its height: the others fly in other layers."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by=by))
+    silent_m = plan.routes[1].flight_height_m
+    rest = rest_of(plan, silent_m)
+    flown = [route for route in rest.routes if route.sorties]
+    assert flown
+    assert all(abs(route.flight_height_m - silent_m) >= 15.0 - 1e-6 for route in flown)
+    assert check_plan(rest) == []
+    assert plan_document(rest)['request']['continuation']['occupied_heights_m'] == [silent_m]
+    free = rest_of(plan)
+    assert any(abs(route.flight_height_m - silent_m) < 15.0 for route in free.routes)
+    again = dataclasses.replace(
+        free,
+        request=dataclasses.replace(
+            free.request,
+            continuation=dataclasses.replace(
+                free.request.continuation, occupied_heights_m=(silent_m,)
+            ),
+        ),
+    )
+    assert any('is occupied' in fault for fault in check_plan(again))
+
+
+def test_rest_without_a_free_height_is_refused():
+    """The others then go on with their own routes, which keep apart from that of the silent."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))
+    low = dataclasses.replace(plan.request.airspace, max_height_agl_m=40.0)
+    with pytest.raises(NoFreeHeightError, match=r'up to 40 m keeps 15 m from .* at 32 m'):
+        rest_of(plan, 32.0, airspace=low)
+
+
+def test_rest_of_a_rest_in_another_layer_is_planned():
+    """The silent vehicle is heard again: the next plan may use its height."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))
+    rest = rest_of(plan, 32.0)
+    names = [route.vehicle.name for route in rest.routes]
+    last = replan(rest, Situation(alive=dict.fromkeys(names), visited=frozenset()))
+    assert check_plan(last) == []
+    assert min(r.flight_height_m for r in last.routes if r.sorties) == 32.0

@@ -48,8 +48,9 @@ WATCHED, CLOSELY_WATCHED, SLOW = 15.0, 3.0, 1.0
 class Post:
     """A bridge as a process, and copter and operator in this one."""
 
-    def __init__(self, domain_id, folder, air):
+    def __init__(self, domain_id, folder, air, **drone):
         self._folder = folder
+        self._drone = drone
         self._environment = {
             **os.environ,
             'ROS_DOMAIN_ID': str(domain_id),
@@ -59,17 +60,17 @@ class Post:
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain_id)
         self._executor = SingleThreadedExecutor(context=self._context)
-        self._node = Node('operator', context=self._context)
-        self._executor.add_node(self._node)
-        self._client = ActionClient(self._node, FlyRoute, 'rav1/fly_route')
+        self.node = Node('operator', context=self._context)
+        self._executor.add_node(self.node)
+        self._client = ActionClient(self.node, FlyRoute, 'rav1/fly_route')
         self.state, self._began_s = VehicleState(), 0.0
-        topics.create_subscription(self._node, topics.STATE, self._on_state, 'rav1')
+        topics.create_subscription(self.node, topics.STATE, self._on_state, 'rav1')
         self.start()
 
     def start(self):
         """Start the bridge."""
         values = {
-            'drones_file': write_drones(self._folder, self.air.link),
+            'drones_file': write_drones(self._folder, self.air.link, **self._drone),
             'position_rate_hz': '2.0',
             'origin_latitude_deg': str(HOME[0]),
             'origin_longitude_deg': str(HOME[1]),
@@ -109,7 +110,7 @@ class Post:
     def call(self, name, request=None):
         """Call a service; return its answer."""
         kind = {'lease': Lease, 'resume': Resume}.get(name, Trigger)
-        client = self._node.create_client(kind, f'rav1/{name}')
+        client = self.node.create_client(kind, f'rav1/{name}')
         self.until(client.service_is_ready)
         answers = self._answered(lambda: client.call_async(request or kind.Request()))
         # Asked twice, one may be refused because the other is under way.
@@ -159,7 +160,7 @@ class Post:
         # First: what it still waits for must not be destroyed.
         self._executor.shutdown(timeout_sec=2.0)
         self._client.destroy()
-        self._node.destroy_node()
+        self.node.destroy_node()
         rclpy.shutdown(context=self._context)
 
     def _on_state(self, message):

@@ -163,6 +163,7 @@ class Requests:
                 (self._plan, self._routes),
                 self._monitor,
                 self._mission.fleet.others,
+                self._mission.fleet.unheard,
             )
             self._visited = list(goal.visited)
             if len(self._visited) == goal_conversions.viewpoint_count(self._plan):

@@ -122,6 +122,7 @@ def situation_of_goal(goal: action.PlanSurvey.Goal) -> Situation:
     return Situation(
         alive={vehicle.name: _now(vehicle) for vehicle in goal.able},
         visited=frozenset(int(number) for number in goal.visited),
+        occupied_heights_m=tuple(goal.occupied_heights_m),
     )
 
 

@@ -14,6 +14,10 @@ class BeyondEnduranceError(PlannerError):
     """A vehicle's route takes longer than its battery lasts."""
 
 
+class NoFreeHeightError(PlannerError):
+    """No flight height is free of vehicles that nobody hears."""
+
+
 class PlanningCancelledError(PlannerError):
     """The caller asked to stop."""
 

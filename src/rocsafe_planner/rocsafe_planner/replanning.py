@@ -46,12 +46,15 @@ class Situation:
         the plan.
     new_exclusions
         More zones that no leg crosses. Viewpoints inside cannot be visited any more.
+    occupied_heights_m
+        Flight heights of vehicles that nobody hears, see `Continuation`.
     """
 
     alive: Mapping[str, Aloft | float | None]
     visited: frozenset[int] = frozenset()
     new_places: tuple[GeoPosition, ...] = ()
     new_exclusions: tuple[SurveyArea, ...] = field(default=())
+    occupied_heights_m: tuple[float, ...] = ()
 
 
 def replan(
@@ -89,6 +92,8 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
     if not left:
         raise NothingLeftError('no viewpoint is left: all are photographed')
     done = [view for view in known.values() if view.id in situation.visited]
+    # No wait keeps away from a vehicle of which nobody knows when it is where.
+    by = 'layers' if situation.occupied_heights_m else request.separation.by
     return dataclasses.replace(
         request,
         vehicles=tuple(
@@ -102,12 +107,14 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
         effort=dataclasses.replace(
             request.effort, method='solver', budget_s=0.0, proposals=_proposals(len(left))
         ),
+        separation=dataclasses.replace(request.separation, by=by),
         exclusions=(*request.exclusions, *situation.new_exclusions),
         continuation=Continuation(
             viewpoints=tuple(sorted(left, key=lambda view: view.id)),
             visited=(*request.continuation.visited, *done),
             ground_reference=request.continuation.ground_reference
             or tuple(v.home for v in request.vehicles),
+            occupied_heights_m=situation.occupied_heights_m,
         ),
     )
 

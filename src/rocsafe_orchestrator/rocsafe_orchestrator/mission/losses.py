@@ -54,6 +54,12 @@ class Losses:
         return [name for name, member in self._members.items() if member.takes_orders]
 
     @property
+    def unheard(self) -> list[str]:
+        """Vehicles that are lost because nothing is heard of them: they may be in the air."""
+        members = self._members.items()
+        return [n for n, m in members if n in self._gone and m.presence is Presence.LOST]
+
+    @property
     def lets_time_run(self) -> bool:
         """Whether vehicles were commanded to hold and need time to stop."""
         return self._requests.all_done(OrderKind.HOLD) and not self.is_paused

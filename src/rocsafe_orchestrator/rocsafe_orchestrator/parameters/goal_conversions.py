@@ -2,7 +2,7 @@
 """Scenario -> region and requests to the planner, as messages."""
 
 import math
-from collections.abc import Container, Mapping
+from collections.abc import Container, Iterable, Mapping
 
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.action import PlanSurvey
@@ -123,6 +123,7 @@ def rest_goal(
     plans: tuple[SurveyPlan, Mapping[tuple[str, str], Route]],
     monitor: Monitor,
     able: Container[str],
+    unheard: Iterable[str] = (),
 ) -> PlanSurvey.Goal:
     """Return the request for the rest of a survey, for those that are able.
 
@@ -141,6 +142,9 @@ def rest_goal(
         What is known of the vehicles.
     able
         Names of the vehicles that can be given a route.
+    unheard
+        Names of those of which nothing is heard. Those that may be in the air keep their flight
+        heights: the others stay away from them.
     """
     plan, routes = plans
     left = {viewpoint.id for route in plan.routes for viewpoint in route.viewpoints}
@@ -168,8 +172,23 @@ def rest_goal(
         rest_of=plan.plan_id,
         visited=sorted(visited),
         able=able_now,
+        occupied_heights_m=_occupied_heights_m(unheard, routes, monitor),
         terrain_file=scenario.survey.terrain_file,
     )
+
+
+def _occupied_heights_m(
+    unheard: Iterable[str], routes: Mapping[tuple[str, str], Route], monitor: Monitor
+) -> list[float]:
+    """Return the flight heights of vehicles that nobody hears, unless they stood for good."""
+    heights: set[float] = set()
+    for name in unheard:
+        status = monitor.vehicle(name)
+        flown = routes.get((status.plan_id, name))
+        may_fly = status.state not in GROUNDED or status.is_waiting
+        if flown is not None and flown.viewpoints and may_fly:
+            heights.add(flown.flight_height_m)
+    return sorted(heights)
 
 
 def _ends_away(route: Route) -> bool:

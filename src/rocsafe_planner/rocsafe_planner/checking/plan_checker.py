@@ -22,6 +22,7 @@ from rocsafe_planner.plan.plan import Route, SurveyPlan, Viewpoint
 def check_plan(plan: SurveyPlan) -> list[Fault]:
     """Return the faults of a plan, one line each."""
     faults = [*_visits(plan), *_figures(plan), *_coverage(plan), *_exclusions(plan)]
+    faults += _occupied_heights(plan)
     for route in plan.routes:
         faults.extend(f'{route.vehicle.name}: {fault}' for fault in route_faults(plan, route))
     return faults or list(separation_faults(plan))
@@ -45,6 +46,18 @@ def _visits(plan: SurveyPlan) -> Iterator[Fault]:
         yield f'viewpoints {missing[:5]} are not visited, {twice[:5]} more than once'
     if len(counts) > plan.request.coverage.max_viewpoints:
         yield f'{len(counts)} viewpoints: max_viewpoints is {plan.request.coverage.max_viewpoints}'
+
+
+def _occupied_heights(plan: SurveyPlan) -> Iterator[Fault]:
+    """Yield routes that are flown near the height of a vehicle that nobody hears."""
+    least_m = plan.request.separation.distance_m - ABSOLUTE_M
+    for route in plan.routes:
+        for height_m in plan.request.continuation.occupied_heights_m:
+            if route.sorties and abs(route.flight_height_m - height_m) < least_m:
+                yield (
+                    f'{route.vehicle.name}: flies at {route.flight_height_m:g} m, {height_m:g} m '
+                    'is occupied'
+                )
 
 
 def _shut_off(plan: SurveyPlan) -> set[int]:

@@ -5,10 +5,11 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
-from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.errors import BeyondEnduranceError, NoFreeHeightError
 from rocsafe_planner.flights.flight_track import FlightTrack
 from rocsafe_planner.flights.routes import route_of, routes_of
 from rocsafe_planner.flights.separation import (
+    TOLERANCE_M,
     Placed,
     delays_apart,
     flying_order,
@@ -125,7 +126,13 @@ def _layers(
     """Return the height above the others at which each vehicle lands earliest.
 
     In the order in which places are given each vehicle takes the layer in which it lands first,
-    waiting included; the lowest of those that are equal.
+    waiting included; the lowest of those that are equal. Layers nearer than the separation to an
+    occupied height are left out.
+
+    Raises
+    ------
+    NoFreeHeightError
+        If there is no other.
     """
     step = site.request.separation.distance_m
     placed = Placed(step)
@@ -135,11 +142,15 @@ def _layers(
     flying = [k for k, route in enumerate(routes) if route.sorties]
     tracks = [_track(site, k, routes[k]) for k in flying]
     for k in (flying[i] for i in flying_order(tracks, turn)):
-        best = (math.inf, 0.0, 0.0, tracks[flying.index(k)])
-        for number in range(MAX_LAYERS):
-            layer = number * step
-            if layer > highest_m:
-                break
+        free = [layer for layer in _free_layers(site) if layer <= highest_m]
+        if not free:
+            heights = ', '.join(f'{m:g} m' for m in site.request.continuation.occupied_heights_m)
+            raise NoFreeHeightError(
+                f'no flight height up to {airspace.max_height_agl_m:g} m keeps {step:g} m from '
+                f'vehicles that nobody hears, at {heights}'
+            )
+        best = (math.inf, 0.0, free[0], tracks[flying.index(k)])
+        for layer in free:
             trial = in_layers(site, tuple(layer if i == k else 0.0 for i in range(len(orders))))
             try:
                 track = _track(trial, k, route_of(trial, k, orders[k]))
@@ -153,6 +164,18 @@ def _layers(
         layers[k] = best[2]
         placed.add(best[3], best[1])
     return tuple(layers)
+
+
+def _free_layers(site: SurveySite) -> list[float]:
+    """Return the layers that are not occupied, as heights above the lowest."""
+    step, base_m = site.request.separation.distance_m, site.request.coverage.height_agl_m
+    occupied_m = site.request.continuation.occupied_heights_m
+    layers = [number * step for number in range(MAX_LAYERS)]
+    return [
+        layer
+        for layer in layers
+        if all(abs(base_m + layer - height_m) >= step - TOLERANCE_M for height_m in occupied_m)
+    ]
 
 
 def _track(site: SurveySite, vehicle: int, route: Route) -> FlightTrack:

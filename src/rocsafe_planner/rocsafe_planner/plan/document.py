@@ -83,11 +83,13 @@ def viewpoint_document(viewpoint: Viewpoint) -> Document:
 
 
 def continuation_document(continuation: Continuation) -> Document:
-    """Return the viewpoints and places that are taken over from an earlier plan."""
+    """Return what is taken over from an earlier plan; heights only where some are occupied."""
+    occupied = list(continuation.occupied_heights_m)
     return {
         'viewpoints': [viewpoint_document(view) for view in continuation.viewpoints],
         'visited': [viewpoint_document(view) for view in continuation.visited],
         'ground_reference': [position_document(p) for p in continuation.ground_reference],
+        **({'occupied_heights_m': occupied} if occupied else {}),
     }
 
 

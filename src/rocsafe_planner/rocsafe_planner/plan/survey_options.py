@@ -203,11 +203,20 @@ class Continuation:
         Places photographed before, which count as seen.
     ground_reference
         Places whose altitudes define the height of level ground; empty: the homes.
+    occupied_heights_m
+        Flight heights above the ground of vehicles that are in the air and in no plan, because
+        nobody hears them: they go on by themselves. No route is flown nearer to such a height
+        than the separation.
     """
 
     viewpoints: tuple[Viewpoint, ...] = ()
     visited: tuple[Viewpoint, ...] = ()
     ground_reference: tuple[GeoPosition, ...] = ()
+    occupied_heights_m: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        for height_m in self.occupied_heights_m:
+            require_not_negative('occupied_heights_m', height_m, 'm')
 
     @property
     def is_rest(self) -> bool:
