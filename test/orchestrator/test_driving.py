@@ -11,7 +11,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import GeoPoint
-from rocsafe_orchestrator.mission.driving import MOST_PLANS
+from rocsafe_orchestrator.mission.driving import MOST_PLANS, DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
@@ -91,7 +91,7 @@ def test_interrupted_drive_is_planned_anew_and_not_for_ever() -> None:
     play = Rehearsal()
     for number in range(1, MOST_PLANS + 1):
         play.to_drive()
-        play.mission.driven('blocked: a wall', is_to_be_planned=True)
+        play.mission.driven('blocked: a wall', DriveEnd.OUT_WITH_EVIDENCE_LEFT)
         assert play.mission.phase is Phase.DRIVING, number
     assert RETURN in play.advance(situation=UNDER_WAY)
     play.mission.answered(RETURN)
@@ -112,11 +112,22 @@ def test_refusals_end_it_with_their_reason() -> None:
     assert play.mission.phase is Phase.REPORTING
     assert play.mission.faults == ['router: the dose budget is too small']
     play = Rehearsal().to_drive()
-    play.mission.driven('blocked: a wall', is_to_be_planned=True)
+    play.mission.driven('blocked: a wall', DriveEnd.OUT_WITH_EVIDENCE_LEFT)
     play.mission.answered(ASSESS)
     play.advance()
     play.mission.refused(PLAN, 'router: no way')
     assert RETURN in play.advance(situation=UNDER_WAY)
+
+
+def test_vehicle_that_has_all_and_is_blocked_comes_home_on_its_own_tracks() -> None:
+    """That is no fault: nothing is missing."""
+    play = Rehearsal().to_drive()
+    play.mission.driven('blocked: a person', DriveEnd.OUT_WITH_ALL)
+    assert RETURN in play.advance(situation=UNDER_WAY)
+    play.mission.answered(RETURN)
+    play.advance(situation=AT_HOME)
+    assert play.mission.phase is Phase.REPORTING
+    assert play.mission.outcome is Phase.COMPLETE
 
 
 def test_turn_back_is_a_fault_and_is_told() -> None:

@@ -13,6 +13,7 @@ from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.leases_node import Leases
+from rocsafe_orchestrator.mission.driving import DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
 from rocsafe_orchestrator.mission.status import Monitor
@@ -20,8 +21,8 @@ from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal, d
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
 
-# How a drive may end so that the rest is planned anew.
-_AGAIN = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
+# How a drive ends on the road.
+_OUT = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
 
 
 class DriveRequests:
@@ -117,14 +118,11 @@ class DriveRequests:
             self._refuse(order, result.error_msg)
             return
         self._so_far = self._so_far.after(result)
-        is_again = result.outcome in _AGAIN
-        if not is_again or not self._all_taken():
-            self._mission.driven(result.error_msg, is_to_be_planned=is_again)
-        else:
-            self._mission.refused(order, f'{order.vehicle}: {result.error_msg}')
-
-    def _all_taken(self) -> bool:
-        return drive_goal(self._scenario, self._monitor.sources, self._so_far) is None
+        ending = DriveEnd.AT_HOME
+        if result.outcome in _OUT:
+            is_left = drive_goal(self._scenario, self._monitor.sources, self._so_far) is not None
+            ending = DriveEnd.OUT_WITH_EVIDENCE_LEFT if is_left else DriveEnd.OUT_WITH_ALL
+        self._mission.driven(result.error_msg, ending)
 
     def _refuse(self, order: Order, text: str) -> None:
         if self._mission is not None:

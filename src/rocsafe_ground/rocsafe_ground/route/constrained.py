@@ -6,9 +6,7 @@ near the budget, and a lower bound on the time of every path within it. The labe
 what is left between the two.
 """
 
-import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +14,8 @@ import numpy as np
 from rocsafe_geo.arrays import IndexArray
 from rocsafe_geo.limits import require_count, require_not_negative, require_positive
 from rocsafe_ground.errors import BeyondBudgetError, NoWayError
-from rocsafe_ground.route.edges import Edges, Searcher, Tree
+from rocsafe_ground.route.corridor import Corridor
+from rocsafe_ground.route.edges import Edges, Searcher
 from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
 # Relative difference below which two costs are the same but for rounding.
@@ -38,13 +37,16 @@ class SearchEffort:
         Steps of the dual; 5 to 9 are usual.
     prices
         Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
-        bounds labels are dropped; none: the dual is the whole search, the fastest.
+        bounds cells and labels are dropped; none: the dual is the whole search, the fastest.
+    rounds
+        How often cells are dropped by all prices.
     """
 
     is_exact: bool = True
     most_labels: int = 8_000_000
     most_duals: int = 40
     prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
+    rounds: int = 3
 
     def __post_init__(self) -> None:
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
@@ -140,10 +142,12 @@ class RouteSearch:
         dual = self._dual(budget_usv, effort)
         if dual.gap_fraction <= ROUNDING:
             return _proven(dual.path, dual.price_s_per_usv)
-        joined, back = self._joined(budget_usv, dual, effort.prices)
+        known, corridor = self._narrowed(budget_usv, dual, effort)
+        if known.gap_fraction <= ROUNDING:
+            return _proven(known.path, known.price_s_per_usv)
         if not effort.is_exact:
-            return joined
-        return self._exact(budget_usv, joined, back, effort)
+            return known
+        return self._exact(budget_usv, known, corridor, effort)
 
     def _dual(self, budget: float, effort: SearchEffort) -> BoundedPath:
         """Return the best path on the convex hull of time and dose, with the dual's bound."""
@@ -169,20 +173,42 @@ class RouteSearch:
             path=under, bound_s=min(bound, under.time_s), price_s_per_usv=price, label_count=0
         )
 
-    def _joined(
-        self, budget: float, dual: BoundedPath, prices: Sequence[float]
-    ) -> tuple[BoundedPath, tuple['_Priced', ...]]:
-        """Return the best path with one price up to some cell and another from there on.
+    def _narrowed(
+        self, budget: float, dual: BoundedPath, effort: SearchEffort
+    ) -> tuple[BoundedPath, 'Corridor']:
+        """Return a better path and bound, and the cells that a still better path may use.
 
-        Two prices on one path come closer to the budget than one. Also returns the trees from the
-        goal by their prices, which are `prices` times that of the dual.
+        For each price of dose, a cell whose cheapest path through it is above what the best path
+        costs is left out (Beasley & Christofides 1989). What is left has tighter bounds, so that
+        it is done again. Two prices on one path, up to some cell and from there on, come closer to
+        the budget than one.
         """
-        there = self._trees(self._start, dual.price_s_per_usv, prices)
-        back = self._trees(self._goal, dual.price_s_per_usv, prices)
-        best = dual.path
-        for (_, first), (_, last) in itertools.product(
-            there, (*back, (0.0, self._quick), (math.inf, self._clean))
-        ):
+        known, corridor = dual, Corridor(self._quick.costs, self._clean.costs)
+        for _ in range(effort.rounds):
+            for share in effort.prices:
+                price = share * dual.price_s_per_usv
+                known = self._one_price(budget, price, known, corridor)
+            if known.gap_fraction <= ROUNDING or not corridor.has_narrowed():
+                break
+        return known, corridor
+
+    def _one_price(
+        self, budget: float, price: float, known: BoundedPath, corridor: 'Corridor'
+    ) -> BoundedPath:
+        """Narrow the corridor by one price; return a better path or bound, if there is one."""
+        limit = known.path.time_s * (1.0 + ROUNDING) + price * budget
+        weights = (1.0, price)
+        there = self._searcher.tree_within(self._start, weights, corridor.to_come(price), limit)
+        back = self._searcher.tree_within(self._goal, weights, there.costs, limit)
+        through = there.costs + back.costs
+        corridor.keep(through <= limit, price, there, back)
+        bound = max(known.bound_s, float(through[self._start]) - price * budget)
+        path = self._better(budget, known.path, corridor)
+        return replace(known, path=path, bound_s=min(bound, path.time_s))
+
+    def _better(self, budget: float, best: GridPath, corridor: 'Corridor') -> GridPath:
+        """Return the best path of two prices, one of which is the newest."""
+        for first, last in corridor.pairs():
             seconds = np.where(
                 first.doses_usv + last.doses_usv <= budget, first.times_s + last.times_s, math.inf
             )
@@ -190,32 +216,29 @@ class RouteSearch:
             if seconds[middle] < best.time_s * (1.0 - ROUNDING):
                 cells = [first.path_to(middle), last.path_to(middle)[-2::-1]]
                 best = self._priced(np.concatenate(cells))
-        return replace(dual, path=best, bound_s=min(dual.bound_s, best.time_s)), back
-
-    def _trees(self, origin: int, price: float, shares: Sequence[float]) -> tuple['_Priced', ...]:
-        prices = (price * share for share in shares)
-        return tuple((one, self._searcher.tree(origin, (1.0, one))) for one in prices)
+        return best
 
     def _exact(
-        self,
-        budget: float,
-        known: BoundedPath,
-        back: Sequence['_Priced'],
-        effort: SearchEffort,
+        self, budget: float, known: BoundedPath, corridor: 'Corridor', effort: SearchEffort
     ) -> BoundedPath:
         """Return the optimum, or the best known if there are too many labels."""
         room = effort.most_labels
         labels = (
             np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room), np.empty(room)
         )  # fmt: skip
+        # Within the corridor the least time and dose to the goal are larger.
+        quick, clean = (
+            self._searcher.tree_within(self._goal, weights, corridor.wall, 0.0).costs
+            for weights in ((1.0, 0.0), (0.0, 1.0))
+        )
         status, last, count, reached = label_search(
             (self._edges.times_s, self._edges.doses_usv),
             self._edges.offsets,
             (self._start, self._goal),
             (budget * (1.0 + ROUNDING), known.path.time_s * (1.0 + ROUNDING)),
-            (self._quick.costs, self._clean.costs),
-            (np.array([price for price, _ in back]), np.stack([tree.costs for _, tree in back])),
-            np.full(self._edges.cells, math.inf),
+            (quick, clean),
+            corridor.bounds(),
+            np.where(corridor.is_open, math.inf, 0.0),
             labels,
             (np.empty(room), np.empty(room, np.int64)),
         )
@@ -243,9 +266,6 @@ class RouteSearch:
         effort = effort or SearchEffort(is_exact=False)
         budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
         return tuple((float(one), self.within(float(one), effort)) for one in budgets)
-
-
-_Priced = tuple[float, Tree]
 
 
 def _proven(path: GridPath, price: float, labels: int = 0) -> BoundedPath:

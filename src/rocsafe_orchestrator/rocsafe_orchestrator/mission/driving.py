@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The phase in which a ground vehicle takes evidence: assess, plan, drive, and plan anew."""
 
+from enum import Enum
+
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.phase_record import PhaseRecord
@@ -12,6 +14,14 @@ from rocsafe_orchestrator.mission.time_watch import WORLD
 ROUTER, LOCALIZER = 'router', 'localizer'
 # A drive that is interrupted more often is given up.
 MOST_PLANS = 5
+
+
+class DriveEnd(Enum):
+    """Where a drive has ended, and what is left to do."""
+
+    AT_HOME = 'at home'
+    OUT_WITH_EVIDENCE_LEFT = 'out, evidence left'
+    OUT_WITH_ALL = 'out, all evidence taken'
 
 
 class Driving:
@@ -35,7 +45,7 @@ class Driving:
         self._record, self._requests = record, requests
         self._deadlines, self._vehicle = deadlines, vehicle
         self._plans = 0
-        self._is_homeward = self._is_ended = False
+        self._is_out = self._is_homeward = self._is_ended = False
         self._step_s: float | None = None
 
     @property
@@ -73,27 +83,28 @@ class Driving:
         self._requests.finish(OrderKind.PLAN_DRIVE)
         self._requests.add(OrderKind.DRIVE, self._vehicle, self._vehicle)
 
-    def driven(self, text: str, *, is_to_be_planned: bool) -> None:
+    def driven(self, text: str, ending: DriveEnd) -> None:
         """Note that a drive has ended; `text` says why if not as planned."""
         self._requests.finish(OrderKind.DRIVE, self._vehicle)
-        if is_to_be_planned and self._plans < MOST_PLANS:
+        self._is_out = ending is not DriveEnd.AT_HOME
+        if ending is DriveEnd.OUT_WITH_EVIDENCE_LEFT and self._plans < MOST_PLANS:
             self._record.remarks.append(f'{self._vehicle}: {text}; the rest is planned anew')
             self._plan()
             return
+        if ending is DriveEnd.OUT_WITH_ALL:
+            text, remark = '', f'{self._vehicle}: {text}; it comes home on its own tracks'
+            self._record.remarks.append(remark)
         if text:
             self._record.fault(f'{self._vehicle}: {text}')
-        if is_to_be_planned:
-            self.give_up()
-        else:
-            self._end()
+        self.give_up()
 
     def give_up(self) -> None:
-        """Let the vehicle come home on its own tracks, if it has left."""
-        if self._plans < 2:
-            self._end()
+        """Let the vehicle come home on its own tracks, if it is out."""
+        self._record.enter(Phase.DRIVING)
+        if not self._is_out:
+            self._is_ended = True
             return
         self._is_homeward = True
-        self._record.enter(Phase.DRIVING)
         self._requests.add(OrderKind.RETURN, self._vehicle, self._vehicle)
         self._requests.add(OrderKind.RUN_CLOCK, WORLD)
 
@@ -102,10 +113,6 @@ class Driving:
         # Entering a phase forgets the requests of the one before.
         self._record.enter(Phase.DRIVING)
         self._requests.add(OrderKind.ASSESS, LOCALIZER)
-
-    def _end(self) -> None:
-        self._is_ended = True
-        self._record.enter(Phase.DRIVING)
 
     def _close(self, now_s: float, situation: Situation) -> None:
         """Wait until it is home, and its photographs are stored."""

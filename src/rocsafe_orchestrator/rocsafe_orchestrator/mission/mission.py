@@ -9,7 +9,7 @@ still made from what was recorded.
 from collections.abc import Callable, Iterable
 
 from rocsafe_orchestrator.mission.closing import MOSAIC, REPORT, Closing
-from rocsafe_orchestrator.mission.driving import Driving
+from rocsafe_orchestrator.mission.driving import DriveEnd, Driving
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
@@ -200,10 +200,10 @@ class Mission(PhaseRecord):
         if self.phase is Phase.DRIVING:
             self._driving.planned()
 
-    def driven(self, text: str, *, is_to_be_planned: bool = False) -> None:
+    def driven(self, text: str, ending: DriveEnd = DriveEnd.AT_HOME) -> None:
         """Note that the ground vehicle has ended its drive; `text` says why if not as planned."""
         if self.phase is Phase.DRIVING:
-            self._driving.driven(text, is_to_be_planned=is_to_be_planned)
+            self._driving.driven(text, ending)
 
     def turn_back(self, vehicle: str, why: str, *, is_waiting: bool = False) -> None:
         """Let a vehicle return by the way of least dose; others take over its work.
