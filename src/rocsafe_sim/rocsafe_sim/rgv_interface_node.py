@@ -131,7 +131,7 @@ class RgvInterface:
         self._fix.publish(fix_message(fix.position, stamp, gps, std_m))
         velocity = rgv.velocity_enu()
         self._velocity.publish(velocity_message(velocity, stamp))
-        yaw = rgv.rover.state.yaw_rad
+        yaw = rgv.rover.state.looks_rad
         odometry = odometry_message(fix.position_enu, yaw, velocity, stamp, rgv.name)
         self._odom.publish(odometry)
         self._frames.move(odometry)

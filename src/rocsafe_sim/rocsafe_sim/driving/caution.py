@@ -17,7 +17,7 @@ class CautionOptions:
         Part of the budget of dose that is never planned to be used.
     reaction_s
         Time for which the newest dose rate is taken to go on before a decision has effect: two
-        windows of a detector, braking and a turn in place.
+        windows of a detector, braking, and speeding up on the way back.
     doubt
         What the way back may take more than on the way there, and the rest of the route more than
         predicted.
@@ -30,8 +30,8 @@ class CautionOptions:
     """
 
     reserve_fraction: float = 0.02
-    reaction_s: float = 8.0
-    doubt: float = 1.15
+    reaction_s: float = 6.0
+    doubt: float = 1.25
     least_ratio: float = 0.5
     largest_ratio: float = 2.0
     least_share: float = 0.05
@@ -55,12 +55,17 @@ class Outlook:
         Limits of the route.
     dose_usv, rate_usvh
         Taken so far, and read last.
+    growth
+        Ratio of the last reading to that of some seconds ago.
     predicted_usv
         For the way so far.
     predicted_line_usv
         For the way up to the end of the present line and stand.
     rest_usv
         Predicted for the rest of the route.
+    is_rest_hotter
+        Whether a line of the rest has much higher dose rates than those that were measured: the
+        measured share of the prediction does not tell of them.
     back_usv
         Measured for the way back.
     rest_j, back_j, charge_j
@@ -73,9 +78,11 @@ class Outlook:
     turn_back_usvh: float
     dose_usv: float
     rate_usvh: float
+    growth: float
     predicted_usv: float
     predicted_line_usv: float
     rest_usv: float
+    is_rest_hotter: bool
     back_usv: float
     rest_j: float
     back_j: float
@@ -103,12 +110,16 @@ def reason_to_end(outlook: Outlook, options: CautionOptions) -> tuple[DriveOutco
 
 def _must_save_dose(outlook: Outlook, options: CautionOptions) -> bool:
     limit = outlook.budget_usv * (1.0 - options.reserve_fraction)
-    soon = outlook.rate_usvh * options.reaction_s / 3600.0
+    growth = min(max(outlook.growth, 1.0), options.largest_ratio)
+    soon = outlook.rate_usvh * growth * options.reaction_s / 3600.0
     if outlook.dose_usv + soon + outlook.back_usv * options.doubt < limit:
         return False
     share = max(1.0, outlook.dose_usv / max(outlook.predicted_usv, 1e-9))
-    rest = outlook.rest_usv * share * options.doubt
-    return outlook.dose_usv + rest > limit and outlook.back_usv < rest
+    doubt = options.largest_ratio if outlook.is_rest_hotter else options.doubt
+    rest = outlook.rest_usv * share * doubt
+    # Stopping and leaving a hot place takes a dose of its own.
+    back = outlook.back_usv + soon
+    return outlook.dose_usv + rest > limit and back < rest
 
 
 def _surprise(outlook: Outlook, options: CautionOptions) -> tuple[DriveOutcome, str] | None:

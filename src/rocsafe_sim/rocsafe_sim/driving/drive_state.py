@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """State of a driving vehicle: all that must survive its process."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -81,7 +82,9 @@ class DriveState:
     time_ns
         Time of the tick.
     east_m, north_m, yaw_rad, speed_mps
-        True motion.
+        True motion: place, direction in which it moves, speed.
+    is_backing
+        Whether it moves backwards: it looks the other way.
     mode
         What it does.
     held_mode
@@ -113,6 +116,7 @@ class DriveState:
     north_m: float
     yaw_rad: float = 0.0
     speed_mps: float = 0.0
+    is_backing: bool = False
     mode: DriveMode = DriveMode.PARKED
     held_mode: DriveMode = DriveMode.DRIVING
     route: DrivenRoute | None = None
@@ -131,3 +135,13 @@ class DriveState:
     def place(self) -> tuple[float, float]:
         """True east and north."""
         return self.east_m, self.north_m
+
+    @property
+    def looks_rad(self) -> float:
+        """Direction in which it looks, from east to north."""
+        return math.remainder(self.yaw_rad + math.pi * self.is_backing, math.tau)
+
+    def back(self) -> None:
+        """Move the other way without a turn, as tracks can."""
+        self.yaw_rad = math.remainder(self.yaw_rad + math.pi, math.tau)
+        self.is_backing = not self.is_backing

@@ -5,15 +5,17 @@ Commands take effect at the time of the last step.
 """
 
 import math
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 
 from rocsafe_geo.limits import require_positive
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.driving.caution import Outlook, reason_to_end
-from rocsafe_sim.driving.drive_route import DrivenRoute
-from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome, Ledger
+from rocsafe_sim.driving.drive_route import DrivenRoute, RouteStop
+from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome, DriveState, Ledger
 from rocsafe_sim.driving.rover_motion import RoverMotion
-from rocsafe_sim.driving.rover_parts import EvidenceShot
+from rocsafe_sim.driving.rover_parts import EvidenceShot, RoverParts
 from rocsafe_sim.driving.way_back import Mark, WayBack
 from rocsafe_sim.errors import CommandRefusedError
 
@@ -21,10 +23,18 @@ from rocsafe_sim.errors import CommandRefusedError
 LONGEST_GAP_S = 5.0
 # A route may begin so far from the vehicle: cells of the map, and the error of its receiver.
 LARGEST_OFFSET_M = 5.0
+# Readings over which the growth of the dose rate is looked at: 2 s at 5 Hz.
+RATES_KEPT = 10
+# Lines whose mean dose rate is so many times higher are much hotter.
+HOTTER = 1.5
 
 
 class Rover(RoverMotion):
     """Drives routes, and turns back by its own readings."""
+
+    def __init__(self, parts: RoverParts, state: DriveState) -> None:
+        super().__init__(parts, state)
+        self._rates: deque[float] = deque([state.read_usvh], maxlen=RATES_KEPT)
 
     def drive(self, route: DrivenRoute, *, replaces: bool = False) -> None:
         """Drive `route` from here; with `replaces` in place of the one being driven.
@@ -51,6 +61,8 @@ class Rover(RoverMotion):
         here = replace(route.stops[0], east_m=state.east_m, north_m=state.north_m)
         state.route = replace(route, stops=(here, *route.stops[1:]))
         state.ledger = Ledger(began_ns=state.time_ns)
+        if state.is_backing:
+            state.back()
         self._begin(DriveMode.DRIVING)
 
     def hold(self) -> None:
@@ -130,6 +142,7 @@ class Rover(RoverMotion):
             if not state.is_standing and state.mode is DriveMode.DRIVING:
                 self._way.measure(dose)
         state.read_ns, state.read_usvh = time_ns, rate_usvh
+        self._rates.append(rate_usvh)
         if state.mode is DriveMode.DRIVING and state.ledger.outcome is None:
             self._reconsider()
 
@@ -170,10 +183,12 @@ class Rover(RoverMotion):
             turn_back_usvh=route.turn_back_usvh,
             dose_usv=state.ledger.dose_usv,
             rate_usvh=state.read_usvh,
+            growth=state.read_usvh / max(self._rates[0], 1e-9),
             predicted_usv=predicted,
             predicted_line_usv=line_usv,
             rest_usv=max(0.0, sum(stop.predicted_usv for stop in rest)
                          - (predicted - state.ledger.predicted_usv)),
+            is_rest_hotter=_peak(rest[1:]) > HOTTER * _peak(stops[1 : state.next_stop + 1]),
             back_usv=self._way.dose_usv,
             rest_j=left_s * power,
             back_j=self._way.energy_j(lambda speed: chassis.power_w(speed, 0.0))
@@ -186,3 +201,8 @@ class Rover(RoverMotion):
         self.state.ledger.outcome, self.state.ledger.text = outcome, text
         self._turn_round()
         self._begin(DriveMode.RETURNING)
+
+
+def _peak(stops: Sequence[RouteStop]) -> float:
+    """Return the highest mean dose rate that is predicted for a line, microsievert a second."""
+    return max((one.predicted_usv / max(one.predicted_s, 1e-9) for one in stops), default=0.0)

@@ -165,7 +165,11 @@ class RoverMotion:
         if off > WRONG_WAY_RAD and braked > 0.0:
             self._move(braked, 0.0)
             return
-        if off > 0.5 * motion.pivot_rad and braked <= 0.0:
+        if off > 0.5 * math.pi and state.mode is DriveMode.RETURNING:
+            # It leaves at once: a turn would cost a dose.
+            state.speed_mps = 0.0
+            state.back()
+        elif off > 0.5 * motion.pivot_rad and braked <= 0.0:
             state.speed_mps = 0.0
             state.yaw_rad = pivoted(state.yaw_rad, line.yaw_rad, motion, TICK_S)
             return
@@ -237,7 +241,7 @@ class RoverMotion:
         self._shots.append(
             EvidenceShot(
                 sequence=state.shots, evidence=stop.evidence, stop=state.next_stop,
-                time_ns=state.time_ns, place=state.place, yaw_rad=state.yaw_rad,
+                time_ns=state.time_ns, place=state.place, yaw_rad=state.looks_rad,
             )
         )  # fmt: skip
         state.shots += 1
