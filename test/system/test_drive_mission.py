@@ -29,6 +29,8 @@ def test_survey_map_route_drive_and_evidence_are_one_mission(
     images = flight.images()
     assert len(images) == VIEWPOINTS + len(EVIDENCE)
     assert sum(name.startswith('rgv1-') for name in images) == len(EVIDENCE)
+    summary = json.loads((run / 'summary.json').read_text())
+    assert summary['outcome'] == 'complete'
     route = json.loads((run / 'ground' / 'route.json').read_text())
     assert sorted(stop['evidence'] for stop in route['stops'] if stop['evidence']) == EVIDENCE
     drive = _driven(run, 'rgv1')

@@ -23,6 +23,8 @@ from rocsafe_sim.rav.rav import Fix
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 
 JOURNAL_NAME = 'drive.json'
+# Numbers of the photographs of evidence: no viewpoint of a survey has one of these.
+FIRST_EVIDENCE_ID = 2**31
 # A restarted process drives the rest of this time again, exactly as before.
 JOURNAL_PERIOD_NS = 2_000_000_000
 
@@ -121,7 +123,7 @@ class Rgv:
         return Shot(
             vehicle=self.name,
             sequence=due.sequence,
-            viewpoint_id=due.stop,
+            viewpoint_id=FIRST_EVIDENCE_ID + due.stop,
             time_ns=due.time_ns,
             position=fix.position,
             horizontal_std_m=self.noise.gps_horizontal_std_m,
