@@ -184,9 +184,8 @@ def drone_track(run: Path) -> list[tuple[str, int, float, float, float]]:
             vehicle, stamp = row['vehicle'], int(row['time_ns'])
             if vehicle.startswith('rav') and stamp - last.get(vehicle, 0) >= SECOND:
                 last[vehicle] = stamp
-                place = (float(row[f'{name}']) for name in
-                         ('latitude_deg', 'longitude_deg', 'altitude_m'))  # fmt: skip
-                rows.append((vehicle, stamp, *place))
+                latitude, longitude = float(row['latitude_deg']), float(row['longitude_deg'])
+                rows.append((vehicle, stamp, latitude, longitude, float(row['altitude_m'])))
     return rows
 
 
