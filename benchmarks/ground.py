@@ -401,9 +401,7 @@ def main() -> int:
     works: dict[str, Callable[[], Figures]] = {
         'exact': lambda: part_exact(count or 1000),
         'routes': lambda: part_routes(count or 200, 300, SearchEffort()),
-        'large': lambda: part_routes(
-            count or 10, 1000, SearchEffort(prices=(1.0,), most_labels=4_000_000)
-        ),
+        'large': lambda: part_routes(count or 10, 1000, SearchEffort()),
         'tours': lambda: part_tours(count or 10, 12, 300),
         'replan': lambda: part_replan(count or 50, 300),
         'derailment': lambda: part_derailment(options.run, count or 200),

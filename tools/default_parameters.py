@@ -28,6 +28,7 @@ NODES = (
     ('recorder', 'messages of a run', 'rocsafe_orchestrator.recorder_node:RecorderOptions'),
     ('planner', 'region to routes', 'rocsafe_planner.options:PlannerOptions'),
     ('world', 'simulated time', 'rocsafe_sim.options:WorldOptions'),
+    ('rgv', 'a simulated ground vehicle', 'rocsafe_sim.driving.rgv_options:RgvOptions'),
     ('rav', 'one simulated vehicle', 'rocsafe_sim.options:RavOptions'),
     ('fleet', 'many simulated vehicles, alike', 'rocsafe_sim.options:FleetOptions'),
     ('bridge', 'real vehicles', 'rocsafe_mavlink.bridge_options:BridgeOptions'),

@@ -23,6 +23,7 @@ setup(
             'world = rocsafe_sim.world_node:main',
             'rav = rocsafe_sim.rav_node:main',
             'fleet = rocsafe_sim.fleet_node:main',
+            'rgv = rocsafe_sim.rgv_node:main',
         ],
     },
 )

@@ -15,6 +15,7 @@ from test.planner.terrains import write_terrain
 from rocsafe_dispersion.air_field.air_options import AirOptions
 from rocsafe_dispersion.estimator_options import EstimatorOptions
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
+from rocsafe_ground.options import RouterOptions
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
 from rocsafe_orchestrator.errors import EXIT_SETUP, SetupError
@@ -46,6 +47,7 @@ from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
+from rocsafe_sim.driving.rgv_options import RgvOptions
 from rocsafe_sim.options import FleetOptions, RavOptions, VehicleOptions, WorldOptions
 
 OPTIONS: dict[str, Any] = {
@@ -54,6 +56,8 @@ OPTIONS: dict[str, Any] = {
     'planner': PlannerOptions,
     'world': WorldOptions,
     'rav': RavOptions,
+    'rgv': RgvOptions,
+    'router': RouterOptions,
     'fleet': FleetOptions,
     'field': FieldOptions,
     'localizer': LocalizerOptions,
@@ -92,7 +96,12 @@ def workspace(
     return install
 
 
-@pytest.mark.parametrize('changes', [{}, FLEET, GAS], ids=['per_vehicle', 'fleet', 'gas'])
+DRIVE = {'ground_vehicle': {'name': 'rgv1', 'home': [53.2801, -9.061], 'dose_budget_usv': 100.0}}
+
+
+@pytest.mark.parametrize(
+    'changes', [{}, FLEET, GAS, DRIVE], ids=['per_vehicle', 'fleet', 'gas', 'drive']
+)
 def test_every_parameter_is_an_option_of_its_node(
     changes: dict[str, object], small: Callable[..., Path], run: RunDirectory
 ) -> None:

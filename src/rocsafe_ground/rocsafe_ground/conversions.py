@@ -11,7 +11,12 @@ from std_msgs.msg import Header
 from rocsafe_geo.limits import require_not_negative
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.vehicle import GroundVehicle
-from rocsafe_ground.drive.drive_plan import DEFAULT_TURN_BACK_USVH, DrivePlan, DriveRequest
+from rocsafe_ground.drive.drive_plan import (
+    DEFAULT_CURVE_POINTS,
+    DEFAULT_TURN_BACK_USVH,
+    DrivePlan,
+    DriveRequest,
+)
 from rocsafe_ground.drive.ground_map import GroundMap
 from rocsafe_ground.errors import BeyondBudgetError, NoMapError, NoWayError
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
@@ -53,7 +58,10 @@ def request_of_goal(goal: PlanGroundRoute.Goal, options: RouterOptions) -> Drive
         dose_budget_usv=goal.dose_budget_usv,
         vehicle=options.vehicle(goal.endurance_s or GroundVehicle().endurance_s),
         turn_back_usvh=goal.turn_back_usvh or DEFAULT_TURN_BACK_USVH,
-        curve_points=0,
+        # A vehicle under way waits for its new route.
+        curve_points=0 if goal.end else DEFAULT_CURVE_POINTS,
+        end=position_of_point(goal.end[0]) if goal.end else None,
+        blocked=tuple(map(position_of_point, goal.blocked)),
     )
 
 
@@ -79,6 +87,9 @@ def route_message(plan: DrivePlan, vehicle: str, route_id: str) -> GroundRoute:
                 speed_limit_mps=stop.speed_mps,
                 dwell_s=stop.dwell_s,
                 evidence=stop.evidence,
+                duration_s=stop.duration_s,
+                dose_usv=stop.dose_usv,
+                yaw_rad=stop.look_rad,
             )
             for stop in plan.stops
         ],

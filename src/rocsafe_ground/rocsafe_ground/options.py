@@ -6,7 +6,7 @@ from pathlib import Path
 
 from rocsafe_geo.limits import require_between
 from rocsafe_ground.drivable.vehicle import GroundVehicle
-from rocsafe_ground.drive.ground_map import MapFiles
+from rocsafe_ground.drive.ground_map import DOSES, SOURCES, MapFiles
 
 _KNOWN = GroundVehicle()
 
@@ -39,6 +39,13 @@ class RouterOptions:
     keep_out_files: tuple[str, ...] = field(
         default=(), metadata={'doc': 'files of zones not to be entered, for example [zones.kml]'}
     )
+    products_directory: str = field(
+        default='', metadata={'doc': 'folder of the map for a request that names none'}
+    )
+    hazard_directory: str = field(
+        default='',
+        metadata={'doc': 'folder of dose_map.tif and sources.json; empty: that of the map'},
+    )
     export_directory: str = field(
         default='', metadata={'doc': 'folder for route.json and its like; empty: none'}
     )
@@ -62,8 +69,11 @@ class RouterOptions:
 
     def files(self, folder: str) -> MapFiles:
         """Return the files of a map."""
+        hazard = Path(self.hazard_directory) if self.hazard_directory else None
         return MapFiles(
-            folder=Path(folder),
+            folder=Path(folder or self.products_directory),
+            dose_map=hazard and hazard / DOSES,
+            sources=hazard and hazard / SOURCES,
             terrain=Path(self.terrain_file) if self.terrain_file else None,
             keep_outs=tuple(Path(name) for name in self.keep_out_files),
         )

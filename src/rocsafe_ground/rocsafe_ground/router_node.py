@@ -113,7 +113,8 @@ class RouterNode(Node):
         report('routes')
         plan = plan_drive(request, ground)
         if options.export_directory:
-            write_drive(Path(options.export_directory), plan, ground)
+            first = Path(options.export_directory)
+            write_drive(first / f'again-{self._count}' if self._count else first, plan, ground)
         return plan, ground
 
     def _published(

@@ -79,7 +79,7 @@ class OrchestratorNode(Node):
         self._wire()
 
     def _wire(self) -> None:
-        names = self._scenario.vehicle_names
+        names = self._scenario.all_names
         self._state = topics.create_publisher(self, topics.MISSION_STATE)
         self._region = topics.create_publisher(self, topics.REGION)
         self._decisions = topics.create_publisher(self, topics.DECISIONS)

@@ -15,6 +15,7 @@ from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.drive_requests_node import DriveRequests
 from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
@@ -91,15 +92,16 @@ class Requests:
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
             for name in scenario.vehicle_names
         }
-        self._leases = Leases(node, scenario.vehicle_names, mission_id, self._remark)
+        self._leases = Leases(node, scenario.all_names, mission_id, self._remark)
         self._services: dict[str, Client] = {
             spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
         self._verbs: dict[tuple[OrderKind, str], Client] = {
             (kind, name): node.create_client(spec.call_type, topics.name_of(spec, name))
             for kind, spec in _VERBS.items()
-            for name in scenario.vehicle_names
+            for name in scenario.all_names
         }
+        self._drives = self._drives_of(node) if scenario.driver_name else None
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._real = {vehicle.name for vehicle in scenario.linked}
         self._visited: list[int] = []
@@ -120,14 +122,29 @@ class Requests:
             OrderKind.SAVE_MOSAIC: partial(self._call, topics.SAVE_MOSAIC, Trigger.Request()),
         }
 
+        if self._drives is not None:
+            self._send |= {
+                OrderKind.ASSESS: self._drives.send_assess,
+                OrderKind.PLAN_DRIVE: self._drives.send_plan,
+                OrderKind.DRIVE: self._drives.send_drive,
+            }
+
+    def _drives_of(self, node: Node) -> DriveRequests:
+        localizer = self._services[topics.SUGGEST_VIEWPOINTS.name]
+        return DriveRequests(node, self._scenario, self._monitor, self._leases, localizer)
+
     def begin(self, mission: Mission) -> None:
         """Report answers to `mission` from now on."""
         self._mission = mission
+        if self._drives is not None:
+            self._drives.begin(mission)
 
     def close(self) -> None:
         """Destroy the clients of actions, which keep their node in the graph."""
         for client in (self._planner, *self._vehicles.values()):
             client.destroy()
+        if self._drives is not None:
+            self._drives.close()
 
     def send(self, order: Order) -> None:
         """Send `order` to the node that carries it out."""
@@ -137,6 +154,10 @@ class Requests:
         """Return whether the server of a service or an action can be reached."""
         if endpoint.kind == 'service':
             return bool(self._services[endpoint.name].service_is_ready())
+        if self._drives is not None and endpoint.spec is topics.PLAN_GROUND_ROUTE:
+            return bool(self._drives.router.server_is_ready())
+        if self._drives is not None and endpoint.spec is topics.DRIVE_ROUTE:
+            return bool(self._drives.vehicle.server_is_ready())
         client = self._vehicles.get(endpoint.vehicle, self._planner)
         return bool(client.server_is_ready())
 

@@ -46,6 +46,16 @@ class RunDirectory:
         return self.path / 'spool'
 
     @property
+    def hazard(self) -> Path:
+        """Folder of sources and dose map as they are known during the mission."""
+        return self.spool / 'hazard'
+
+    @property
+    def drives(self) -> Path:
+        """Folder of the drive of a ground vehicle."""
+        return self.path / 'ground'
+
+    @property
     def images(self) -> Path:
         """Image store."""
         return self.path / 'images'

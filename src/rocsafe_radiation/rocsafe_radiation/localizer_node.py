@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``localizer``: sources and doses from all readings so far, while the vehicles fly."""
 
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -20,6 +22,7 @@ from rocsafe_radiation.assessment_conversions import (
 from rocsafe_radiation.localization.localize import TooFewReadingsError
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.products.assessment import Assessment, assess, suggested_waypoints
+from rocsafe_radiation.products.files import write_products
 from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
@@ -117,9 +120,15 @@ class LocalizerNode(Node):
         self._fitted, self._fitted_ns = len(self._log), self._log.newest_ns
         options = self._options.assessment(self._log.models)
         vehicles = self._log.vehicles
-        self._job = BackgroundJob(
-            lambda _report: assess(survey, options, vehicles), 'localizing', None
-        )
+        frame, folder = self._log.frame, self._options.export_directory
+
+        def work(_report: Callable[[None], bool]) -> Assessment:
+            assessment = assess(survey, options, vehicles)
+            if folder:
+                write_products(Path(folder), assessment, frame)
+            return assessment
+
+        self._job = BackgroundJob(work, 'localizing', None)
 
     def _publish(self, job: BackgroundJob[Assessment, None]) -> None:
         try:

@@ -184,6 +184,10 @@ class LocalizerOptions:
         default='',
         metadata={'doc': 'where readings are kept for a restart; empty: in memory only'},
     )
+    export_directory: str = field(
+        default='',
+        metadata={'doc': 'folder for sources and dose map after each fit; empty: none'},
+    )
     largest_order: int = field(
         default=LARGEST_ORDER,
         metadata={'doc': 'most sources looked for', 'min': 0, 'max': LARGEST_ORDER},

@@ -37,6 +37,7 @@ class Participant:
     on_step
         Called with the time in nanoseconds; does all the work of the step, publishing included,
         and returns whether the participant is idle, that is, has nothing to do until a request.
+        None: it still waits for an answer to what it published; `finish` reports the step.
     is_ready
         Returns whether the participant is connected to all nodes that it works with. Until then,
         but at most for ten seconds, its first report waits, and so does simulated time.
@@ -48,7 +49,7 @@ class Participant:
         self,
         node: Node,
         name: str,
-        on_step: Callable[[int], bool],
+        on_step: Callable[[int], bool | None],
         is_ready: Callable[[], bool] = lambda: True,
         has_news: Callable[[], bool] = lambda: False,
     ) -> None:
@@ -61,6 +62,7 @@ class Participant:
         self._has_begun = False
         self._held_back = 0
         self._last: StepDone | None = None
+        self._open_ns: int | None = None
         self._has_news = False
         self._done = topics.create_publisher(node, topics.STEP_DONE)
         threshold = JumpThreshold(
@@ -86,7 +88,16 @@ class Participant:
         self._work(self._node.get_clock().now().nanoseconds)
 
     def _work(self, time_ns: int) -> None:
+        self._open_ns, self._last = time_ns, None
         is_idle = self._on_step(time_ns)
+        if is_idle is not None:
+            self.finish(is_idle=is_idle)
+
+    def finish(self, *, is_idle: bool) -> None:
+        """Report the step that waits for an answer, if one does."""
+        if self._open_ns is None:
+            return
+        time_ns, self._open_ns = self._open_ns, None
         self._last = StepDone(
             step=stamp_of_ns(time_ns),
             participant=self._name,

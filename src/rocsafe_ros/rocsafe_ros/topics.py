@@ -26,7 +26,7 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from rocsafe_interfaces.action import FlyRoute, PlanGroundRoute, PlanSurvey
+from rocsafe_interfaces.action import DriveRoute, FlyRoute, PlanGroundRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
     Control,
@@ -328,6 +328,9 @@ def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> Cal
 
 
 FLY_ROUTE = _call('fly_route', FlyRoute, 'action', Scope.VEHICLE, 'fly, photograph, return, land')
+DRIVE_ROUTE = _call(
+    'drive_route', DriveRoute, 'action', Scope.VEHICLE, 'drive to evidence, photograph it, return'
+)
 HOLD = _call('hold', Trigger, 'service', Scope.VEHICLE, 'stand still in the air')
 RESUME = _call('resume', Resume, 'service', Scope.VEHICLE, 'go on after hold')
 RETURN_HOME = _call('return_home', Trigger, 'service', Scope.VEHICLE, 'give up the route')

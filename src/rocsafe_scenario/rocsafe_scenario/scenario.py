@@ -10,6 +10,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_scenario.air_blocks import AirBlock
 from rocsafe_scenario.camera_blocks import CameraBlock, OtherCameraBlock
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.limits import LARGEST_FLEET, LARGEST_SEED
 from rocsafe_scenario.radiation_blocks import RadiationBlock
 from rocsafe_scenario.scenario_blocks import (
@@ -43,6 +44,7 @@ class Scenario(Block):
     replan: Literal['never', 'on_loss'] = 'on_loss'
     on_operator_lost: Literal['hold_then_return', 'return', 'go_on'] = 'hold_then_return'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
+    ground_vehicle: GroundVehicleBlock | None = None
     radiation: RadiationBlock = RadiationBlock()
     air: AirBlock = AirBlock()
 
@@ -50,6 +52,16 @@ class Scenario(Block):
     def vehicle_names(self) -> tuple[str, ...]:
         """Names of all vehicles, in the order of the file."""
         return tuple(vehicle.name for vehicle in self.vehicles)
+
+    @property
+    def driver_name(self) -> str:
+        """Name of the ground vehicle, empty if there is none."""
+        return self.ground_vehicle.name if self.ground_vehicle else ''
+
+    @property
+    def all_names(self) -> tuple[str, ...]:
+        """Names of all vehicles, the ground vehicle last."""
+        return (*self.vehicle_names, *([self.driver_name] if self.driver_name else []))
 
     @property
     def simulated(self) -> tuple[VehicleBlock, ...]:
@@ -65,6 +77,12 @@ class Scenario(Block):
     def with_simulated_detector(self) -> tuple[VehicleBlock, ...]:
         """Vehicles whose readings are those of the simulated field."""
         return tuple(v for v in self.vehicles if not v.link or v.drone.detector == 'simulated')
+
+    @property
+    def metered_names(self) -> tuple[str, ...]:
+        """Names of those vehicles, and of the ground vehicle."""
+        drones = (vehicle.name for vehicle in self.with_simulated_detector)
+        return (*drones, *([self.driver_name] if self.driver_name else []))
 
     def area(self) -> SurveyArea:
         """Return the region.

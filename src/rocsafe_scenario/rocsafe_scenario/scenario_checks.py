@@ -55,7 +55,7 @@ def mistakes(scenario: Scenario) -> list[str]:
 
 def _double_names(scenario: Scenario) -> Iterator[str]:
     for block, names in (
-        ('vehicles', scenario.vehicle_names),
+        ('vehicles', scenario.all_names),
         ('radiation.sources', tuple(source.name for source in scenario.radiation.sources)),
         ('air.releases', tuple(release.name for release in scenario.air.releases)),
     ):

@@ -6,23 +6,19 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import ClassVar
 
-from rocsafe_geo.limits import require_between, require_not_negative, require_positive
+from rocsafe_geo.limits import require_between, require_not_negative
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.flat_ground.ground_photograph import NO_SCENE, SCENE_NAMES
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
-from rocsafe_sim.clock.cadence import period_ns
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
+from rocsafe_sim.flight.sensing_options import ENGINE, LATEST_S, require_scene
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
 
-SCENE_GROUND = 'scene'
-FLAT, ENGINE = 'flat', 'engine'
 LARGEST_VIEW_ANGLE_DEG = 70.0
-# Messages count seconds in 31 bits.
-LATEST_S = 2.0**31 - 1.0
 IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
 
 
@@ -48,7 +44,7 @@ class WorldOptions:
         require_between('step_s', self.step_s, 1e-3, 10.0)
         require_between('speed', self.speed, 0.0, 1e3)
         require_not_negative('start_time_s', self.start_time_s)
-        _require_scene(self.scene)
+        require_scene(self.scene)
         _require_names('participants', self.participants)
 
     @property
@@ -85,51 +81,9 @@ class VehicleOptions(FlightOptions):
         'scene_cache': 'the folder rocsafe of XDG_CACHE_HOME',
     }
 
-    gps_horizontal_std_m: float = option(0.02, 'GPS error in east and in north, m', 0.0, 100.0)
-    gps_vertical_std_m: float = option(0.04, 'GPS error in altitude, m', 0.0, 100.0)
-    tilt_std_deg: float = option(0.5, 'sway in roll and in pitch at a photograph, deg', 0.0, 20.0)
-    attitude_std_deg: float = option(0.1, 'error of the measured attitude, deg', 0.0, 20.0)
-    fix_rate_hz: float = option(5.0, 'rate of fix, velocity and odom, Hz', 0.01, 1e3)
-    camera_backend: str = option(FLAT, 'flat: the ground as a picture; engine: a scene in space')
-    scene_file: str = option('', 'path of the scene, for the engine')
-    scene_start_s: float = option(0.0, 'start of motion in the scene, s since 1970', 0.0, LATEST_S)
     cameras_file: str = option(
         '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )
-    ground: str = option(SCENE_GROUND, 'scene: its photograph, or path of a GeoTIFF')
-    scene: str = option(NO_SCENE, f'on the ground scene: {", ".join(SCENE_NAMES)}')
-    seed: int = option(1, 'seed of all random numbers', 0, 2**31 - 1)
-    spool_directory: str = option('', 'folder of journal and photographs; empty: memory only')
-    lock_step: bool = option(True, 'step with the world; otherwise with the wall clock')
-
-    def __post_init__(self) -> None:
-        require_positive('fix_rate_hz', self.fix_rate_hz)
-        for name in (
-            'gps_horizontal_std_m',
-            'gps_vertical_std_m',
-            'tilt_std_deg',
-            'attitude_std_deg',
-        ):
-            require_not_negative(name, getattr(self, name))
-        _require_scene(self.scene)
-        self._require_backend()
-
-    def _require_backend(self) -> None:
-        if self.ground == 'procedural':
-            raise ValueError(f"ground is 'procedural': is called {SCENE_GROUND!r} now")
-        if self.camera_backend not in (FLAT, ENGINE):
-            raise ValueError(
-                f'camera_backend is {self.camera_backend!r}: must be {FLAT} or {ENGINE}'
-            )
-        if self.camera_backend == ENGINE and not self.scene_file:
-            raise ValueError(
-                "scene_file is '': must be the path of a scene for camera_backend engine"
-            )
-
-    @property
-    def fix_period_ns(self) -> int:
-        """Simulated time between two fixes, nanoseconds."""
-        return period_ns(self.fix_rate_hz)
 
     def cameras(self) -> tuple[CameraSettings, ...]:
         """Return the cameras of a vehicle; the first takes the photographs of the survey.
@@ -224,11 +178,6 @@ class FleetOptions(VehicleOptions):
         if not self.fleet_file:
             raise ValueError("fleet_file is '': must be the path of a file of vehicles")
         return read_values(Path(self.fleet_file), FleetVehicles).vehicles
-
-
-def _require_scene(scene: str) -> None:
-    if scene not in SCENE_NAMES:
-        raise ValueError(f'scene is {scene!r}: must be one of {", ".join(SCENE_NAMES)}')
 
 
 def _require_names(option: str, names: tuple[str, ...]) -> None:

@@ -2,14 +2,26 @@
 """The report shows the drive that was planned on a run, and none where there is none."""
 
 import json
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_orchestrator.products.run_record import (
+    FlightLog,
+    Reading,
+    RecordingFacts,
+    RunRecord,
+    Track,
+    VehicleSample,
+)
 from rocsafe_orchestrator.report.drive_view import drive_view
+from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_view.pages import render
 
+SCENARIO = Path(__file__).parents[3] / 'config' / 'scenarios' / 'evidence.yaml'
 FRAME = LocalFrame(GeoPosition(53.28, -9.06, 66.0))
 PLACES = ((0.0, 0.0, ''), (30.0, 40.0, 'drum <1>'), (0.0, 0.0, ''))
 
@@ -21,7 +33,7 @@ def route():
         place = FRAME.position_of([east, north, 0.0])
         stops.append({
             'latitude_deg': place.latitude_deg, 'longitude_deg': place.longitude_deg,
-            'evidence': evidence,
+            'evidence': evidence, 'duration_s': 50.0, 'dose_usv': 20.0,
         })  # fmt: skip
     return {
         'dose_budget_usv': 60.0,
@@ -46,11 +58,17 @@ def route():
     }  # fmt: skip
 
 
-def written(folder, document):
-    """Write the document of a drive where a run has it."""
+def record_of(folder, **parts):
+    """Return a run without anything but what is given."""
+    nothing = {'scenario': None, 'plan': None, 'log': None, 'photographs': (), 'missing': ()}
+    return RunRecord(path=folder, info={}, **{**nothing, **parts})
+
+
+def written(folder, document, **parts):
+    """Return a run that has the document of a drive."""
     (folder / 'ground').mkdir()
     (folder / 'ground' / 'route.json').write_text(json.dumps(document))
-    return folder
+    return record_of(folder, **parts)
 
 
 def test_drive_is_drawn_and_told(tmp_path):
@@ -71,10 +89,58 @@ def test_damaged_route_is_not_fatal(tmp_path, content):
     """A report without this section is better than none."""
     (tmp_path / 'ground').mkdir()
     (tmp_path / 'ground' / 'route.json').write_text(content)
-    assert drive_view(tmp_path, FRAME) is None
+    assert drive_view(record_of(tmp_path), FRAME) is None
 
 
 def test_run_without_a_drive_has_no_section(tmp_path):
     """As before there were ground vehicles."""
-    assert drive_view(tmp_path, FRAME) is None
+    assert drive_view(record_of(tmp_path), FRAME) is None
     assert drive_view(written(tmp_path, route()), None) is None
+
+
+def log_of_a_drive():
+    """Return the log of a vehicle that stands 10 s, drives 100 s at 720 uSv/h, and has arrived."""
+    second = 1_000_000_000
+    states = [(0, 1), (10, 4), (60, 4), (110, 8), (120, 8)]
+    samples = tuple(
+        VehicleSample(
+            time_ns=time * second, state=state, plan_id='drive-1', viewpoint_count=1,
+            viewpoints_visited=int(time > 50), shots_taken=0, battery_fraction=0.9,
+            distance_flown_m=float(max(0, min(time, 110) - 10)), text='',
+        )
+        for time, state in states
+    )  # fmt: skip
+    readings = tuple(
+        Reading(time * second, 'rgv1', 53.28, -9.06, 67.0, 720.0, 0.0, 0, 0.0, 'paper')
+        for time in range(121)
+    )
+    times = np.arange(0, 121) * second
+    track = Track(
+        time_ns=times, latitude_deg=np.full(121, 53.28), longitude_deg=np.full(121, -9.06),
+        altitude_m=np.full(121, 67.0), is_truth=False,
+    )  # fmt: skip
+    return FlightLog(
+        facts=RecordingFacts(message_count=1, start_ns=0),
+        readings=readings, samples={'rgv1': samples}, tracks={'rgv1': track},
+    )  # fmt: skip
+
+
+def test_what_was_driven_stands_beside_the_prediction(tmp_path):
+    """Only the readings of the drive count, not those of the wait before."""
+    scenario = read_scenario(SCENARIO)
+    view = drive_view(written(tmp_path, route(), scenario=scenario, log=log_of_a_drive()), FRAME)
+    rows = dict(view.driven.rows)
+    assert rows['Evidence taken'] == '1 of 1'
+    # 720 uSv/h for 100 s are 20 uSv; the three stops were predicted with 20 uSv each.
+    assert rows['Dose by its own readings'].startswith('20')
+    assert 'predicted 60' in rows['Dose by its own readings']
+    assert rows['Driven'].startswith('100')
+    assert view.driven.taken[-1] == pytest.approx((320.0 * 100.0 / 150.0, 160.0 * 2.0 / 3.0))
+    assert view.driven.predicted[-1] == pytest.approx((320.0, 0.0))
+    assert len(view.driven.way) == 101
+
+
+def test_drive_that_was_only_planned_has_no_track(tmp_path):
+    """Also where the run knows a ground vehicle that never left."""
+    record = written(tmp_path, route(), scenario=read_scenario(SCENARIO))
+    assert drive_view(record, FRAME).driven is None

@@ -20,7 +20,7 @@ MOST_VEHICLES = 1000
 DECISIONS_KEPT = 500
 PHASES = (
     'starting', 'planning', 'flying', 'collecting', 'mapping', 'reporting', 'complete', 'failed',
-    'cancelled',
+    'cancelled', 'driving',
 )  # fmt: skip
 _FAILED = PHASES.index('failed')
 

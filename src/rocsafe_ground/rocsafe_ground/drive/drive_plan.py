@@ -15,6 +15,7 @@ from rocsafe_ground.evidence.evidence_point import EvidencePoint
 # People turn back at this dose rate, so that the vehicle can be touched and its way be walked:
 # IAEA, EPR-First Responders. The same as of drones, see `rocsafe_radiation`.
 DEFAULT_TURN_BACK_USVH = 1e5
+DEFAULT_CURVE_POINTS = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +26,10 @@ class DriveRequest:
     ----------
     start
         Where the vehicle stands, and where it comes back to.
+    end
+        Where it comes back to instead; None: the start.
+    blocked
+        Where something stands that the map does not show.
     evidence
         Points to visit.
     dose_budget_usv
@@ -51,7 +56,9 @@ class DriveRequest:
     confidence: float = 0.95
     draws: int = 256
     seed: int = 0
-    curve_points: int = 8
+    curve_points: int = DEFAULT_CURVE_POINTS
+    end: GeoPosition | None = None
+    blocked: tuple[GeoPosition, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.evidence:
@@ -78,6 +85,10 @@ class DriveStop:
         How long the vehicle stands there.
     evidence
         Id of the evidence point; empty at a bend.
+    look_rad
+        Where the vehicle looks while it stands, from east to north.
+    duration_s, dose_usv
+        Time and estimated dose of that line and of the stand.
     """
 
     place: GeoPosition
@@ -86,6 +97,9 @@ class DriveStop:
     speed_mps: float = 0.0
     dwell_s: float = 0.0
     evidence: str = ''
+    look_rad: float = 0.0
+    duration_s: float = 0.0
+    dose_usv: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,7 +2,8 @@
 """All that a route is planned on, from the folder of a run or of a map."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -82,6 +83,16 @@ class GroundMap:
         found[is_free & (upper >= self.turn_back_usvh)] = Reason.HOT
         found[is_free & np.isnan(upper)] = Reason.UNKNOWN
         return found
+
+    def blocked_at(self, places: Iterable[GeoPosition], radius_m: float) -> 'GroundMap':
+        """Return the map with obstacles at places, which nothing may come nearer than a radius."""
+        reasons = self.ground.reasons.copy()
+        east, north = self.grid.places()
+        for place in places:
+            at_east, at_north = self.grid.enu_of(place)
+            is_near = np.hypot(east - at_east, north - at_north) < radius_m
+            reasons[is_near & (reasons == Reason.FREE)] = Reason.OBSTACLE
+        return replace(self, ground=replace(self.ground, reasons=reasons))
 
     @property
     def is_free(self) -> BoolArray:

@@ -13,13 +13,15 @@ from rocsafe_ground.drive.ground_map import GroundMap
 from rocsafe_ground.drive.stands import Stand, stand_of, start_cell
 from rocsafe_ground.drive.track import Track, track_of
 from rocsafe_ground.errors import BeyondBudgetError, NoWayError
-from rocsafe_ground.route.edges import Searcher, edges_of
+from rocsafe_ground.route.edges import SECONDS_PER_HOUR, Searcher, edges_of
 from rocsafe_ground.route.straightening import Surface
 from rocsafe_ground.tour.orders import MOST_POINTS
 from rocsafe_ground.tour.tour import Budgets, Tour, TourPoint, TourSearch
 
 # Bisections of the budget that is planned for: to a hundredth of what is between.
 MOST_TIGHTENINGS = 7
+# How far something in the way may extend around where it was met.
+BLOCKED_M = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +37,15 @@ class _Task:
 
     def track(self, tour: Tour) -> Track:
         """Return the straight lines of a tour."""
-        return track_of(tour.legs, self.searcher.edges, self.surface)
+        looks = [self.look_rad(k) for k in tour.order]
+        return track_of(tour.legs, self.searcher.edges, self.surface, looks)
+
+    def look_rad(self, number: int) -> float:
+        """Return the direction from a stand to its evidence, from east to north."""
+        stand, grid = self.stands[number], self.ground.grid
+        east, north = grid.place_of(int(stand.cell or 0))[0].tolist()
+        to_east, to_north = grid.enu_of(stand.point.position)
+        return math.atan2(to_north - north, to_east - east)
 
     def forecast(self, tour: Tour) -> DoseForecast:
         """Return the dose of a tour, dwells included."""
@@ -57,6 +67,8 @@ def plan_drive(request: DriveRequest, ground: GroundMap) -> DrivePlan:
     BeyondBudgetError
         If no evidence point can be visited within the budgets; names what would do.
     """
+    if request.blocked:
+        ground = ground.blocked_at(request.blocked, request.vehicle.reach_m + BLOCKED_M)
     task, refused = _task(request, ground)
     tour, forecast = _safe_tour(task)
     return _plan(task, tour, forecast, refused)
@@ -79,7 +91,8 @@ def _task(request: DriveRequest, ground: GroundMap) -> tuple[_Task, tuple[LeftOu
         raise NoWayError(f'{refused[0].evidence}: {refused[0].why}')
     if len(found) > MOST_POINTS:
         raise ValueError(f'{len(found)} evidence points: must be at most {MOST_POINTS}')
-    search = TourSearch(searcher, start, [_tour_point(one, upper) for one in found])
+    end = None if request.end is None else start_cell(ground, request.end)
+    search = TourSearch(searcher, start, [_tour_point(one, upper) for one in found], end)
     surface = Surface(
         is_free=is_free, slowness_spm=slowness, rates_usvh=upper, cell_m=ground.grid.cell_m
     )
@@ -95,7 +108,7 @@ def _tour_point(stand: Stand, rates_usvh: FloatArray) -> TourPoint:
     return TourPoint(
         cell=cell,
         dwell_s=stand.point.dwell_s,
-        dwell_usv=float(rates_usvh.ravel()[cell]) * stand.point.dwell_s / 3600.0,
+        dwell_usv=float(rates_usvh.ravel()[cell]) * stand.point.dwell_s / SECONDS_PER_HOUR,
         priority=stand.point.priority,
     )
 
@@ -194,7 +207,9 @@ def _standing_usv(task: _Task, tour: Tour) -> float:
     """Return the estimated dose of the dwells."""
     rates = task.ground.field.mean_usvh.ravel()
     stands = [task.stands[k] for k in tour.order]
-    return sum(float(rates[stand.cell]) * stand.point.dwell_s / 3600.0 for stand in stands)
+    return sum(
+        float(rates[stand.cell]) * stand.point.dwell_s / SECONDS_PER_HOUR for stand in stands
+    )
 
 
 def _curve(task: _Task, tour: Tour) -> tuple[tuple[float, float], ...]:
@@ -225,18 +240,25 @@ def _left_out(task: _Task, tour: Tour) -> list[LeftOut]:
 
 def _stops(task: _Task, tour: Tour, track: Track) -> tuple[DriveStop, ...]:
     grid, stops = task.ground.grid, []
-    ends = {number: task.stands[k].point for number, k in enumerate(tour.order)}
+    rates = task.ground.field.mean_usvh.ravel()
+    doses = rates[track.cells] * track.seconds / SECONDS_PER_HOUR
     for bend in track.bends:
         east, north = grid.place_of(bend.cell)[0].tolist()
-        point = ends.get(bend.leg) if bend.is_end else None
+        stand = tour.order[bend.leg] if bend.is_end and 0 <= bend.leg < len(tour.order) else None
+        point = None if stand is None else task.stands[stand].point
+        dwell = point.dwell_s if point else 0.0
         stops.append(
             DriveStop(
                 place=grid.position_at(east, north),
                 east_m=east,
                 north_m=north,
                 speed_mps=bend.speed_mps,
-                dwell_s=point.dwell_s if point else 0.0,
+                dwell_s=dwell,
                 evidence=point.id if point else '',
+                look_rad=0.0 if stand is None else task.look_rad(stand),
+                duration_s=bend.duration_s + dwell,
+                dose_usv=float(doses[slice(*bend.samples)].sum())
+                + float(rates[bend.cell]) * dwell / SECONDS_PER_HOUR,
             )
         )
     return tuple(stops)

@@ -3,25 +3,45 @@
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
+from rocsafe_geo.motion.ground_motion import GroundMotion
 from rocsafe_ground.drivable.route_grid import RouteGrid
 from rocsafe_ground.route.constrained import GridPath
 from rocsafe_ground.route.edges import Edges
 from rocsafe_ground.route.straightening import Surface, straightened
 
+# Acceleration and turns of the vehicle that is planned for.
+MOTION = GroundMotion()
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bend:
-    """A cell where lines meet: leg, whether it is the end of the leg, speed on the line to it."""
+    """A cell where lines meet.
+
+    Attributes
+    ----------
+    cell
+        The cell.
+    leg, is_end
+        Leg that leads to it, and whether that ends there.
+    speed_mps
+        Of the line that leads to it, when it is driven without a stop.
+    duration_s
+        Of that line, with speeding up, braking and the turn in place before it.
+    samples
+        First sample of that line and the one after its last.
+    """
 
     cell: int
     leg: int
     is_end: bool
     speed_mps: float
+    duration_s: float = 0.0
+    samples: tuple[int, int] = (0, 0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,8 +72,17 @@ class Track:
         return np.asarray(corner + (self.spots[:, ::-1] + 0.5) * grid.cell_m)
 
 
-def track_of(legs: Sequence[GridPath], edges: Edges, surface: Surface) -> Track:
-    """Return the straight lines in place of the ways of a tour."""
+def track_of(
+    legs: Sequence[GridPath],
+    edges: Edges,
+    surface: Surface,
+    looks_rad: Sequence[float | None] = (),
+) -> Track:
+    """Return the straight lines in place of the ways of a tour.
+
+    `looks_rad` says where the vehicle looks while it stands at the end of each leg; None, or no
+    entry: it drives on.
+    """
     first = int(legs[0].cells[0])
     bends = [Bend(cell=first, leg=-1, is_end=True, speed_mps=0.0)]
     spots, seconds, leg_ends, count = [], [], [], 0
@@ -64,18 +93,51 @@ def track_of(legs: Sequence[GridPath], edges: Edges, surface: Surface) -> Track:
             times = _times(line, length, surface)
             spots.append(line)
             seconds.append(times)
-            count += len(line)
             speed = length / max(float(times.sum()), 1e-9)
-            bends.append(Bend(cell=b, leg=number, is_end=b == corners[-1], speed_mps=speed))
+            bends.append(
+                Bend(
+                    cell=b, leg=number, is_end=b == corners[-1], speed_mps=speed,
+                    samples=(count, count + len(line)),
+                )
+            )  # fmt: skip
+            count += len(line)
         leg_ends.append(max(count - 1, 0))
     if not spots:
         spots, seconds = [np.array([divmod(first, edges.shape[1])], np.float64)], [np.zeros(1)]
     places = np.concatenate(spots)
     rows, columns = np.rint(places).astype(np.int64).T
+    driven = _driven(bends, edges, looks_rad)
     return Track(
-        bends=tuple(bends), spots=places, cells=rows * edges.shape[1] + columns,
-        seconds=np.concatenate(seconds), leg_ends=tuple(leg_ends),
+        bends=driven, spots=places, cells=rows * edges.shape[1] + columns,
+        seconds=_stretched(np.concatenate(seconds), driven), leg_ends=tuple(leg_ends),
     )  # fmt: skip
+
+
+def _driven(
+    bends: Sequence[Bend], edges: Edges, looks_rad: Sequence[float | None]
+) -> tuple[Bend, ...]:
+    """Return the bends with the time that each line takes a vehicle with inertia."""
+    looks = [
+        looks_rad[bend.leg] if bend.is_end and 0 <= bend.leg < len(looks_rad) else None
+        for bend in bends
+    ]
+    cells = [divmod(bend.cell, edges.shape[1]) for bend in bends]
+    places = [(column * edges.cell_m, row * edges.cell_m) for row, column in cells]
+    speeds = [max(bend.speed_mps, 1e-3) for bend in bends]
+    durations = MOTION.durations_s(places, speeds, looks)
+    return tuple(
+        replace(bend, duration_s=duration) for bend, duration in zip(bends, durations, strict=True)
+    )
+
+
+def _stretched(seconds: FloatArray, bends: Sequence[Bend]) -> FloatArray:
+    """Return the times of samples, each line with its duration; turns are at its beginning."""
+    found = seconds.copy()
+    for bend in bends:
+        begin, end = bend.samples
+        if end > begin:
+            found[begin] += max(0.0, bend.duration_s - float(seconds[begin:end].sum()))
+    return found
 
 
 def _times(line: FloatArray, length_m: float, surface: Surface) -> FloatArray:

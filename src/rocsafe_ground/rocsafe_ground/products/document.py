@@ -53,6 +53,8 @@ def _stop(stop: DriveStop) -> Document:
         'speed_mps': round(stop.speed_mps, 3),
         'dwell_s': stop.dwell_s,
         'evidence': stop.evidence,
+        'duration_s': round(stop.duration_s, 3),
+        'dose_usv': round(stop.dose_usv, 6),
     }
 
 

@@ -6,9 +6,7 @@ near the budget, and a lower bound on the time of every path within it. The labe
 what is left between the two.
 """
 
-import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,11 +14,16 @@ import numpy as np
 from rocsafe_geo.arrays import IndexArray
 from rocsafe_geo.limits import require_count, require_not_negative, require_positive
 from rocsafe_ground.errors import BeyondBudgetError, NoWayError
-from rocsafe_ground.route.edges import Edges, Searcher, Tree
+from rocsafe_ground.route.corridor import Corridor
+from rocsafe_ground.route.edges import Edges, Searcher
 from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
 # Relative difference below which two costs are the same but for rounding.
 ROUNDING = 1e-9
+# Labels that are tried in each round but the last.
+FEW_LABELS = 200_000
+# Factors of the prices in one round after the other: other prices tell more.
+TURNS = (1.0, 1.4, 0.7, 1.2, 0.85, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,21 +35,24 @@ class SearchEffort:
     is_exact
         Whether labels follow the dual.
     most_labels
-        Labels after which the exact search gives up; a label takes 40 bytes. The issue's fields
-        of 300 x 300 cells need up to 1.5 million.
+        Labels after which the exact search gives up, in about a second; a label takes 40 bytes.
     most_duals
         Steps of the dual; 5 to 9 are usual.
     prices
         Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
-        bounds labels are dropped; none: the dual is the whole search, the fastest.
+        bounds cells and labels are dropped; none: the dual is the whole search, the fastest.
+    rounds
+        How often cells are dropped by all prices, at most.
     """
 
     is_exact: bool = True
-    most_labels: int = 8_000_000
+    most_labels: int = 3_000_000
     most_duals: int = 40
     prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
+    rounds: int = 5
 
     def __post_init__(self) -> None:
+        require_count('rounds', self.rounds, 1, len(TURNS))
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
         require_count('most_duals', self.most_duals, 1, 1000)
         if self.is_exact and not self.prices:
@@ -140,10 +146,28 @@ class RouteSearch:
         dual = self._dual(budget_usv, effort)
         if dual.gap_fraction <= ROUNDING:
             return _proven(dual.path, dual.price_s_per_usv)
-        joined, back = self._joined(budget_usv, dual, effort.prices)
-        if not effort.is_exact:
-            return joined
-        return self._exact(budget_usv, joined, back, effort)
+        return self._closed(budget_usv, dual, effort)
+
+    def _closed(self, budget: float, dual: BoundedPath, effort: SearchEffort) -> BoundedPath:
+        """Return the optimum, or the best path that the effort finds, with its bound.
+
+        Round by round a corridor of cells is narrowed, and a few labels are tried in it; in the
+        last one all labels that the effort allows.
+        """
+        known, corridor = dual, Corridor(self._quick.costs, self._clean.costs)
+        for turn in TURNS[: effort.rounds] if effort.prices else ():
+            for share in effort.prices:
+                price = turn * share * dual.price_s_per_usv
+                known = self._one_price(budget, price, known, corridor)
+            if known.gap_fraction > ROUNDING and effort.is_exact:
+                known = self._exact(budget, known, corridor, min(FEW_LABELS, effort.most_labels))
+            if known.gap_fraction <= ROUNDING:
+                return replace(known, bound_s=known.path.time_s)
+            if not corridor.has_narrowed():
+                break
+        if effort.is_exact and effort.most_labels > FEW_LABELS:
+            return self._exact(budget, known, corridor, effort.most_labels)
+        return known
 
     def _dual(self, budget: float, effort: SearchEffort) -> BoundedPath:
         """Return the best path on the convex hull of time and dose, with the dual's bound."""
@@ -169,53 +193,61 @@ class RouteSearch:
             path=under, bound_s=min(bound, under.time_s), price_s_per_usv=price, label_count=0
         )
 
-    def _joined(
-        self, budget: float, dual: BoundedPath, prices: Sequence[float]
-    ) -> tuple[BoundedPath, tuple['_Priced', ...]]:
-        """Return the best path with one price up to some cell and another from there on.
+    def _one_price(
+        self, budget: float, price: float, known: BoundedPath, corridor: 'Corridor'
+    ) -> BoundedPath:
+        """Narrow the corridor by one price; return a better path or bound, if there is one.
 
-        Two prices on one path come closer to the budget than one. Also returns the trees from the
-        goal by their prices, which are `prices` times that of the dual.
+        A cell whose cheapest path through it is above what the best path costs is left out
+        (Beasley & Christofides 1989). What is left has tighter bounds. Two prices on one path, up
+        to some cell and from there on, come closer to the budget than one.
         """
-        there = self._trees(self._start, dual.price_s_per_usv, prices)
-        back = self._trees(self._goal, dual.price_s_per_usv, prices)
-        best = dual.path
-        for (_, first), (_, last) in itertools.product(
-            there, (*back, (0.0, self._quick), (math.inf, self._clean))
-        ):
+        limit = known.path.time_s * (1.0 + ROUNDING) + price * budget
+        weights = (1.0, price)
+        there = self._searcher.tree_within(self._start, weights, corridor.to_come(price), limit)
+        back = self._searcher.tree_within(self._goal, weights, there.costs, limit)
+        through = there.costs + back.costs
+        corridor.keep(through <= limit, price, there, back)
+        bound = max(known.bound_s, float(through[self._start]) - price * budget)
+        path = self._better(budget, known.path, corridor)
+        return replace(known, path=path, bound_s=min(bound, path.time_s))
+
+    def _better(self, budget: float, best: GridPath, corridor: 'Corridor') -> GridPath:
+        """Return the best path of two prices, one of which is the newest."""
+        places = np.flatnonzero(corridor.is_open)
+        for first, last in corridor.pairs() if len(places) else ():
             seconds = np.where(
-                first.doses_usv + last.doses_usv <= budget, first.times_s + last.times_s, math.inf
+                first.doses_usv[places] + last.doses_usv[places] <= budget,
+                first.times_s[places] + last.times_s[places],
+                math.inf,
             )
-            middle = int(seconds.argmin())
-            if seconds[middle] < best.time_s * (1.0 - ROUNDING):
+            found = int(seconds.argmin())
+            if seconds[found] < best.time_s * (1.0 - ROUNDING):
+                middle = int(places[found])
                 cells = [first.path_to(middle), last.path_to(middle)[-2::-1]]
                 best = self._priced(np.concatenate(cells))
-        return replace(dual, path=best, bound_s=min(dual.bound_s, best.time_s)), back
-
-    def _trees(self, origin: int, price: float, shares: Sequence[float]) -> tuple['_Priced', ...]:
-        prices = (price * share for share in shares)
-        return tuple((one, self._searcher.tree(origin, (1.0, one))) for one in prices)
+        return best
 
     def _exact(
-        self,
-        budget: float,
-        known: BoundedPath,
-        back: Sequence['_Priced'],
-        effort: SearchEffort,
+        self, budget: float, known: BoundedPath, corridor: 'Corridor', room: int
     ) -> BoundedPath:
-        """Return the optimum, or the best known if there are too many labels."""
-        room = effort.most_labels
+        """Return the optimum, or the best known if there are more labels than room."""
         labels = (
             np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room), np.empty(room)
         )  # fmt: skip
+        # Within the corridor the least time and dose to the goal are larger.
+        quick, clean = (
+            self._searcher.tree_within(self._goal, weights, corridor.wall, 0.0).costs
+            for weights in ((1.0, 0.0), (0.0, 1.0))
+        )
         status, last, count, reached = label_search(
             (self._edges.times_s, self._edges.doses_usv),
             self._edges.offsets,
             (self._start, self._goal),
             (budget * (1.0 + ROUNDING), known.path.time_s * (1.0 + ROUNDING)),
-            (self._quick.costs, self._clean.costs),
-            (np.array([price for price, _ in back]), np.stack([tree.costs for _, tree in back])),
-            np.full(self._edges.cells, math.inf),
+            (quick, clean),
+            corridor.bounds(),
+            np.where(corridor.is_open, math.inf, 0.0),
             labels,
             (np.empty(room), np.empty(room, np.int64)),
         )
@@ -243,9 +275,6 @@ class RouteSearch:
         effort = effort or SearchEffort(is_exact=False)
         budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
         return tuple((float(one), self.within(float(one), effort)) for one in budgets)
-
-
-_Priced = tuple[float, Tree]
 
 
 def _proven(path: GridPath, price: float, labels: int = 0) -> BoundedPath:

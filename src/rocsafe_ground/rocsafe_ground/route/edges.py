@@ -144,6 +144,7 @@ class Searcher:
         self._offsets = edges.offsets
         room = 8 * edges.cells + 8
         self._heap = (np.empty(room), np.empty(room, np.int64))
+        self._nothing = np.zeros(edges.cells)
 
     def tree(
         self, origin: int, weights: tuple[float, float], targets: Collection[int] = ()
@@ -152,12 +153,31 @@ class Searcher:
 
         With `targets` the search ends when they are all reached.
         """
+        return self._tree(origin, weights, targets, (self._nothing, math.inf))
+
+    def tree_within(
+        self, origin: int, weights: tuple[float, float], to_come: FloatArray, limit: float
+    ) -> Tree:
+        """Return the least costs from a cell, but to cells that are not worth it.
+
+        Those are left out whose cost and what is at least still `to_come`, (cells,), are above
+        `limit`.
+        """
+        return self._tree(origin, weights, (), (to_come, limit))
+
+    def _tree(
+        self,
+        origin: int,
+        weights: tuple[float, float],
+        targets: Collection[int],
+        guide: tuple[FloatArray, float],
+    ) -> Tree:
         is_target = np.zeros(self.edges.cells, np.bool_)
         is_target[list(targets)] = True
         found = self._empty_tree()
         shortest_tree(
             self._arrays, weights, self._offsets, origin,
-            (is_target, int(is_target.sum())),
+            (is_target, int(is_target.sum())), guide,
             (found.costs, found.parents, found.times_s, found.doses_usv), self._heap,
         )  # fmt: skip
         return found

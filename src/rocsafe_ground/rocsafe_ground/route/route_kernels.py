@@ -5,6 +5,20 @@ Cells of a grid of `columns` columns have numbers, row by row. Each has eight ne
 order of `STEP_ROWS` and `STEP_COLUMNS`; cell k and neighbour m share the entries ``[k, m]`` of the
 arrays of edges. An edge that cannot be driven takes an infinite time.
 
+Kernels share these parameters:
+
+edges
+    Time and dose, each (cells, 8).
+weights
+    Of time and dose in a cost.
+offsets : (8,)
+    Number of each neighbour minus that of its cell.
+tree
+    Costs, infinite everywhere; predecessors, -1 everywhere; of whole trees also time and dose of
+    the cheapest path, infinite everywhere; filled.
+heap
+    Keys and cells or labels; overwritten. Of cells with 8 * cells + 8 entries.
+
 All kernels are in this file: numba notices a change of the file that it keeps machine code of,
 but not of other files.
 """
@@ -97,68 +111,44 @@ def shortest_tree(
     offsets: IndexArray,
     origin: int,
     targets: tuple[BoolArray, int],
+    guide: tuple[FloatArray, float],
     tree: tuple[FloatArray, IndexArray, FloatArray, FloatArray],
     heap: tuple[FloatArray, IndexArray],
-) -> int:
+) -> None:
     """Fill the least cost from `origin` to each cell, and the cell before it (Dijkstra 1959).
 
-    Parameters
-    ----------
-    edges
-        Time and dose, each (cells, 8).
-    weights
-        Of time and dose in the cost.
-    offsets : (8,)
-        Number of each neighbour minus that of its cell.
-    origin
-        Cell.
-    targets
-        Cells marked True and their number: the search ends when they are all settled; number 0:
-        it goes on to the end.
-    tree
-        Costs, infinite everywhere; predecessors, -1 everywhere; time and dose of the cheapest
-        path, infinite everywhere; filled.
-    heap
-        Keys and cells, each (8 * cells + 8,); overwritten.
-
-    Returns
-    -------
-    int
-        Number of settled cells.
+    The search ends when all `targets`, cells marked True and their number, are settled; number 0:
+    it goes on to the end. A cell is left out whose cost and `guide`, the least that is still to
+    come, (cells,), are above a limit.
     """
     times, doses = edges
     costs, parents, sum_times, sum_doses = tree
     keys, items = heap
     is_target, left = targets
+    to_come, limit = guide
     costs[origin], sum_times[origin], sum_doses[origin] = 0.0, 0.0, 0.0
     _push(keys, items, 0, 0.0, origin)
     size = 1
-    settled = 0
     while size > 0:
         key, k = keys[0], items[0]
         _pop(keys, items, size)
         size -= 1
         if key > costs[k]:
             continue
-        settled += 1
         if is_target[k]:
             left -= 1
             if left == 0:
                 break
         for m in range(8):
             time = times[k, m]
-            if time == math.inf:
-                continue
             cost = key + weights[0] * time + weights[1] * doses[k, m]
-            neighbour = k + offsets[m]
-            if cost < costs[neighbour]:
-                costs[neighbour] = cost
-                parents[neighbour] = k
-                sum_times[neighbour] = sum_times[k] + time
-                sum_doses[neighbour] = sum_doses[k] + doses[k, m]
-                _push(keys, items, size, cost, neighbour)
-                size += 1
-    return settled
+            n = k + offsets[m]
+            if time == math.inf or cost >= costs[n] or cost + to_come[n] > limit:
+                continue
+            costs[n], parents[n] = cost, k
+            sum_times[n], sum_doses[n] = sum_times[k] + time, sum_doses[k] + doses[k, m]
+            _push(keys, items, size, cost, n)
+            size += 1
 
 
 @kernel
@@ -220,6 +210,22 @@ def _least_time(
     return bound
 
 
+@inlined
+def _is_worth(
+    label: tuple[float, float],
+    cell: int,
+    limits: tuple[float, float],
+    least: tuple[FloatArray, FloatArray],
+    prices: tuple[FloatArray, FloatArray],
+) -> bool:
+    """Return whether a label, (time, dose), may lead to the goal within the limits."""
+    time, dose = label
+    budget, best = limits
+    if dose + least[1][cell] > budget or time + least[0][cell] > best:
+        return False
+    return _least_time(time, dose - budget, prices, cell) <= best
+
+
 @kernel
 def label_search(
     edges: tuple[FloatArray, FloatArray],
@@ -232,76 +238,47 @@ def label_search(
     labels: tuple[IndexArray, IndexArray, FloatArray, FloatArray],
     heap: tuple[FloatArray, IndexArray],
 ) -> tuple[int, int, int, float]:
-    """Search the fastest path within a budget of dose, exactly.
+    """Search the fastest path from start to goal, `ends`, within a budget of dose, exactly.
 
     Labels (time, dose) leave the heap by time plus the least time to the goal. A label at a cell
-    is dominated if one left before it with no more dose: one number a cell tells (BOA*, Hernandez
-    Ulloa et al. 2020). Labels that cannot reach the goal within the budget, or not before the best
-    path known, by the least dose, time and Lagrangian cost to the goal, are dropped.
+    is dominated if one left before it with no more dose: one number a cell, `lowest`, tells (BOA*,
+    Hernandez Ulloa et al. 2020); it is infinite everywhere at first, or 0 in cells to be left out.
+    Labels that cannot reach the goal within `limits`, the largest dose and the time of the best
+    path known, are dropped: by the `least` time and dose to the goal, and by `prices`, multipliers
+    (n,) and the least Lagrangian cost of each to the goal (n, cells).
 
-    Parameters
-    ----------
-    edges, offsets
-        See `shortest_tree`.
-    ends
-        Start and goal.
-    limits
-        Largest dose; time of the best path known.
-    least
-        Least time and least dose from each cell to the goal.
-    prices
-        Multipliers, (n,), and the least Lagrangian cost of each from each cell to the goal,
-        (n, cells).
-    lowest : (cells,)
-        Infinite everywhere; overwritten with the least dose of the labels that left.
-    labels
-        Cell, label before, time and dose of each label; overwritten, as many as there is room.
-    heap
-        Keys and labels.
-
-    Returns
-    -------
-    tuple
-        `FOUND`, `NONE_FOUND` or `OUT_OF_LABELS`; label at the goal; number of labels; a lower
-        bound on the time of each path that was not looked at, infinite if there is none.
+    `labels` are overwritten with cell, label before, time and dose of each, as many as there is
+    room. Returns `FOUND`, `NONE_FOUND` or `OUT_OF_LABELS`; the label at the goal; the number of
+    labels; a lower bound on the time of each path that was not looked at, infinite if there is
+    none.
     """
     times, doses = edges
     cells, befores, label_times, label_doses = labels
     keys, items = heap
-    budget, best = limits
-    start, goal = ends
-    cells[0], befores[0], label_times[0], label_doses[0] = start, -1, 0.0, 0.0
-    _push(keys, items, 0, least[0][start], 0)
+    cells[0], befores[0], label_times[0], label_doses[0] = ends[0], -1, 0.0, 0.0
+    _push(keys, items, 0, least[0][ends[0]], 0)
     size, count = 1, 1
-    room = len(cells) - 8
     while size > 0:
         key, label = keys[0], items[0]
         _pop(keys, items, size)
         size -= 1
-        k = cells[label]
-        dose = label_doses[label]
+        k, dose = cells[label], label_doses[label]
         if dose >= lowest[k]:
             continue
         lowest[k] = dose
-        if k == goal:
+        if k == ends[1]:
             return FOUND, label, count, key
-        if count > room:
+        if count > len(cells) - 8:
             return OUT_OF_LABELS, -1, count, key
         for m in range(8):
-            if times[k, m] == math.inf:
-                continue
             n = k + offsets[m]
-            time = label_times[label] + times[k, m]
-            new_dose = dose + doses[k, m]
-            if new_dose >= lowest[n] or new_dose + least[1][n] > budget:
+            time, total = label_times[label] + times[k, m], dose + doses[k, m]
+            if times[k, m] == math.inf or total >= lowest[n]:
                 continue
-            if time + least[0][n] > best:
-                continue
-            if _least_time(time, new_dose - budget, prices, n) > best:
-                continue
-            cells[count], befores[count] = n, label
-            label_times[count], label_doses[count] = time, new_dose
-            _push(keys, items, size, time + least[0][n], count)
-            size += 1
-            count += 1
+            if _is_worth((time, total), n, limits, least, prices):
+                cells[count], befores[count] = n, label
+                label_times[count], label_doses[count] = time, total
+                _push(keys, items, size, time + least[0][n], count)
+                size += 1
+                count += 1
     return NONE_FOUND, -1, count, math.inf

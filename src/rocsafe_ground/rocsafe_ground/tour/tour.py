@@ -107,11 +107,21 @@ class TourSearch:
         Cell.
     points
         Up to `MOST_POINTS`.
+    end
+        Cell in which a trip ends; None: at the start.
     """
 
-    def __init__(self, searcher: Searcher, start: int, points: Sequence[TourPoint]) -> None:
+    def __init__(
+        self,
+        searcher: Searcher,
+        start: int,
+        points: Sequence[TourPoint],
+        end: int | None = None,
+    ) -> None:
         self._points = tuple(points)
-        self._ways = Ways(searcher, (start, *(point.cell for point in points)))
+        other = () if end in (None, start) else (end,)
+        self._end = len(points) + 1 if other else 0
+        self._ways = Ways(searcher, (start, *(point.cell for point in points), *other))
         sets = np.arange(1 << len(points))
         bits = (sets[:, None] >> np.arange(len(points)) & 1).astype(np.float64)
         self._dwell_s = bits @ np.array([point.dwell_s for point in points])
@@ -120,7 +130,15 @@ class TourSearch:
 
     def trips(self, price: float) -> RoundTrips:
         """Return the cheapest trips through all sets of points, without dwells."""
-        return round_trips(*self._ways.tables(price), price)
+        times, doses = (self._closed(table) for table in self._ways.tables(price))
+        return round_trips(times, doses, price)
+
+    def _closed(self, table: FloatArray) -> FloatArray:
+        """Return a table whose way from a point to the start is that to the end."""
+        count = len(self._points) + 1
+        closed = table[:count, :count].copy()
+        closed[1:, 0] = table[1:count, self._end]
+        return closed
 
     def best(self, budgets: Budgets, refused: Collection[int] = ()) -> Tour:
         """Return the fastest trip within the budgets through the worthiest points that fit.
@@ -259,7 +277,7 @@ class TourSearch:
 
         Partial choices that another is no worse than in time and dose are dropped.
         """
-        stops = (0, *order, 0)
+        stops = (0, *order, self._end)
         partial: list[tuple[float, float, tuple[GridPath, ...]]] = [(0.0, 0.0, ())]
         for a, b in itertools.pairwise(stops):
             longer = [

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The phases after the flights: collect photographs, save the map, write the products."""
 
+from collections.abc import Callable
+
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.phase_record import PhaseRecord
@@ -23,6 +25,8 @@ class Closing:
         Open requests of the mission.
     deadlines
         Limits of all waits.
+    after_map
+        Called when the map is written.
 
     Attributes
     ----------
@@ -35,10 +39,12 @@ class Closing:
         record: PhaseRecord,
         requests: RequestBook,
         deadlines: Deadlines,
+        after_map: Callable[[], None],
     ) -> None:
         self.shots = 0
         self._record, self._requests = record, requests
         self._deadlines = deadlines
+        self._after_map = after_map
         self._collected = Standstill()
 
     def begin(self) -> None:
@@ -66,7 +72,7 @@ class Closing:
         """Wait until the map is written."""
         limit_s = self._deadlines.map_timeout_s
         if self._is_over(OrderKind.SAVE_MOSAIC, MOSAIC, now_s, limit_s, f'{MOSAIC}: not written'):
-            self._record.enter(Phase.REPORTING)
+            self._after_map()
 
     def write_products(self, now_s: float, _situation: Situation) -> None:
         """Wait until the products are written."""

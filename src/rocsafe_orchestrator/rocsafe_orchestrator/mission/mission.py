@@ -9,6 +9,7 @@ still made from what was recorded.
 from collections.abc import Callable, Iterable
 
 from rocsafe_orchestrator.mission.closing import MOSAIC, REPORT, Closing
+from rocsafe_orchestrator.mission.driving import DriveEnd, Driving
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
@@ -71,7 +72,8 @@ class Mission(PhaseRecord):
         self._rounds_left = extra_rounds
         self._is_extra = False
         self._time = TimeWatch(self._requests)
-        self._closing = Closing(self, self._requests, deadlines)
+        self._driving = Driving(self, self._requests, deadlines, crew.driver)
+        self._closing = Closing(self, self._requests, deadlines, self._after_map)
         self._shots_before, self._has_images = 0, False
 
     @property
@@ -94,6 +96,7 @@ class Mission(PhaseRecord):
             Phase.FLYING: self._fly,
             Phase.COLLECTING: self._closing.collect,
             Phase.MAPPING: self._closing.save_map,
+            Phase.DRIVING: self._drive,
             Phase.REPORTING: self._closing.write_products,
         }.get(self.phase)
         if step is not None:
@@ -117,6 +120,10 @@ class Mission(PhaseRecord):
         if request is None or request.status is Status.DONE:
             return
         request.finish()
+        if self.phase is Phase.DRIVING:
+            self.fault(text)
+            self._driving.give_up()
+            return
         if order.kind in (OrderKind.HOLD, OrderKind.RETURN):
             return  # it is on the ground or landing
         if order.kind is OrderKind.RETREAT:
@@ -188,6 +195,16 @@ class Mission(PhaseRecord):
         if is_refused:
             self.fleet.withdraw(vehicle, fault)
 
+    def drive_planned(self) -> None:
+        """Note that the drive of the ground vehicle is planned."""
+        if self.phase is Phase.DRIVING:
+            self._driving.planned()
+
+    def driven(self, text: str, ending: DriveEnd = DriveEnd.AT_HOME) -> None:
+        """Note that the ground vehicle has ended its drive; `text` says why if not as planned."""
+        if self.phase is Phase.DRIVING:
+            self._driving.driven(text, ending)
+
     def turn_back(self, vehicle: str, why: str, *, is_waiting: bool = False) -> None:
         """Let a vehicle return by the way of least dose; others take over its work.
 
@@ -242,6 +259,8 @@ class Mission(PhaseRecord):
             self.refused(Order(kind=OrderKind.WRITE_PRODUCTS), f'the products: {text}')
         elif self.phase is Phase.MAPPING and process != MOSAIC:
             self.fault(f'{process} {text}')
+        elif self.phase is Phase.DRIVING:
+            self._fail(f'{process} {text}')
         elif self._replaced(self.fleet.of_process(process), text, is_gone=True):
             return
         elif self.phase < Phase.REPORTING:
@@ -252,7 +271,9 @@ class Mission(PhaseRecord):
         if self.phase.is_over or self.is_cancelled:
             return
         super().cancel(text)
-        if self.phase >= Phase.MAPPING:
+        if self.phase is Phase.DRIVING:
+            self.enter(Phase.REPORTING)
+        elif self.phase >= Phase.MAPPING:
             super().enter(self.phase)
         elif self._has_images:
             self.enter(Phase.MAPPING)
@@ -262,7 +283,7 @@ class Mission(PhaseRecord):
 
     def break_off(self, text: str) -> None:
         """End the flight for a reason outside of it; map and products are made."""
-        if self.phase < Phase.MAPPING:
+        if self.phase < Phase.MAPPING or self.phase is Phase.DRIVING:
             self._fail(text)
 
     def abandon(self) -> None:
@@ -305,6 +326,20 @@ class Mission(PhaseRecord):
             self.fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
             self.fleet.go_on()
             self.enter(Phase.FLYING)
+
+    def _after_map(self) -> None:
+        if self.is_cancelled:
+            self.enter(Phase.REPORTING)
+            return
+        self._time.begin()
+        self._driving.begin()
+
+    def _drive(self, now_s: float, situation: Situation) -> None:
+        self._driving.advance(now_s, situation)
+        if self.phase is not Phase.DRIVING or self._driving.is_waiting:
+            self._time.rest(now_s)
+        else:
+            self._watch_time(now_s, situation)
 
     def _fly(self, now_s: float, situation: Situation) -> None:
         if self._watch_fleet(situation):
@@ -400,7 +435,8 @@ class Mission(PhaseRecord):
         """End this phase; map and products are made from what was recorded."""
         if text:
             self.fault(text)
-        has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or self._is_extra
+        is_extra = self._is_extra and self.phase is not Phase.DRIVING
+        has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or is_extra
         self.enter(Phase.MAPPING if has_images and has_mosaic else Phase.REPORTING)
 
     def enter(self, phase: Phase) -> None:

@@ -16,8 +16,9 @@ class Phase(IntEnum):
     COMPLETE = 6
     FAILED = 7
     CANCELLED = 8
+    DRIVING = 9
 
     @property
     def is_over(self) -> bool:
         """True if no other phase follows."""
-        return self >= Phase.COMPLETE
+        return Phase.COMPLETE <= self <= Phase.CANCELLED

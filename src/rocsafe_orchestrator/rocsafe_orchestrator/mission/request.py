@@ -18,6 +18,9 @@ class OrderKind(Enum):
     PAUSE_CLOCK = 'pause simulated time'
     RUN_CLOCK = 'start simulated time'
     SAVE_MOSAIC = 'write the mosaic'
+    ASSESS = 'assess all readings'
+    PLAN_DRIVE = 'plan the drive'
+    DRIVE = 'drive the route'
     WRITE_PRODUCTS = 'write the products'
 
 

@@ -31,6 +31,10 @@ class Situation:
         Vehicles with photographs that are not stored yet.
     sightings
         What is known of each vehicle.
+    is_driver_home
+        Whether the ground vehicle stands and has no drive.
+    is_driver_unsettled
+        Whether it has photographs that are not stored yet.
     """
 
     ready: frozenset[str]
@@ -42,6 +46,8 @@ class Situation:
     aloft: frozenset[str] = frozenset()
     unsettled: frozenset[str] = frozenset()
     sightings: Mapping[str, Sighting] = field(default_factory=dict)
+    is_driver_home: bool = False
+    is_driver_unsettled: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,8 +62,11 @@ class Crew:
         Processes that must be ready.
     in_lockstep
         Vehicles that simulated time waits for.
+    driver
+        Name of the ground vehicle, and of its process; empty: there is none.
     """
 
     vehicle_processes: Mapping[str, str]
     processes: frozenset[str]
     in_lockstep: frozenset[str] = frozenset()
+    driver: str = ''

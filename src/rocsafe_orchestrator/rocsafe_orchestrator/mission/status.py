@@ -160,9 +160,19 @@ class Monitor:
         Names, in the order in which they are shown.
     contamination_usvh
         Dose rate from which a vehicle may be contaminated; 0: none.
+    driver
+        Name of the ground vehicle; empty: there is none.
+
+    Attributes
+    ----------
+    driver
+        Its latest status.
     """
 
-    def __init__(self, vehicles: tuple[str, ...], contamination_usvh: float = 0.0) -> None:
+    def __init__(
+        self, vehicles: tuple[str, ...], contamination_usvh: float = 0.0, driver: str = ''
+    ) -> None:
+        self.driver = VehicleStatus(name=driver)
         self._vehicles = {name: VehicleStatus(name=name) for name in vehicles}
         self._heard_s: dict[str, float] = {}
         self._ending_s: dict[str, float] = {}
@@ -251,6 +261,9 @@ class Monitor:
 
     def on_vehicle(self, status: VehicleStatus, wall_s: float = 0.0) -> None:
         """Note the state of a vehicle, heard at `wall_s`; unknown vehicles are ignored."""
+        if status.name == self.driver.name:
+            self.driver = status
+            self.time_s = max(self.time_s, status.time_s)
         if status.name not in self._vehicles:
             return
         self._heard_s[status.name] = wall_s

@@ -14,7 +14,7 @@ from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
-from rocsafe_orchestrator.mission.status import Monitor, Pace, RunStatus
+from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, RunStatus
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.progress import Display
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
@@ -41,6 +41,8 @@ STALL_WATCH_S = 1.0
 CONFIRM_S = 120.0
 # The end of a run does not wait for the landing of a vehicle that is silent for longer.
 LONGEST_SILENCE_S = 15.0
+# States of a ground vehicle that stands and has no drive.
+DRIVER_HOME = frozenset({FlightState.DISARMED, FlightState.LANDED, FlightState.CRASHED})
 # How bad the end of a process is for the mission.
 _SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
@@ -252,6 +254,8 @@ class MissionLoop:
                 if status.is_aloft and silences_s[status.name] < LONGEST_SILENCE_S
             ),
             unsettled=parts.monitor.unsettled,
+            is_driver_home=parts.monitor.driver.state in DRIVER_HOME,
+            is_driver_unsettled=parts.monitor.driver.shots_pending > 0,
             sightings={
                 name: parts.monitor.sighting(name, now_s, silent_s)
                 for name, silent_s in silences_s.items()

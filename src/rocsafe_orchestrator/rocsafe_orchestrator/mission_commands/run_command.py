@@ -171,7 +171,9 @@ class _Run:
         os.environ[MISSION_VARIABLE] = self.identity.token
         self.started_s = time.monotonic()
         levels = self.scenario.radiation.levels
-        self.monitor = Monitor(self.scenario.vehicle_names, levels.contamination_usvh)
+        self.monitor = Monitor(
+            self.scenario.vehicle_names, levels.contamination_usvh, self.scenario.driver_name
+        )
         self.table = process_table(self.scenario, self.directory)
         if self.request.airsim_port is not None:
             server = airsim_process(self.scenario, LOOPBACK, self.request.airsim_port)

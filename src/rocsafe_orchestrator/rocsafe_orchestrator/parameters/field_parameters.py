@@ -19,7 +19,7 @@ def field_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     return {
         'model': radiation.model,
         'source_radius_m': radiation.source_radius_m,
-        'vehicles': [vehicle.name for vehicle in metered],
+        'vehicles': list(scenario.metered_names),
         # The true position of a real vehicle is unknown.
         'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
         'start_time_s': scenario.clock.start.timestamp(),

@@ -93,7 +93,7 @@ def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
         'needs_supervisor': True,
         'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
         'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
-        **_origin(scenario),
+        **origin_parameters(scenario),
     }
 
 
@@ -106,21 +106,22 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         for key, value in radiation.levels.model_dump(exclude={'contamination_usvh'}).items()
     }
     return {
-        'vehicles': list(scenario.vehicle_names),
+        'vehicles': list(scenario.all_names),
         'model': radiation.estimator_model,
         'detector': radiation.detector,
         **search,
         **levels,
         'spool_directory': str(run.spool / LOCALIZER),
+        **({'export_directory': str(run.hazard)} if scenario.driver_name else {}),
         **known_terrain_parameters(scenario, run),
-        **_origin(scenario),
+        **origin_parameters(scenario),
     }
 
 
 def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the image store; an engine's camera knows what it shows."""
     return {
-        'vehicles': list(scenario.vehicle_names),
+        'vehicles': list(scenario.all_names),
         'store_directory': str(run.images),
         'store_labels': scenario.camera.backend == 'engine',
     }
@@ -146,7 +147,7 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the recorder."""
     return {
         'output_directory': str(run.path),
-        'vehicles': list(scenario.vehicle_names),
+        'vehicles': list(scenario.all_names),
         'other_cameras': [camera.name for camera in scenario.other_cameras],
         'real_vehicles': [vehicle.name for vehicle in scenario.linked],
         **LOCK_STEP,
@@ -184,7 +185,8 @@ def _air(scenario: Scenario) -> list[str]:
 def _vehicle_participants(scenario: Scenario) -> list[str]:
     is_fleet = scenario.simulation.processes == 'fleet'
     names = [vehicle.name for vehicle in scenario.simulated]
-    return [FLEET] if is_fleet and names else names
+    driver = [scenario.driver_name] if scenario.driver_name else []
+    return [*([FLEET] if is_fleet and names else names), *driver]
 
 
 def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
@@ -202,12 +204,13 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         'scene': scenario.scene,
         'scene_start_s': scenario.clock.start.timestamp(),
         'seed': scenario.seed,
-        **_origin(scenario),
+        **origin_parameters(scenario),
         **LOCK_STEP,
     }
 
 
-def _origin(scenario: Scenario) -> Parameters:
+def origin_parameters(scenario: Scenario) -> Parameters:
+    """Return the origin of the local frame."""
     origin = scenario.origin_position()
     return {
         'origin_latitude_deg': origin.latitude_deg,

@@ -48,7 +48,7 @@ def needed_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> frozenset[
         topics.name_of(call, vehicle)
         for call in topics.CALLS
         if call.scope is topics.Scope.VEHICLE
-        for vehicle in scenario.vehicle_names
+        for vehicle in scenario.all_names
     }
     # Names that begin with a slash are everybody's, such as /diagnostics.
     return frozenset(names | {name for name in _topics(scenario) if not name.startswith('/')})
@@ -56,8 +56,8 @@ def needed_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> frozenset[
 
 def _topics(scenario: Scenario) -> Iterator[str]:
     others = [camera.name for camera in scenario.other_cameras]
-    simulated = {vehicle.name for vehicle in scenario.with_simulated_detector}
-    for spec, vehicle in recorded_topics(scenario.vehicle_names, others):
+    simulated = set(scenario.metered_names)
+    for spec, vehicle in recorded_topics(scenario.all_names, others):
         if spec not in DETECTOR_TOPICS or vehicle in simulated:
             yield topics.name_of(spec, vehicle)
 

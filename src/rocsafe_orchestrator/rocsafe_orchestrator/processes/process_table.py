@@ -13,6 +13,11 @@ from rocsafe_orchestrator.parameters.air_parameters import (
     estimator_parameters,
 )
 from rocsafe_orchestrator.parameters.field_parameters import field_parameters
+from rocsafe_orchestrator.parameters.ground_parameters import (
+    ROUTER,
+    rgv_parameters,
+    router_parameters,
+)
 from rocsafe_orchestrator.parameters.node_parameters import AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
@@ -94,6 +99,7 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
         *_air_processes(scenario, run),
         *_vehicle_processes(scenario, run),
+        *_ground_processes(scenario, run),
     )  # fmt: skip
 
 
@@ -114,6 +120,7 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
         },
         processes=frozenset(spec.name for spec in table),
         in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
+        driver=scenario.driver_name,
     )
 
 
@@ -152,6 +159,22 @@ def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Proces
                 vehicle.drone.detector.model_dump(), *_of_each((vehicle,), topics.RADIATION),
                 node=f'/{vehicle.name}/detector',
             )  # fmt: skip
+
+
+def _ground_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
+    block = scenario.ground_vehicle
+    if block is None:
+        return
+    yield _process(
+        ROUTER, 'rocsafe_ground/router', router_parameters(block, run),
+        *_shared(topics.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
+    )  # fmt: skip
+    specs = (topics.DRIVE_ROUTE, topics.STATE, topics.SHOT)
+    yield _process(
+        block.name, 'rocsafe_sim/rgv', rgv_parameters(scenario, block, run),
+        *(Endpoint(spec=spec, vehicle=block.name) for spec in specs),
+        node=f'/{block.name}/rgv',
+    )  # fmt: skip
 
 
 def _shared(*specs: Spec) -> Iterator[Endpoint]:

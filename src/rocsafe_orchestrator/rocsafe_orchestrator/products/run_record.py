@@ -217,6 +217,11 @@ class RunRecord:
         return ((self.plan,) if self.plan else ()) + self.further
 
     @property
+    def driver(self) -> str:
+        """Name of the ground vehicle, empty if there is none."""
+        return self.scenario.driver_name if self.scenario is not None else ''
+
+    @property
     def vehicles(self) -> tuple[str, ...]:
         """Names of all vehicles, in the order of the scenario where there is one."""
         names: dict[str, None] = {}

@@ -5,17 +5,22 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_orchestrator.report.driven_view import (
+    CHART_HEIGHT,
+    CHART_WIDTH,
+    DrivenView,
+    driven_view,
+)
 from rocsafe_view import formats
 from rocsafe_view.svg import Point
 
 ROUTE = 'ground/route.json'
 # Shown around the way, as a share of its extent, and at least so many metres.
 MARGIN, LEAST_MARGIN_M = 0.15, 8.0
-CHART_WIDTH, CHART_HEIGHT = 320.0, 160.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +43,8 @@ class DriveView:
         Points that are not visited, and why.
     curve
         Dose budget and time of each trade-off, and the same in the coordinates of the chart.
+    driven
+        How it was driven; None: it was only planned.
     """
 
     sentence: str
@@ -48,20 +55,21 @@ class DriveView:
     left_out: list[list[str]]
     curve: tuple[tuple[str, str], ...]
     chart: tuple[Point, ...]
+    driven: DrivenView | None
 
 
-def drive_view(folder: Path, frame: LocalFrame | None) -> DriveView | None:
-    """Return the drive planned on the run in `folder`, None if there is none or no `frame`."""
+def drive_view(record: RunRecord, frame: LocalFrame | None) -> DriveView | None:
+    """Return the drive that was planned on a run, None if there is none or no `frame`."""
     if frame is None:
         return None
     try:
-        route = json.loads((folder / ROUTE).read_text(encoding='utf-8'))
-        return _view(route, frame)
+        route = json.loads((record.path / ROUTE).read_text(encoding='utf-8'))
+        return _view(route, frame, driven_view(record, frame, route))
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def _view(route: Mapping[str, Any], frame: LocalFrame) -> DriveView:
+def _view(route: Mapping[str, Any], frame: LocalFrame, driven: DrivenView | None) -> DriveView:
     stops = route['stops']
     enu = frame.to_enu(
         [stop['latitude_deg'] for stop in stops],
@@ -69,10 +77,11 @@ def _view(route: Mapping[str, Any], frame: LocalFrame) -> DriveView:
         [math.nan] * len(stops),
     )
     way = tuple((float(east), -float(north)) for east, north, _ in enu)
+    shown = (*way, *(driven.way if driven else ()))
     curve = [(one['dose_budget_usv'], one['time_s']) for one in route['trade_off']]
     return DriveView(
         sentence=_sentence(route),
-        box=_box(way),
+        box=_box(shown),
         way=way,
         stands=tuple(
             (place, stop['evidence'])
@@ -83,6 +92,7 @@ def _view(route: Mapping[str, Any], frame: LocalFrame) -> DriveView:
         left_out=[[one['evidence'], one['why']] for one in route['left_out']],
         curve=tuple((_dose(dose), formats.duration(time)) for dose, time in curve),
         chart=_chart(curve),
+        driven=driven,
     )
 
 

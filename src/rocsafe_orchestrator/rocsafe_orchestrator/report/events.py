@@ -78,22 +78,24 @@ def _of_flights(record: RunRecord, zero_ns: int) -> Iterator[Event]:
     flown = flights(record, zero_ns)
     for start_s in sorted({flight.start_s for flight in flown}):
         names = [flight.vehicle for flight in flown if flight.start_s == start_s]
-        yield Event(start_s, _take_off_text(names))
+        yield Event(start_s, _take_off_text(names, record.driver))
     for flight in flown:
         for (_, landed_s), (again_s, _) in pairwise(flight.aloft_s):
             yield Event(landed_s, f'{flight.vehicle} lands between two flights')
             yield Event(again_s, f'{flight.vehicle} takes off again')
         last = samples[flight.vehicle][-1]
         if last.is_airborne:
-            yield Event(flight.end_s, f'{flight.vehicle} is heard for the last time, in the air')
+            where = 'on its way' if flight.vehicle == record.driver else 'in the air'
+            yield Event(flight.end_s, f'{flight.vehicle} is heard for the last time, {where}')
         else:
             shots = f'{last.shots_taken} photographs'
-            yield Event(flight.end_s, f'{flight.vehicle} lands with {shots}')
+            verb = 'has arrived' if flight.vehicle == record.driver else 'lands'
+            yield Event(flight.end_s, f'{flight.vehicle} {verb} with {shots}')
 
 
-def _take_off_text(names: list[str]) -> str:
+def _take_off_text(names: list[str], driver: str) -> str:
     if len(names) == 1:
-        return f'{names[0]} takes off'
+        return f'{names[0]} drives off' if names[0] == driver else f'{names[0]} takes off'
     who = formats.sentence_list(names) if len(names) <= _MOST_NAMES else f'{len(names)} vehicles'
     return f'{who} take off'
 

@@ -66,7 +66,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
         dose=dose,
         gas=gas_view(record.releases),
-        drive=drive_view(record.path, frame),
+        drive=drive_view(record, frame),
         chart_scale=chart_scale,
         flights=flown,
         axes=time_axes(flown) if flown else {},

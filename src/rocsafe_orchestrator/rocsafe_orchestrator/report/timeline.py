@@ -18,6 +18,7 @@ from rocsafe_view import formats
 # Kinds of decisions of every mission, which other parts of the report show.
 ROUTINE = frozenset({'phase', 'order'})
 _ENDS = frozenset({FlightState.LOST, FlightState.CRASHED})
+HOLD = 'hold in the air'
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -36,7 +37,7 @@ def recorded_events(record: RunRecord, zero_ns: int) -> Iterator[Event]:
     """Yield the events of vehicles, operators and nodes, unordered."""
     if record.log is None:
         return
-    yield from _of_states(record.log, zero_ns)
+    yield from _of_states(record.log, zero_ns, record.driver)
     yield from _of_alarms(record.log, zero_ns)
     yield from _of_notices(record.log.notices, zero_ns)
     yield from _of_plans(record, zero_ns)
@@ -62,13 +63,14 @@ def seconds(time_ns: int, zero_ns: int) -> float:
     return max(time_ns - zero_ns, 0) / NS_PER_S if time_ns else 0.0
 
 
-def _of_states(log: FlightLog, zero_ns: int) -> Iterator[Event]:
+def _of_states(log: FlightLog, zero_ns: int, driver: str = '') -> Iterator[Event]:
     """Yield the changes of state, those of several vehicles within a second as one."""
     together: dict[tuple[int, str, bool], list[tuple[float, str]]] = {}
     for name, samples in log.samples.items():
         for before, after in pairwise(samples):
             at_s = seconds(after.time_ns, zero_ns)
-            for text, is_deviation in _changes(before, after):
+            for said, is_deviation in _changes(before, after):
+                text = said.replace(HOLD, 'stop') if name == driver else said
                 key = (int(at_s), text, is_deviation)
                 together.setdefault(key, []).append((at_s, name))
     for (_, text, is_deviation), found in together.items():
@@ -84,7 +86,7 @@ def _changes(before: VehicleSample, after: VehicleSample) -> Iterator[tuple[str,
     if after.state == before.state:
         return
     if after.state == FlightState.HOLDING:
-        yield _with_reason('hold in the air', after.text), True
+        yield _with_reason(HOLD, after.text), True
     elif before.state == FlightState.HOLDING:
         yield 'end of the hold', False
     if after.state in _ENDS:

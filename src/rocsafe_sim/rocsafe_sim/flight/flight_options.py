@@ -9,11 +9,12 @@ from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.origin_options import OriginOptions, option
+from rocsafe_sim.flight.origin_options import option
+from rocsafe_sim.flight.sensing_options import SensingOptions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlightOptions(OriginOptions):
+class FlightOptions(SensingOptions):
     """What simulated vehicles can do, and the wind; see config/rocsafe.yaml."""
 
     cruise_speed_mps: float = option(5.0, 'horizontal speed, m/s', 0.01, 100.0)

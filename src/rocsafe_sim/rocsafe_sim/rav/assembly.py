@@ -2,7 +2,7 @@
 """Construction of RAVs from options."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +21,8 @@ from rocsafe_scene.optics.optics import Optics
 from rocsafe_scene.scene.map_cache import default_folder
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
-from rocsafe_sim.options import ENGINE, SCENE_GROUND, VehicleOptions
+from rocsafe_sim.flight.sensing_options import ENGINE, SCENE_GROUND, SensingOptions
+from rocsafe_sim.options import VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
@@ -54,29 +55,40 @@ def make_shared(options: VehicleOptions) -> SharedParts:
     ViewError
         If the ground, the scene or the engine cannot be loaded.
     """
+    return shared_parts(options, options.cameras())
+
+
+def shared_parts(options: SensingOptions, cameras: Iterable[CameraSettings]) -> SharedParts:
+    """Return these cameras in the scene of the options, and their surroundings.
+
+    Raises
+    ------
+    ViewError
+        If the ground, the scene or the engine cannot be loaded.
+    """
     # Each vehicle is a process: threads of OpenCV would compete for the same cores.
     cv2.setNumThreads(1)
     is_engine = options.camera_backend == ENGINE
     draws, surroundings = _engine(options) if is_engine else _flat(options)
-    cameras = tuple(
+    models = tuple(
         CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
-        for settings in options.cameras()
+        for settings in cameras
     )
-    return SharedParts(cameras=cameras, surroundings=surroundings)
+    return SharedParts(cameras=models, surroundings=surroundings)
 
 
 def _optics(settings: CameraSettings) -> Optics | None:
     return None if settings.effects.are_none else Optics(settings.lens, settings.effects)
 
 
-def _flat(options: VehicleOptions) -> tuple[Callable[[CameraSettings], Camera], None]:
+def _flat(options: SensingOptions) -> tuple[Callable[[CameraSettings], Camera], None]:
     """Return a maker of cameras over the flat ground, which has no obstacles."""
     ground = make_ground(options)
     return lambda settings: GroundCamera(settings.drawn_lens, ground), None
 
 
 def _engine(
-    options: VehicleOptions,
+    options: SensingOptions,
 ) -> tuple[Callable[[CameraSettings], Camera], Surroundings]:
     """Return a maker of cameras in the scene, and the scene as surroundings."""
     # Imported on use: the engine need not be installed for the flat ground.
@@ -104,7 +116,7 @@ def _engine(
     return draws, SceneSurroundings(scene.environment)
 
 
-def make_ground(options: VehicleOptions) -> Ground:
+def make_ground(options: SensingOptions) -> Ground:
     """Return the image of the flat ground.
 
     Raises
@@ -138,17 +150,22 @@ def make_rav(
     parts = RavParts(
         name=name,
         frame=frame,
-        noise=SensorNoise(
-            seed=options.seed,
-            vehicle=name,
-            gps_horizontal_std_m=options.gps_horizontal_std_m,
-            gps_vertical_std_m=options.gps_vertical_std_m,
-            tilt_std_rad=math.radians(options.tilt_std_deg),
-            attitude_std_rad=math.radians(options.attitude_std_deg),
-        ),
+        noise=sensor_noise(options, name),
         cameras=tuple(map(MountedCamera, shared.cameras)),
     )
     surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
     vehicle = FreeVehicle(options.airframe(), (east, north, up), surroundings)
     return Rav(parts, vehicle, spool, is_lockstep=options.lock_step)
+
+
+def sensor_noise(options: SensingOptions, name: str) -> SensorNoise:
+    """Return the errors of the sensors of the vehicle `name`."""
+    return SensorNoise(
+        seed=options.seed,
+        vehicle=name,
+        gps_horizontal_std_m=options.gps_horizontal_std_m,
+        gps_vertical_std_m=options.gps_vertical_std_m,
+        tilt_std_rad=math.radians(options.tilt_std_deg),
+        attitude_std_rad=math.radians(options.attitude_std_deg),
+    )

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Requests to the localizer, the router and the ground vehicle of a mission."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.action import ActionClient
+from rclpy.client import Client
+from rclpy.node import Node
+
+from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
+from rocsafe_interfaces.msg import GroundRoute
+from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_orchestrator.leases_node import Leases
+from rocsafe_orchestrator.mission.driving import DriveEnd
+from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.request import Order
+from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal, drive_text
+from rocsafe_ros import topics
+from rocsafe_scenario.scenario import Scenario
+
+# How a drive ends on the road.
+_OUT = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
+
+
+class DriveRequests:
+    """Clients of the drive of a ground vehicle.
+
+    Actions: ``plan_ground_route``, ``<vehicle>/drive_route``. Service:
+    ``hazard/suggest_viewpoints``, whose answer means that all readings are assessed.
+
+    Parameters
+    ----------
+    node
+        Node that owns the clients.
+    scenario
+        With a ground vehicle.
+    monitor
+        Knows the sources; gets the number of photographs to expect.
+    leases
+        Of the vehicles.
+    localizer
+        Client of the service.
+    """
+
+    def __init__(
+        self, node: Node, scenario: Scenario, monitor: Monitor, leases: Leases, localizer: Client
+    ) -> None:
+        self._scenario, self._monitor = scenario, monitor
+        self._leases, self._localizer = leases, localizer
+        self._mission: Mission | None = None
+        self._so_far = DriveSoFar()
+        self._route: GroundRoute | None = None
+        driver = scenario.driver_name
+        self.router = ActionClient(node, PlanGroundRoute, topics.PLAN_GROUND_ROUTE.name)
+        self.vehicle = ActionClient(node, DriveRoute, topics.name_of(topics.DRIVE_ROUTE, driver))
+
+    def begin(self, mission: Mission) -> None:
+        """Report answers to `mission` from now on."""
+        self._mission = mission
+
+    def close(self) -> None:
+        """Destroy the clients of actions."""
+        self.router.destroy()
+        self.vehicle.destroy()
+
+    def send_assess(self, order: Order) -> None:
+        """Ask whether all readings are assessed; repeated until they are."""
+        answer = self._localizer.call_async(SuggestViewpoints.Request(count=1))
+        answer.add_done_callback(partial(self._on_assessed, order))
+
+    def _on_assessed(self, order: Order, future: Any) -> None:
+        answer = future.result()
+        if self._mission is not None and answer is not None and answer.status != answer.NOT_YET:
+            self._mission.answered(order)
+
+    def send_plan(self, order: Order) -> None:
+        """Ask for a route to the evidence that is not taken yet."""
+        goal = drive_goal(self._scenario, self._monitor.sources, self._so_far)
+        if goal is None:
+            self._refuse(order, 'no drive: no source was found, and no evidence is named')
+            return
+        self._send(self.router, goal, order, self._on_route)
+
+    def send_drive(self, order: Order) -> None:
+        """Send the route to the vehicle."""
+        if self._route is None:
+            return
+        goal = DriveRoute.Goal(route=self._route)
+
+        def send(lease: str) -> None:
+            goal.lease = lease
+            self._send(self.vehicle, goal, order, self._on_driven)
+
+        self._leases.carry(order.vehicle, send, partial(self._refuse, order))
+
+    def _on_route(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is None:
+            return
+        if result.error_code != result.NONE:
+            self._refuse(order, f'router: {result.error_msg}')
+            return
+        self._route = result.route
+        if not self._so_far.evidence:
+            planned = sum(bool(stop.evidence) for stop in result.route.stops)
+            self._monitor.images_expected += planned
+        self._mission.remarks.append(drive_text(result.route))
+        self._mission.drive_planned()
+
+    def _on_driven(self, order: Order, future: Any) -> None:
+        result = future.result().result
+        if self._mission is None:
+            return
+        if result.outcome == DriveRoute.Result.REJECTED:
+            self._refuse(order, result.error_msg)
+            return
+        self._so_far = self._so_far.after(result)
+        ending = DriveEnd.AT_HOME
+        if result.outcome in _OUT:
+            is_left = drive_goal(self._scenario, self._monitor.sources, self._so_far) is not None
+            ending = DriveEnd.OUT_WITH_EVIDENCE_LEFT if is_left else DriveEnd.OUT_WITH_ALL
+        self._mission.driven(result.error_msg, ending)
+
+    def _refuse(self, order: Order, text: str) -> None:
+        if self._mission is not None:
+            self._mission.refused(order, text)
+
+    def _send(
+        self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]
+    ) -> None:
+        sent = client.send_goal_async(goal)
+        sent.add_done_callback(partial(self._on_goal, order, on_result))
+
+    def _on_goal(self, order: Order, on_result: Callable[..., None], future: Any) -> None:
+        handle = future.result()
+        if self._mission is None or handle is None:
+            return
+        if not handle.accepted:
+            self._refuse(order, f'{order.vehicle or "router"}: request was not accepted')
+            return
+        self._mission.accepted(order)
+        handle.get_result_async().add_done_callback(partial(on_result, order))

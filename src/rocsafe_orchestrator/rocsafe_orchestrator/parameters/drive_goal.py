@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The request for a drive of the ground vehicle, and what it has done so far."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from rocsafe_geo.position import GeoPosition
+from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
+from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
+from rocsafe_ros.conversions import point_of_position
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
+from rocsafe_scenario.scenario import Scenario
+
+SOURCE = 'source'
+# A budget that is used up: the router then says what the least one would be.
+LEAST_BUDGET_USV = 1e-6
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveSoFar:
+    """What earlier drives of a mission have done.
+
+    Attributes
+    ----------
+    evidence
+        Ids of the evidence taken.
+    dose_usv
+        Taken by the vehicle.
+    position
+        Where it stands; None: at home.
+    blocked
+        Where something stood in its way.
+    """
+
+    evidence: tuple[str, ...] = ()
+    dose_usv: float = 0.0
+    position: GeoPoint | None = None
+    blocked: tuple[GeoPoint, ...] = ()
+
+    def after(self, result: DriveRoute.Result) -> 'DriveSoFar':
+        """Return it after another drive."""
+        return replace(
+            self,
+            evidence=(*self.evidence, *result.evidence_taken),
+            dose_usv=self.dose_usv + result.dose_usv,
+            position=result.position,
+            blocked=(*self.blocked, *result.blocked),
+        )
+
+
+def drive_goal(
+    scenario: Scenario, sources: Iterable[tuple[GeoPosition, float]], so_far: DriveSoFar
+) -> PlanGroundRoute.Goal | None:
+    """Return the request to the router, None if nothing is left to be taken.
+
+    `sources` are places and dose rates at 1 m.
+    """
+    block = scenario.ground_vehicle
+    if block is None:
+        return None
+    evidence = [one for one in _evidence(block, sources) if one.id not in so_far.evidence]
+    if not evidence:
+        return None
+    home = point_of_position(scenario.ground_position(block.home))
+    return PlanGroundRoute.Goal(
+        vehicle=block.name,
+        start=home if so_far.position is None else so_far.position,
+        end=[] if so_far.position is None else [home],
+        blocked=list(so_far.blocked),
+        evidence=evidence,
+        dose_budget_usv=max(block.dose_budget_usv - so_far.dose_usv, LEAST_BUDGET_USV),
+        turn_back_usvh=block.turn_back_usvh,
+        endurance_s=block.endurance_s,
+    )
+
+
+def _evidence(
+    block: GroundVehicleBlock, sources: Iterable[tuple[GeoPosition, float]]
+) -> list[EvidencePoint]:
+    found = [
+        EvidencePoint(
+            id=one.name, kind=one.kind, position=point_of_position(GeoPosition(*one.position)),
+            priority=one.priority, dwell_s=one.dwell_s,
+        )
+        for one in block.evidence
+    ]  # fmt: skip
+    if block.to_sources:
+        strongest = max((rate for _, rate in sources), default=1.0)
+        for number, (place, rate) in enumerate(sources, 1):
+            found.append(
+                EvidencePoint(
+                    id=f'{SOURCE}-{number}', kind=SOURCE, position=point_of_position(place),
+                    priority=max(0.1, rate / strongest), dwell_s=block.dwell_s,
+                    found_in=f'source {number}: {rate:.4g} uSv/h at 1 m',
+                )
+            )  # fmt: skip
+    return found
+
+
+def drive_text(route: GroundRoute) -> str:
+    """Return a planned drive in words."""
+    evidence = ', '.join(stop.evidence for stop in route.stops if stop.evidence)
+    left = f'; left out: {"; ".join(route.left_out)}' if route.left_out else ''
+    return (
+        f'{route.vehicle} drives to {evidence}: {route.duration_s:.0f} s, {route.dose_usv:.4g} '
+        f'uSv, in 95 of 100 cases below {route.dose_upper_usv:.4g}{left}'
+    )

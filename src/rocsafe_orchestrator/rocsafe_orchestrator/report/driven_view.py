@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the ground vehicle of a run has driven: its track, and its dose beside the prediction."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_orchestrator.mission.status import FlightState
+from rocsafe_orchestrator.products.run_record import Photograph, RunRecord, VehicleSample
+from rocsafe_view import formats
+from rocsafe_view.svg import Point
+
+CHART_WIDTH, CHART_HEIGHT = 320.0, 160.0
+# A longer gap between two readings does not count, as for the vehicle itself.
+LONGEST_GAP_S = 5.0
+SECONDS_PER_HOUR = 3600.0
+
+Curve = list[tuple[float, float]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivenView:
+    """A drive as it went; places are in map coordinates.
+
+    Attributes
+    ----------
+    way
+        Places in driving order, as the vehicle's receiver measured them.
+    rows
+        Name and value of each figure.
+    taken, predicted
+        Accumulated dose over time, in the coordinates of the chart.
+    scale
+        Time and dose at the right upper corner of the chart.
+    photographs
+        Taken at the evidence.
+    """
+
+    way: tuple[Point, ...]
+    rows: list[list[str]]
+    taken: tuple[Point, ...]
+    predicted: tuple[Point, ...]
+    scale: tuple[str, str]
+    photographs: tuple[Photograph, ...]
+
+
+def driven_view(
+    record: RunRecord, frame: LocalFrame, route: Mapping[str, Any]
+) -> DrivenView | None:
+    """Return how `route` was driven, None if it was not."""
+    driver = record.scenario.driver_name if record.scenario else ''
+    samples = record.log.samples.get(driver, ()) if record.log else ()
+    span = _span(samples)
+    if span is None or record.log is None:
+        return None
+    taken = _taken(record, driver, span)
+    predicted = _predicted(route)
+    end = max(taken[-1][0], predicted[-1][0], 1e-9), max(taken[-1][1], predicted[-1][1], 1e-9)
+    return DrivenView(
+        way=_way(record, driver, frame, span),
+        rows=_rows(samples, span, taken, predicted),
+        taken=_drawn(taken, end),
+        predicted=_drawn(predicted, end),
+        scale=(formats.duration(end[0]), formats.spaced(formats.dose(end[1]))),
+        photographs=tuple(one for one in record.photographs if one.vehicle == driver),
+    )
+
+
+def _span(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
+    """Return begin and end of the drive, nanoseconds."""
+    under_way = [FlightState(one.state).is_in_air for one in samples]
+    if not any(under_way):
+        return None
+    last = len(under_way) - 1 - under_way[::-1].index(True)
+    end = samples[min(last + 1, len(samples) - 1)]
+    return samples[under_way.index(True)].time_ns, end.time_ns
+
+
+def _taken(record: RunRecord, driver: str, span: tuple[int, int]) -> Curve:
+    """Return seconds and accumulated dose of the readings of a drive."""
+    readings = record.log.readings if record.log else ()
+    own = [
+        ((one.time_ns - span[0]) / NS_PER_S, one.dose_rate_usvh)
+        for one in readings
+        if one.vehicle == driver and span[0] <= one.time_ns <= span[1]
+    ]
+    steps = (
+        0.5 * (a[1] + b[1]) * (b[0] - a[0]) / SECONDS_PER_HOUR
+        if b[0] - a[0] <= LONGEST_GAP_S
+        else 0.0
+        for a, b in pairwise(own)
+    )
+    doses = accumulate(steps, initial=0.0)
+    return [(second, dose) for (second, _), dose in zip(own, doses, strict=True)] or [(0.0, 0.0)]
+
+
+def _predicted(route: Mapping[str, Any]) -> Curve:
+    """Return seconds and dose at each stop of the route."""
+    stops = route['stops']
+    seconds = accumulate(stop['duration_s'] for stop in stops)
+    return list(zip(seconds, accumulate(stop['dose_usv'] for stop in stops), strict=True))
+
+
+def _rows(
+    samples: Sequence[VehicleSample], span: tuple[int, int], taken: Curve, predicted: Curve
+) -> list[list[str]]:
+    own = [one for one in samples if span[0] <= one.time_ns <= span[1]]
+    length = own[-1].distance_flown_m - own[0].distance_flown_m
+    driven_s = (span[1] - span[0]) / NS_PER_S
+    last = own[-1]
+    texts = list(dict.fromkeys(one.text for one in own if one.text))
+    planned_s, planned_usv = predicted[-1]
+    lengths = f'{formats.length(length)} in {formats.duration(driven_s)}'
+    return [
+        ['Driven', f'{lengths}, planned {formats.duration(planned_s)}'],
+        ['Dose by its own readings', f'{_dose(taken[-1][1])}, predicted {_dose(planned_usv)}'],
+        ['Evidence taken', f'{last.viewpoints_visited} of {last.viewpoint_count}'],
+        *([['On the way', '; '.join(texts)]] if texts else []),
+    ]
+
+
+def _way(
+    record: RunRecord, driver: str, frame: LocalFrame, span: tuple[int, int]
+) -> tuple[Point, ...]:
+    track = record.log.tracks.get(driver) if record.log else None
+    if track is None:
+        return ()
+    is_own = (track.time_ns >= span[0]) & (track.time_ns <= span[1])
+    enu = frame.to_enu(
+        track.latitude_deg[is_own],
+        track.longitude_deg[is_own],
+        np.full(int(is_own.sum()), math.nan),
+    )
+    return tuple((float(east), -float(north)) for east, north, _ in enu)
+
+
+def _drawn(curve: Curve, end: tuple[float, float]) -> tuple[Point, ...]:
+    return tuple(
+        (CHART_WIDTH * second / end[0], CHART_HEIGHT * (1.0 - dose / end[1]))
+        for second, dose in curve
+    )
+
+
+def _dose(value_usv: float) -> str:
+    return formats.spaced(formats.dose(value_usv))

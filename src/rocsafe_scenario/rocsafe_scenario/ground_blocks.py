@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The block of a scenario file that says what a ground vehicle drives to after the survey."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from rocsafe_scenario.scenario_blocks import Block, LatLon, VehicleName
+
+EvidenceName = Annotated[str, Field(pattern=r'^[A-Za-z0-9][A-Za-z0-9_-]*$', max_length=64)]
+
+
+class EvidenceBlock(Block):
+    """A place at which evidence is taken.
+
+    A mark is driven to; what is a source, release or object is photographed from some metres.
+    """
+
+    name: EvidenceName
+    position: LatLon
+    kind: Literal['mark', 'source', 'release', 'object'] = 'mark'
+    priority: float = Field(default=1.0, ge=1e-3, le=1e3)
+    dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
+
+
+class GroundVehicleBlock(Block):
+    """A ground vehicle that takes evidence when the drones have landed and the map is written.
+
+    Attributes
+    ----------
+    dose_budget_usv
+        Dose that it may take on its whole drive.
+    turn_back_usvh
+        No part of its way is planned to reach this dose rate, at which it turns back.
+    evidence, to_sources
+        Named places, and whether it goes to each source that was found, for `dwell_s`.
+    """
+
+    name: VehicleName
+    home: LatLon
+    dose_budget_usv: float = Field(gt=0.0, le=1e9)
+    turn_back_usvh: float = Field(default=1e5, ge=1e-3, le=1e9)
+    endurance_s: float = Field(default=7200.0, gt=0.0, le=604_800.0)
+    reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
+    width_m: float = Field(default=0.7, ge=0.1, le=10.0)
+    to_sources: bool = True
+    dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
+    evidence: tuple[EvidenceBlock, ...] = Field(default=(), max_length=12)

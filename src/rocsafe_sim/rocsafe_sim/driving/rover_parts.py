@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a simulated ground vehicle is made of, and what it photographs."""
+
+import math
+from dataclasses import dataclass
+
+from rocsafe_geo.motion.ground_motion import Place
+from rocsafe_sim.driving.caution import CautionOptions
+from rocsafe_sim.driving.chassis import Chassis, Skid
+from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.vehicle.surroundings import Surroundings
+
+# Height of the middle of the ball that must touch nothing, above the ground: the vehicle drives
+# over what is lower than 5 cm and below barrier tape, which gives way to its mast.
+BODY_UP_M = 0.4
+# Reach and steps of its range finder, which sees what its body would touch.
+SCAN_M, SCAN_STEP_M = 8.0, 0.4
+SCAN_RAD = [math.radians(angle) for angle in range(-90, 91, 10)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EvidenceShot:
+    """A photograph to be taken: number, evidence, and true pose of the vehicle."""
+
+    sequence: int
+    evidence: str
+    stop: int
+    time_ns: int
+    place: Place
+    yaw_rad: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RoverParts:
+    """What a rover is made of.
+
+    Attributes
+    ----------
+    chassis
+        Size and motion.
+    skid
+        Of its tracks.
+    noise
+        Of its receiver.
+    caution
+        When it turns back.
+    has_detector
+        Whether it drives by readings: without any for a while it comes back.
+    surroundings
+        Ground and obstacles; None: level ground without any.
+    """
+
+    chassis: Chassis
+    skid: Skid
+    noise: SensorNoise
+    caution: CautionOptions
+    has_detector: bool = True
+    surroundings: Surroundings | None = None
+
+    def ground_up_m(self, place: Place) -> float:
+        """Return the height of the ground."""
+        return 0.0 if self.surroundings is None else self.surroundings.ground_up_m(*place)
+
+    def touched(self, place: Place) -> str:
+        """Return what the vehicle would touch there; empty: nothing."""
+        if self.surroundings is None:
+            return ''
+        enu = (*place, self.ground_up_m(place) + BODY_UP_M)
+        return self.surroundings.touched(enu, 0.5 * self.chassis.width_m)
+
+    def scan(self, place: Place, yaw_rad: float) -> tuple[Place, ...]:
+        """Return where the range finder sees something from a place."""
+        seen = []
+        for angle in SCAN_RAD:
+            cos, sin = math.cos(yaw_rad + angle), math.sin(yaw_rad + angle)
+            for step in range(2, round(SCAN_M / SCAN_STEP_M)):
+                reach = step * SCAN_STEP_M
+                there = (place[0] + reach * cos, place[1] + reach * sin)
+                if self.touched(there):
+                    seen.append(there)
+                    break
+        return tuple(seen)
