@@ -101,8 +101,14 @@ def _served(site: SurveySite, on_progress: Progress) -> tuple[SurveySite, Optimi
     """
     # Loaded when it is asked for: see `_found`.
     from rocsafe_planner.routing import battery_reach as reach
+    from rocsafe_planner.routing.two_stages import orders_in_two_stages
 
     request, simple = site.request, boustrophedon_minmax(site.problem)
+    if request.continuation.last:
+        last = {k for k, v in enumerate(site.viewpoints) if v.id in request.continuation.last}
+        orders = orders_in_two_stages(site.problem, request.effort, last)
+        if math.isfinite(objective_value(site.problem, orders, 'longest_time')):
+            return site, Optimised(orders=orders)
     if math.isfinite(objective_value(site.problem, simple, 'longest_time')):
         return site, _found(site, on_progress, [simple])
     beyond = reach.beyond_reach(site.problem)

@@ -46,12 +46,16 @@ class Situation:
         the plan.
     new_exclusions
         More zones that no leg crosses. Viewpoints inside cannot be visited any more.
+    last
+        Ids of viewpoints that each vehicle visits after all its others: somebody who is not
+        heard may be about to visit them.
     """
 
     alive: Mapping[str, Aloft | float | None]
     visited: frozenset[int] = frozenset()
     new_places: tuple[GeoPosition, ...] = ()
     new_exclusions: tuple[SurveyArea, ...] = field(default=())
+    last: frozenset[int] = frozenset()
 
 
 def replan(
@@ -108,6 +112,7 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
             visited=(*request.continuation.visited, *done),
             ground_reference=request.continuation.ground_reference
             or tuple(v.home for v in request.vehicles),
+            last=tuple(sorted({view.id for view in left} & situation.last)),
         ),
     )
 

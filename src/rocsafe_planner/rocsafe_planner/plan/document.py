@@ -57,13 +57,16 @@ def vehicle_document(vehicle: Vehicle) -> Document:
         **position_document(vehicle.aloft.position),
         'used_s': vehicle.aloft.used_s,
     }
-    return {
+    document = {
         **dataclasses.asdict(vehicle),
         'aloft': aloft,
         'home': position_document(vehicle.home),
         'end': end,
         'sensors': list(vehicle.sensors),
     }
+    if vehicle.layer is None:  # plans without reserved layers keep their ids
+        del document['layer']
+    return document
 
 
 def terrain_document(terrain: Terrain | None) -> Document | None:
@@ -84,11 +87,14 @@ def viewpoint_document(viewpoint: Viewpoint) -> Document:
 
 def continuation_document(continuation: Continuation) -> Document:
     """Return the viewpoints and places that are taken over from an earlier plan."""
-    return {
+    document: Document = {
         'viewpoints': [viewpoint_document(view) for view in continuation.viewpoints],
         'visited': [viewpoint_document(view) for view in continuation.visited],
         'ground_reference': [position_document(p) for p in continuation.ground_reference],
     }
+    if continuation.last:  # other plans keep their ids
+        document['last'] = list(continuation.last)
+    return document
 
 
 def _ring(ring: Ring) -> list[Document]:

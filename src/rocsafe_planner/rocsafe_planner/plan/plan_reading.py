@@ -134,6 +134,7 @@ def _request(document: Document, terrain: Terrain | None) -> SurveyRequest:
             viewpoints=tuple(_viewpoint(v, camera) for v in continuation['viewpoints']),
             visited=tuple(_viewpoint(v, camera) for v in continuation['visited']),
             ground_reference=tuple(map(_position, continuation['ground_reference'])),
+            last=tuple(continuation.get('last', ())),
         ),
     )
 

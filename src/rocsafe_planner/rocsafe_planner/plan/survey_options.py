@@ -26,7 +26,7 @@ MAX_VIEWPOINTS_LIMIT = 1_000_000
 """To which the limit can be raised."""
 Grid = Literal['best', 'rotated', 'axis_aligned']
 Objective = Literal['longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy']
-Separation = Literal['delay', 'layers']
+Separation = Literal['delay', 'layers', 'reserved']
 SpacingRule = Literal['iou', 'linear']
 GRIDS: tuple[Grid, ...] = get_args(Grid)
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
@@ -138,8 +138,9 @@ class SeparationOptions:
         twice the 95 % error of a receiver without correction signals (about 5 m, GPS Standard
         Positioning Service, with a vehicle's own size and its deviation from its way).
     by
-        ``'delay'`` (vehicles wait) or ``'layers'`` (they fly at different heights, too, where
-        that lets them land earlier).
+        ``'delay'`` (vehicles wait), ``'layers'`` (they fly at different heights, too, where
+        that lets them land earlier), or ``'reserved'`` (each vehicle has a layer of its own in
+        all plans, so that vehicles with different plans do not meet on their way).
     """
 
     distance_m: float = 10.0
@@ -203,11 +204,14 @@ class Continuation:
         Places photographed before, which count as seen.
     ground_reference
         Places whose altitudes define the height of level ground; empty: the homes.
+    last
+        Ids of viewpoints that each vehicle visits after all its others.
     """
 
     viewpoints: tuple[Viewpoint, ...] = ()
     visited: tuple[Viewpoint, ...] = ()
     ground_reference: tuple[GeoPosition, ...] = ()
+    last: tuple[int, ...] = ()
 
     @property
     def is_rest(self) -> bool:
