@@ -66,6 +66,7 @@ DOMAINS = {
     'rocsafe_ground',
     'rocsafe_mapping',
     'rocsafe_mavlink',
+    'rocsafe_fleet',
 }
 # Packages that may import cores of others, and whose: a package, or a room or module of one.
 # Everybody may import rocsafe_geo.
@@ -79,6 +80,12 @@ MAY_IMPORT = {
     # Compilation of loops; the order of more than twelve evidence points.
     'rocsafe_ground': {'rocsafe_planner.solver'},
     'rocsafe_console': {'rocsafe_view'},
+    # Agents plan by themselves; a simulated fleet flies by the planner's values.
+    'rocsafe_fleet': {
+        'rocsafe_planner.errors',
+        'rocsafe_planner.plan',
+        'rocsafe_planner.replanning',
+    },
     'rocsafe_orchestrator': {
         'rocsafe_scenario',
         'rocsafe_view',

@@ -62,6 +62,7 @@ def replan(
     plan: SurveyPlan,
     situation: Situation,
     on_progress: Progress = lambda _makespan, _bound: True,
+    method: str = 'solver',
 ) -> SurveyPlan:
     """Return the plan for the rest of a survey; times count from now.
 
@@ -75,11 +76,13 @@ def replan(
     PlannerError
         If there is no plan for the rest; NothingLeftError if all is photographed.
     """
-    return checked_plan(remaining_request(plan, situation), on_progress)
+    return checked_plan(remaining_request(plan, situation, method), on_progress)
 
 
-def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
-    """Return what is left of a plan as a request: with the solver, without a time limit."""
+def remaining_request(
+    plan: SurveyPlan, situation: Situation, method: str = 'solver'
+) -> SurveyRequest:
+    """Return what is left of a plan as a request for a method, without a time limit."""
     request = plan.request
     known = _all_viewpoints(plan)
     _check(situation, known, request)
@@ -104,7 +107,7 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
             request.coverage, max_viewpoints=max(request.coverage.max_viewpoints, len(left))
         ),
         effort=dataclasses.replace(
-            request.effort, method='solver', budget_s=0.0, proposals=_proposals(len(left))
+            request.effort, method=method, budget_s=0.0, proposals=_proposals(len(left))
         ),
         exclusions=(*request.exclusions, *situation.new_exclusions),
         continuation=Continuation(

@@ -33,7 +33,7 @@ OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 SEPARATIONS: tuple[Separation, ...] = get_args(Separation)
 METHODS = (
     'solver', 'boustrophedon_minmax', 'boustrophedon_equal', 'strips', 'christofides',
-    'nearest_to_shortest', 'paper_greedy',
+    'nearest_to_shortest', 'insertion', 'paper_greedy',
 )  # fmt: skip
 
 SPACING_RULES: dict[str, Callable[[float], float]] = {
