@@ -82,9 +82,11 @@ MAY_IMPORT = {
     'rocsafe_console': {'rocsafe_view'},
     # Agents plan by themselves; a simulated fleet flies by the planner's values.
     'rocsafe_fleet': {
+        'rocsafe_planner.conversions',
         'rocsafe_planner.errors',
         'rocsafe_planner.plan',
         'rocsafe_planner.replanning',
+        'rocsafe_planner.solver.precompile',
     },
     'rocsafe_orchestrator': {
         'rocsafe_scenario',

@@ -18,4 +18,9 @@ setup(
     ],
     extras_require={'test': ['pytest']},
     zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            'agent = rocsafe_fleet.agent_node:main',
+        ],
+    },
 )

@@ -31,6 +31,8 @@ from rocsafe_fleet.ledger.records import (
 from rocsafe_fleet.membership.membership import Membership
 
 Numbers = frozenset[int]
+FRESH_BEATS = 8
+"""A place counts as old if its vehicle has sent more packets since."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,6 +112,7 @@ class Agent:
         self._proposed = 1
         self._looked_at: object = None
         self._skewed: dict[int, int] = {}
+        self._decoded: tuple[int, list[tuple[Epoch, Proposal]]] = (0, [])
         self._known: tuple[int, Numbers] = (0, frozenset())
         self.ledger.write(Kind.ABLE, b'')
 
@@ -163,11 +166,14 @@ class Agent:
 
     @property
     def wanted(self) -> Wanted | None:
-        """The newest proposal if it is not planned yet and its zones are known."""
-        newest = self._newest()
-        if newest is None or newest[0] <= self.plan.epoch:
+        """The newest proposal if it is not planned yet and its zones are known.
+
+        One whose coordinator did not hear this agent is not for it.
+        """
+        mine = [one for one in self._proposals() if self.own not in one[1].silent]
+        epoch, proposal = max(mine, key=lambda one: one[0], default=(FIRST_EPOCH, self.proposal))
+        if epoch <= self.plan.epoch:
             return None
-        epoch, proposal = newest
         zones = {(w[0], part): ring_of(v) for w, part, v in self.ledger.values(Kind.EXCLUSION)}
         if any(zone not in zones for zone in proposal.exclusions):
             return None
@@ -239,8 +245,14 @@ class Agent:
         if not is_urgent or now_s - self._sent_s < self._options.least_gap_s - 1e-9:
             return []
         if is_beat:
-            self._next_beat_s = now_s + self._options.membership.period_s
+            self._next_beat_s = now_s + self._period_s
         return [self._packet(now_s)]
+
+    @property
+    def _period_s(self) -> float:
+        """Time between heartbeats: shorter while somebody is missing, who may come back."""
+        is_complete = self._live | self.unable.keys() == self._everyone
+        return self._options.membership.period_s * (1.0 if is_complete else 0.5)
 
     def _packet(self, now_s: float) -> bytes:
         self._sent_s = now_s
@@ -258,13 +270,12 @@ class Agent:
 
     # Agreement.
 
-    def _newest(self) -> tuple[Epoch, Proposal] | None:
-        found = [
-            ((proposal.number, writer[0]), proposal)
-            for writer, _, value in self.ledger.values(Kind.PROPOSAL)
-            if (proposal := proposal_of(value))
-        ]
-        return max(found, key=lambda one: one[0]) if found else None
+    def _proposals(self) -> list[tuple[Epoch, Proposal]]:
+        if self._decoded[0] != self.ledger.digest:
+            found = [(w[0], proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
+            known = [((proposal.number, writer), proposal) for writer, proposal in found]
+            self._decoded = self.ledger.digest, known
+        return self._decoded[1]
 
     def _claim(self, member: int) -> Claim | None:
         value = self.ledger.newest(member, Kind.CLAIM)
@@ -304,10 +315,20 @@ class Agent:
             self._repeat(now_s)
         elif self._reason_s is None:
             self._reason_s = now_s
-        elif now_s - self._reason_s >= self._options.settle_s:
+        elif now_s - self._reason_s >= self._waits_s(members):
             self._reason_s = None
-            self._propose(members, silent)
+            self._propose(members & self._places.keys(), silent)
             self._repeats = self._options.repeats, now_s
+
+    def _waits_s(self, members: Numbers) -> float:
+        """Return how long to wait before a proposal: longer while places are old."""
+        beats = self._membership.beats
+        for member in members:
+            known = self._places.get(member)
+            beat = beats.get(member, (0, 0))
+            if known is None or known[0][0] != beat[0] or beat[1] - known[0][1] > FRESH_BEATS:
+                return self._options.patience_s
+        return self._options.settle_s
 
     def _parts(self) -> tuple[Numbers, Numbers]:
         """Return who takes part in the next plan, and who may fly on unheard."""
@@ -318,13 +339,14 @@ class Agent:
         return members, silent
 
     def _has_reason(self, members: Numbers, silent: Numbers) -> bool:
-        # Who is heard for the first time tells its place with the next packet.
-        if not members <= self._places.keys() or not self._points - self.visited or not members:
+        if not members & self._places.keys() or not self._points - self.visited:
             return False
         if self.plan.epoch == FIRST_EPOCH:
             before, unheard = self._everyone, frozenset[int]()
         else:
             before, unheard = self.proposal.names, self.proposal.silent
+        if any(epoch > self.plan.epoch for epoch, _ in self._proposals()):
+            return True  # others keep to a plan that was made without this agent
         if members != before or silent != unheard or self._zones() != self.proposal.exclusions:
             return bool(self.left) or members != before
         open_points = [p for k in members for p in self.plan.routes.get(k, ())]
@@ -334,8 +356,7 @@ class Agent:
         return tuple(sorted({(w[0], part) for w, part, _ in self.ledger.values(Kind.EXCLUSION)}))
 
     def _propose(self, members: Numbers, silent: Numbers) -> None:
-        newest = self._newest()
-        number = max(newest[0][0] if newest else 0, self.plan.epoch[0]) + 1
+        number = max([epoch[0] for epoch, _ in self._proposals()] + [self.plan.epoch[0]]) + 1
         theirs = {p for k in silent for p in self.plan.routes.get(k, ())}
         if silent & self.proposal.silent:
             theirs |= self.proposal.last

@@ -21,6 +21,8 @@ class AgreementOptions:
         Detection of losses.
     settle_s
         A coordinator proposes so long after it saw a reason: several changes make one proposal.
+    patience_s
+        It waits so long for the present places of vehicles that are heard again.
     repeat_s, repeats
         Between repetitions of a proposal that members have not claimed, and how many there are.
     least_gap_s
@@ -29,6 +31,7 @@ class AgreementOptions:
 
     membership: MembershipOptions = field(default_factory=MembershipOptions)
     settle_s: float = 0.2
+    patience_s: float = 3.0
     repeat_s: float = 0.5
     repeats: int = 20
     least_gap_s: float = 0.1

@@ -3,10 +3,10 @@
 
 It is a delta-state CRDT (Almeida, Shoker, Baquero 2018, doi:10.1016/j.jpdc.2017.08.003). Each
 entry has one writer, which numbers its writes; of two values of an entry the one with the higher
-version holds. A map whose values only grow in a total order is a semilattice, so merging is commutative,
-associative and idempotent. A version vector says up to which write of each writer a ledger is
-complete; deltas carry what a vector lacks. An agent that starts again is another writer, so that
-it takes back what it wrote before like anything else.
+version holds. A map whose values only grow in a total order is a semilattice, so merging is
+commutative, associative and idempotent. A version vector says up to which write of each writer a
+ledger is complete; deltas carry what a vector lacks. An agent that starts again is another writer,
+so that it takes back what it wrote before like anything else.
 """
 
 import hashlib

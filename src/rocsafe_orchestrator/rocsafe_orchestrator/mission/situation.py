@@ -23,6 +23,8 @@ class Situation:
         Number of photographs in the store.
     images_rejected
         Number of photographs that the store refuses.
+    images_expected
+        Number of viewpoints of the plan.
     still
         Vehicles that do not move, in the air or on the ground.
     aloft
@@ -31,6 +33,8 @@ class Situation:
         Vehicles with photographs that are not stored yet.
     sightings
         What is known of each vehicle.
+    agents_are_done
+        Whether all agents that are heard have nothing left to fly.
     """
 
     ready: frozenset[str]
@@ -38,10 +42,12 @@ class Situation:
     waiting_for: tuple[str, ...] = ()
     images_stored: int = 0
     images_rejected: int = 0
+    images_expected: int = 0
     still: frozenset[str] = frozenset()
     aloft: frozenset[str] = frozenset()
     unsettled: frozenset[str] = frozenset()
     sightings: Mapping[str, Sighting] = field(default_factory=dict)
+    agents_are_done: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -245,6 +245,7 @@ class MissionLoop:
             waiting_for=waiting_for,
             images_stored=parts.monitor.images_stored,
             images_rejected=len(parts.monitor.rejections),
+            images_expected=parts.monitor.images_expected,
             still=parts.monitor.still,
             aloft=frozenset(
                 status.name
@@ -252,6 +253,7 @@ class MissionLoop:
                 if status.is_aloft and silences_s[status.name] < LONGEST_SILENCE_S
             ),
             unsettled=parts.monitor.unsettled,
+            agents_are_done=parts.node.agents_are_done,
             sightings={
                 name: parts.monitor.sighting(name, now_s, silent_s)
                 for name, silent_s in silences_s.items()
