@@ -14,29 +14,28 @@ All parts fly whole missions in simulated time over a simulated radio. Times are
 """
 
 import argparse
-import dataclasses
 import math
 import statistics
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from replanning import CAMERA, CORNER
 
-from rocsafe_fleet.agreement.fleet_plan import SharedPlans, situation_of
-from rocsafe_fleet.ledger.records import Proposal
+from rocsafe_fleet.agreement.fleet_plan import SharedPlans
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.trial import Trial, TrialOptions, agreed, planner_of
+from rocsafe_fleet.trial.what_if import central_s
 from rocsafe_geo.position import offset
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.plan.survey_options import CoverageOptions, Effort, SeparationOptions
+from rocsafe_planner.plan.survey_options import CoverageOptions, SeparationOptions
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import remaining_request
 
 BAD = RadioOptions(loss=0.2, duplicates=0.05, jitter_s=0.2)
 BURSTS = RadioOptions(burst=(0.05, 0.3), jitter_s=0.2)
@@ -94,6 +93,15 @@ def reached(condition: Callable[[Trial], bool], longest_s: float) -> Callable[[T
     return is_over
 
 
+def _at(time_s: float) -> Callable[[Trial], bool]:
+    """Return whether a trial has come to a time."""
+    return lambda trial: trial.now_s >= time_s
+
+
+def _cut(trial: Trial, groups: list[list[int]]) -> None:
+    trial.radio.cut(groups)
+
+
 def say(name: str, value: str, target: str, is_met: bool) -> bool:
     """Print a row."""
     print(f'{name:44s} {value:>26s}   {target:>22s}  {"met" if is_met else "MISSED"}', flush=True)
@@ -108,14 +116,14 @@ def loss(seeds: int) -> bool:
         lost, time_s = int(random.integers(5)), float(random.uniform(50.0, 500.0))
         for kind, found in excess.items():
             trial = place.trial(seed)
-            trial.at(time_s, lambda t, k=kind, n=lost: _lose(t, n, announced=k == 'announced'))
+            trial.at(time_s, partial(_lose, number=lost, announced=kind == 'announced'))
             outcome = trial.run()
             missing += outcome.missing
             agent = trial.live[0]
             delays.append(min(outcome.flying_s.values()) - time_s)
             if kind == 'silent':
                 delays[-1] -= 3.0
-            found.append(outcome.makespan_s / _central_s(trial, agent.proposal) - 1.0)
+            found.append(outcome.makespan_s / central_s(trial, agent.proposal, 10.0) - 1.0)
     slowest = float(np.quantile(delays, 0.99))
     is_met = say('new routes after detection, p99', f'{slowest:.2f} s', '<= 1.0 s', slowest <= 1.0)
     for kind, found in excess.items():
@@ -134,20 +142,6 @@ def _lose(trial: Trial, number: int, *, announced: bool) -> None:
         trial.lose(number)
 
 
-def _central_s(trial: Trial, proposal: Proposal) -> float:
-    """Return when a central search of ten seconds would have ended, all points free."""
-    names = [vehicle.name for vehicle in trial.survey.request.vehicles]
-    free = dataclasses.replace(proposal, last=frozenset())
-    request = remaining_request(trial.survey, situation_of(free, names, ()))
-    best = plan_survey(
-        dataclasses.replace(
-            request, effort=Effort(budget_s=10.0, proposals=0), separation=request.separation
-        )
-    )
-    begun = min(trial.outcome.flying_s.values()) - trial.options.planning_s
-    return begun + best.makespan_s
-
-
 def missions(seeds: int) -> bool:
     """Fly many small missions with random losses and restarts over a bad radio."""
     place, missing, duplicates, least = field(4, 5), 0, 0, math.inf
@@ -155,10 +149,10 @@ def missions(seeds: int) -> bool:
         random = np.random.default_rng(seed)
         trial = place.trial(seed, BAD if seed % 2 else BURSTS, step_s=0.2)
         order = random.permutation(4)
-        trial.at(float(random.uniform(5, 60)), lambda t, k=int(order[0]): t.lose(k))
+        trial.at(float(random.uniform(5, 60)), partial(Trial.lose, number=int(order[0])))
         when = float(random.uniform(5, 60))
-        trial.at(when, lambda t, k=int(order[1]): t.kill_agent(k))
-        trial.at(when + 8.0, lambda t, k=int(order[1]): t.start_agent(k, 2))
+        trial.at(when, partial(Trial.kill_agent, number=int(order[1])))
+        trial.at(when + 8.0, partial(Trial.start_agent, number=int(order[1]), incarnation=2))
         outcome = trial.run()
         missing += outcome.missing
         duplicates += outcome.duplicates
@@ -176,9 +170,9 @@ def partition(seeds: int) -> bool:
         random = np.random.default_rng(seed)
         begin, parts = float(random.uniform(20, 60)), random.permutation(5)
         groups = [parts[:2].tolist(), parts[2:].tolist()]
-        trial.at(begin, lambda t, g=groups: t.radio.cut(g))
+        trial.at(begin, partial(_cut, groups=groups))
         trial.at(begin + 120.0, lambda t: t.radio.heal())
-        trial.run(reached(lambda t, end=begin + 120.0: t.now_s >= end, 1e9))
+        trial.run(_at(begin + 120.0))
         trial.run(reached(_same_plan, 30.0))
         agreements.append(trial.now_s - begin - 120.0)
         outcome = trial.run()
@@ -211,7 +205,7 @@ def coordinator(seeds: int) -> bool:
         trial.at(moment, lambda t: t.kill_agent(0))
         if seed % 2:
             trial.at(moment + float(random.uniform(0.2, 6.0)), lambda t: t.start_agent(0, 2))
-        trial.run(reached(lambda t: t.now_s >= 40.0, 1e9))
+        trial.run(_at(40.0))
         trial.run(reached(lambda t: agreed(t.live) and not t.outcome.alarms, 20.0))
         stuck += any(agent.wanted is not None for agent in trial.live)
         differing += len({(agent.epoch, agent.plan.digest) for agent in trial.live}) > 1
@@ -225,22 +219,22 @@ def thin(seeds: int) -> bool:
     for seed in range(max(3, seeds // 20)):
         trial = place.trial(seed, THIN, step_s=0.2)
         trial.at(40.0, lambda t: t.lose(4))
-        trial.run(reached(lambda t: t.now_s >= 43.0, 1e9))
+        trial.run(_at(43.0))
         trial.run(reached(_same_plan, 60.0))
         times.append(trial.now_s - 43.0)
     worst = max(times)
     is_met = say('agreement at 9.6 kbit/s, 50 % loss', f'{worst:.1f} s', '<= 30 s', worst <= 30.0)
     trial = place.trial(0)
-    trial.run(reached(lambda t: t.now_s >= 20.0, 1e9))
+    trial.run(_at(20.0))
     # Vehicles that stand: no news, heartbeats only.
     trial.vehicles = [None] * 10
     before = list(trial.radio.payload_bytes)
-    trial.run(reached(lambda t: t.now_s >= 50.0, 1e9))
+    trial.run(_at(50.0))
     steady = max(b - a for a, b in zip(before, trial.radio.payload_bytes, strict=True)) / 30.0
     is_met &= say('payload, steady, 10 drones', f'{steady:.0f} B/s', '<= 250 B/s', steady <= 250.0)
     before = list(trial.radio.payload_bytes)
     trial.lose(4)
-    trial.run(reached(lambda t: t.now_s >= 65.0, 1e9))
+    trial.run(_at(65.0))
     spent = [b - a for a, b in zip(before, trial.radio.payload_bytes, strict=True)]
     event = max(spent) - 15.0 * steady
     return say('payload, a loss', f'{event:.0f} B', '<= 2000 B', event <= 2000.0) and is_met
@@ -253,7 +247,7 @@ def half(seeds: int) -> bool:
         random = np.random.default_rng(seed)
         trial = place.trial(seed, BAD, step_s=0.2)
         for lost in random.permutation(6)[:3]:
-            trial.at(float(random.uniform(5, 60)), lambda t, k=int(lost): t.lose(k))
+            trial.at(float(random.uniform(5, 60)), partial(Trial.lose, number=int(lost)))
         missing += trial.run().missing
     return say(f'viewpoints lost, {count} missions, half lost', str(missing), '0', missing == 0)
 

@@ -85,10 +85,13 @@ MAY_IMPORT = {
         'rocsafe_planner.conversions',
         'rocsafe_planner.errors',
         'rocsafe_planner.plan',
+        'rocsafe_planner.planning',
         'rocsafe_planner.replanning',
         'rocsafe_planner.solver.precompile',
     },
     'rocsafe_orchestrator': {
+        # `rocsafe whatif` flies agents in simulated time.
+        'rocsafe_fleet.trial',
         'rocsafe_scenario',
         'rocsafe_view',
         'rocsafe_planner.plan',

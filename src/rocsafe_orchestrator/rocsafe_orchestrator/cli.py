@@ -108,6 +108,7 @@ def _parser() -> argparse.ArgumentParser:
         replay,
         report,
         run,
+        whatif,
     )
 
     parser = argparse.ArgumentParser(
@@ -118,7 +119,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    for module in (run, fleet, check, plan, replan, preflight, report, replay, clear, passed_on):
+    first = (run, fleet, check, plan, replan, whatif)
+    for module in (*first, preflight, report, replay, clear, passed_on):
         module.add_to(commands)
     return parser
 

@@ -87,6 +87,8 @@ class Trial:
         By number; a lost one is None.
     now_s
         Simulated time.
+    first_proposal
+        Of the first epoch that was flown.
     """
 
     def __init__(
@@ -118,6 +120,7 @@ class Trial:
         self._seen: dict[int, int] = {}
         self._events: list[tuple[float, Callable[[Trial], None]]] = []
         self.outcome = Outcome()
+        self.first_proposal: Proposal | None = None
 
     def at(self, time_s: float, event: Callable[['Trial'], None]) -> None:
         """Let something happen at a time."""
@@ -211,6 +214,7 @@ class Trial:
         members = [self.agents[k] for k in agent.proposal.names]
         if all(m is None or m.epoch >= agent.epoch for m in members):
             self.outcome.flying_s[agent.epoch] = self.now_s
+            self.first_proposal = self.first_proposal or agent.proposal
 
     def _watch(self) -> None:
         """Note the least distance of vehicles on their legs."""
