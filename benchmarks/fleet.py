@@ -110,12 +110,13 @@ def say(name: str, value: str, target: str, is_met: bool) -> bool:
 
 def loss(seeds: int) -> bool:
     """Lose one of five drones with 400 viewpoints."""
-    place, delays, excess, missing = field(5, 20), [], {'announced': [], 'silent': []}, 0
+    place, delays, missing = field(5, 20), [], 0
+    excess: dict[str, list[float]] = {'announced': [], 'silent': []}
     for seed in range(max(2, seeds // 20)):
         random = np.random.default_rng(seed)
         lost, time_s = int(random.integers(5)), float(random.uniform(50.0, 500.0))
         for kind, found in excess.items():
-            trial = place.trial(seed)
+            trial = place.trial(seed, step_s=0.2)
             trial.at(time_s, partial(_lose, number=lost, announced=kind == 'announced'))
             outcome = trial.run()
             missing += outcome.missing
