@@ -19,6 +19,8 @@ from rocsafe_planner.replanning import replan
 from . import surveys
 from .surveys import after, trial
 
+pytestmark = pytest.mark.slow
+
 LOSSY = RadioOptions(loss=0.2, duplicates=0.1, jitter_s=0.3)
 
 
@@ -29,7 +31,7 @@ def test_without_a_loss_the_first_plan_is_flown():
     assert (outcome.missing, outcome.duplicates, outcome.flying_s) == (0, 0, {})
 
 
-@pytest.mark.parametrize('lost', range(4))
+@pytest.mark.parametrize('lost', [0, 2])
 def test_the_others_take_over(lost):
     """From any one that is lost, the coordinator too; soon, and nothing twice."""
     one = trial()
@@ -75,7 +77,7 @@ def test_a_lasting_cut_loses_nothing():
     assert outcome.duplicates > 0
 
 
-@pytest.mark.parametrize('seed', range(4))
+@pytest.mark.parametrize('seed', range(3))
 def test_coordinators_may_die_at_any_time(seed):
     """Also while they propose; those that start again take part again."""
     random = np.random.default_rng(seed)
@@ -144,7 +146,7 @@ def test_who_computes_another_plan_is_left_to_itself():
     assert 2 not in one.live[0].proposal.names
 
 
-@pytest.mark.parametrize('seed', range(5))
+@pytest.mark.parametrize('seed', range(3))
 def test_parts_with_different_plans_never_meet(seed):
     """Layers belong to vehicles: whatever the parts plan, they stay apart on their way."""
     random = np.random.default_rng(seed)

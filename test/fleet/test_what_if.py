@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Missions in which something fails, flown before they are flown."""
 
+import pytest
+
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.what_if import cases_of, what_if
 
@@ -15,6 +17,7 @@ def test_every_vehicle_every_pair_the_head_and_a_cut_are_tried():
     assert 'rav0, rav2 at 50%' in names
 
 
+@pytest.mark.all
 def test_nothing_is_lost_whatever_fails():
     """And a head that searches longer, with all viewpoints free, is not much faster."""
     rows = list(what_if(surveys.survey(3, 4), RadioOptions(loss=0.1), 0, 0.1))
