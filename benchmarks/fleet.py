@@ -116,7 +116,7 @@ def loss(seeds: int) -> bool:
         random = np.random.default_rng(seed)
         lost, time_s = int(random.integers(5)), float(random.uniform(50.0, 500.0))
         for kind, found in excess.items():
-            trial = place.trial(seed, step_s=0.2)
+            trial = place.trial(seed)
             trial.at(time_s, partial(_lose, number=lost, announced=kind == 'announced'))
             outcome = trial.run()
             missing += outcome.missing
