@@ -59,6 +59,16 @@ def test_a_replaced_route_and_a_loss_are_no_faults():
     assert any('the agents of the others take over' in text for text in mission.remarks)
 
 
+def test_a_vehicle_whose_process_is_gone_is_left_to_the_agents():
+    """Simulated time does not wait for it, and that is no fault."""
+    mission = airborne()
+    mission.gave_up('rav1', 'was ended by SIGKILL')
+    orders = mission.advance(102.0, situation())
+    assert Order(kind=OrderKind.DISMISS, vehicle='rav1') in orders
+    assert mission.phase is Phase.FLYING
+    assert mission.faults == []
+
+
 def test_the_flight_is_over_when_the_agents_are_done():
     """For some seconds, because a loss may give them more; then missing photographs count."""
     mission = airborne()

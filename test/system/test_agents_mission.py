@@ -66,18 +66,3 @@ def test_agents_take_over_from_a_lost_vehicle(fly: Fly) -> None:
         time.sleep(0.05)
     assert flight.end() == 0, flight.output
     assert photographed(flight) == planned(flight)
-
-
-@pytest.mark.all
-def test_without_agents_the_orchestrator_takes_over(fly: Fly) -> None:
-    """Their process keeps dying, then a vehicle's: losses are handled as without agents."""
-    flight = fly('--speed', '6')
-    flight.wait_for_images(1)
-    while 'losses are handled without them' not in flight.output:
-        assert flight.process.poll() is None, flight.output
-        pid = flight.pid_of('agents')
-        if pid in flight.living():
-            os.kill(pid, signal.SIGKILL)
-        time.sleep(0.05)
-    assert flight.end() == 0, flight.output
-    assert photographed(flight) == planned(flight)

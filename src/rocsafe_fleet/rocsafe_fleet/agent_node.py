@@ -128,13 +128,13 @@ class AgentsNode(Node):
             return True
         fleet = self._fleet
         for name, link in self._links.items():
-            self._tell_agent(fleet, name, link)
+            self._tell_agent(fleet, name, link, time_ns * _NS)
         for data in fleet.local.advance(time_ns * _NS):
             self._packets.publish(FleetPacket(data=data))
         self._plan(fleet)
         return self._is_done()
 
-    def _tell_agent(self, fleet: FleetStart, name: str, link: VehicleLink) -> None:
+    def _tell_agent(self, fleet: FleetStart, name: str, link: VehicleLink, time_s: float) -> None:
         """Tell an agent what its vehicle does."""
         agent = fleet.agent(name)
         if link.state is None:
@@ -145,7 +145,9 @@ class AgentsNode(Node):
             agent.move(place)
         if link.visited:
             agent.visit(link.visited)
-        if name not in fleet.silent:
+        if link.is_silent(time_s):
+            agent.disable('its vehicle is silent')
+        elif name not in fleet.silent:
             agent.disable(link.inability)
 
     # Plans and routes.
@@ -230,7 +232,9 @@ class AgentsNode(Node):
         fleet, links = self._fleet, self._links.values()
         if fleet is None or self._job is not None or any(link.is_busy for link in links):
             return fleet is None
-        is_down = all(link.is_down or link.name in fleet.silent for link in links)
+        now_s = self._now_s()
+        gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent
+        is_down = all(link.is_down or link.name in gone for link in links)
         return is_down and fleet.is_done
 
     def _report(self, fleet: FleetStart) -> None:

@@ -14,12 +14,15 @@ from rocsafe_fleet.conversions import inability, is_aloft, numbers_of, visited_o
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Control, Route, VehicleState
 from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_ros.plan_digest import route_digest
 
 # A route is sent again if it is not accepted within this time, so often.
 REPEAT_S = 2.0
 MOST_TRIES = 5
+# A vehicle in the air that tells nothing for so long is lost, seconds by the node's clock.
+SILENT_S = 10.0
 
 
 class VehicleLink:
@@ -74,6 +77,12 @@ class VehicleLink:
     def is_down(self) -> bool:
         """Whether it is not in the air, as far as it is heard."""
         return self.state is None or not is_aloft(self.state)
+
+    def is_silent(self, now_s: float) -> bool:
+        """Return whether it was in the air and has told nothing for too long."""
+        if self.state is None or self.is_down:
+            return False
+        return now_s - ns_of_stamp(self.state.header.stamp) * 1e-9 > SILENT_S
 
     @property
     def inability(self) -> str:

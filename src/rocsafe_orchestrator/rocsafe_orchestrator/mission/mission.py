@@ -223,10 +223,22 @@ class Mission(PhaseRecord):
         if not vehicles or not is_aloft or self.is_cancelled:
             return False
         if not self.fleet.note(vehicles, why, is_gone=is_gone):
-            return False
+            return self._left_to_agents(vehicles, why, is_gone=is_gone)
         self._time.begin()
         self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
         self.enter(Phase.PLANNING)
+        return True
+
+    def _left_to_agents(self, vehicles: list[str], why: str, *, is_gone: bool) -> bool:
+        """Leave lost vehicles to the agents of the others; return whether there are any."""
+        if not self._has_agents or not self.fleet.others:
+            return False
+        names = ', '.join(vehicles)
+        self.remarks.append(f'{names}: {why}; the agents of the others take over')
+        for vehicle in vehicles:
+            self._requests.finish(OrderKind.FLY, vehicle)
+        if is_gone:
+            self.fleet.dismiss_again()
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
@@ -348,11 +360,6 @@ class Mission(PhaseRecord):
             is_gone = not situation.sightings[vehicle].ending
             if self._replaced([vehicle], why, is_gone=is_gone):
                 is_replaced = True
-            elif self._has_agents:
-                self.remarks.append(f'{vehicle}: {why}; the agents of the others take over')
-                self._requests.finish(OrderKind.FLY, vehicle)
-                if is_gone:
-                    self.fleet.dismiss_again()
             elif is_gone and self.fleet.others:
                 self._give_up_on(vehicle, why)
         back = [] if self._has_agents else self.fleet.regain()
