@@ -69,6 +69,7 @@ DOMAINS = {
     'rocsafe_ground',
     'rocsafe_mapping',
     'rocsafe_mavlink',
+    'rocsafe_fleet',
 }
 # Packages that may import cores of others, and whose: a package, or a room or module of one.
 # Everybody may import rocsafe_geo.
@@ -97,7 +98,18 @@ MAY_IMPORT = {
         'rocsafe_sim',
         'rocsafe_view',
     },
+    # Agents plan by themselves; a simulated fleet flies by the planner's values.
+    'rocsafe_fleet': {
+        'rocsafe_planner.conversions',
+        'rocsafe_planner.errors',
+        'rocsafe_planner.plan',
+        'rocsafe_planner.planning',
+        'rocsafe_planner.replanning',
+        'rocsafe_planner.solver.precompile',
+    },
     'rocsafe_orchestrator': {
+        # `rocsafe whatif` flies agents in simulated time.
+        'rocsafe_fleet.trial',
         'rocsafe_scenario',
         'rocsafe_view',
         'rocsafe_planner.plan',

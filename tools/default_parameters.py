@@ -50,6 +50,7 @@ NODES = (
     ('detector', 'a real detector', 'rocsafe_radiation.detector_options:DetectorOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('router', 'drives of a ground vehicle', 'rocsafe_ground.options:RouterOptions'),
+    ('agents', 'agents of the vehicles', 'rocsafe_fleet.options:AgentOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),
 )

@@ -26,7 +26,9 @@ def test_help_documents_every_exit_code(capsys: pytest.CaptureFixture[str]) -> N
         assert signal_code in text
 
 
-@pytest.mark.parametrize('command', ['run', 'plan', 'replan', 'check', 'report', 'replay'])
+@pytest.mark.parametrize(
+    'command', ['run', 'plan', 'replan', 'whatif', 'check', 'report', 'replay']
+)
 def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """`rocsafe COMMAND --help` says what the command does."""
     with pytest.raises(SystemExit) as ended:

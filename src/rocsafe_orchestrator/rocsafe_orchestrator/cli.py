@@ -109,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
         replay,
         report,
         run,
+        whatif,
     )
 
     parser = argparse.ArgumentParser(
@@ -120,7 +121,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     modules = (
-        run, fleet, check, plan, replan, preflight, report, replay, clear, airsim, passed_on,
+        run, fleet, check, plan, replan, whatif, preflight, report, replay, clear, airsim,
+        passed_on,
     )  # fmt: skip
     for module in modules:
         module.add_to(commands)

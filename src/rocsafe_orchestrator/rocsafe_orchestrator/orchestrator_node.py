@@ -17,6 +17,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import (
+    AgentState,
     DoseAlarm,
     HazardSourceArray,
     RadiationReading,
@@ -66,6 +67,7 @@ class OrchestratorNode(Node):
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
+        self._agents: dict[str, bool] = {}
         self._steps_watch: Any = None
         self.requester = Node(
             f'{NAME}_requests',
@@ -92,6 +94,8 @@ class OrchestratorNode(Node):
             topics.create_subscription(self, topics.DOSE_ALARM, on_alarm, name)
         topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
+        if self._scenario.fleet.agents:
+            topics.create_subscription(self, topics.AGENTS, self._on_agent)
 
     def destroy_node(self) -> None:
         """Destroy the node and the clients that it made."""
@@ -159,6 +163,14 @@ class OrchestratorNode(Node):
     def _on_state(self, message: VehicleState) -> None:
         self._states[message.vehicle] = message
         self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
+
+    def _on_agent(self, message: AgentState) -> None:
+        self._agents[message.vehicle] = message.is_done
+
+    @property
+    def agents_are_done(self) -> bool:
+        """Whether all agents that were heard have nothing left to fly."""
+        return bool(self._agents) and all(self._agents.values())
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)

@@ -16,17 +16,17 @@ from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.drive_requests_node import DriveRequests
-from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.parameters import goal_conversions
-from rocsafe_orchestrator.parameters.node_parameters import FLEET
+from rocsafe_orchestrator.parameters.node_parameters import AGENTS, FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_orchestrator.watches.operator_watch import Verb
 from rocsafe_orchestrator.watches.retreat import retreat
 from rocsafe_ros import topics
+from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
 
@@ -92,7 +92,9 @@ class Requests:
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
             for name in scenario.vehicle_names
         }
-        self._leases = Leases(node, scenario.all_names, mission_id, self._remark)
+        self._leases = Leases(
+            node, scenario.all_names, mission_id, self._remark, role='orchestrator'
+        )
         self._services: dict[str, Client] = {
             spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
@@ -263,7 +265,8 @@ class Requests:
         answer.add_done_callback(partial(self._on_answer, _VERBS[order.kind], order))
 
     def _dismiss(self, order: Order) -> None:
-        participant = FLEET if self._scenario.simulation.processes == 'fleet' else order.vehicle
+        is_shared = self._scenario.simulation.processes == 'fleet' and order.vehicle != AGENTS
+        participant = FLEET if is_shared else order.vehicle
         self._steps.publish(StepDone(participant=participant, has_left=True))
         if self._mission is not None:
             self._mission.answered(order)

@@ -17,6 +17,7 @@ from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.problem.fleet_problem import Order
 from rocsafe_planner.routing.boustrophedon import boustrophedon_minmax
 from rocsafe_planner.routing.costs import objective_value
+from rocsafe_planner.routing.insertion import minmax_insertion
 from rocsafe_planner.routing.methods import METHODS, Optimised
 from rocsafe_planner.site.given_viewpoints import footprints_of
 from rocsafe_planner.site.survey_site import SurveySite, survey_site
@@ -103,6 +104,8 @@ def _served(site: SurveySite, on_progress: Progress) -> tuple[SurveySite, Optimi
     from rocsafe_planner.routing import battery_reach as reach
 
     request, simple = site.request, boustrophedon_minmax(site.problem)
+    if (ordered := _with_last_points(site)) is not None:
+        return site, ordered
     if math.isfinite(objective_value(site.problem, simple, 'longest_time')):
         return site, _found(site, on_progress, [simple])
     beyond = reach.beyond_reach(site.problem)
@@ -120,6 +123,23 @@ def _served(site: SurveySite, on_progress: Progress) -> tuple[SurveySite, Optimi
         if math.isfinite(objective_value(site.problem, found.orders, 'longest_time')):
             return site, found
     return _partly_served(site, reach.most_served(site.problem, request.effort), on_progress)
+
+
+def _with_last_points(site: SurveySite) -> Optimised | None:
+    """Return routes on which the last viewpoints come last; None: there are none, or no routes."""
+    request = site.request
+    last = {k for k, v in enumerate(site.viewpoints) if v.id in request.continuation.last}
+    if not last:
+        return None
+    if request.effort.method == 'solver':
+        # Loaded when it is asked for: see `_found`.
+        from rocsafe_planner.routing.two_stages import orders_in_two_stages
+
+        orders = orders_in_two_stages(site.problem, request.effort, last)
+    else:
+        orders = minmax_insertion(site.problem, last)
+    value = objective_value(site.problem, orders, 'longest_time')
+    return Optimised(orders=orders) if math.isfinite(value) else None
 
 
 def _partly_served(

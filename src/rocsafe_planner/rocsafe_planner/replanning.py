@@ -48,6 +48,9 @@ class Situation:
         More zones that no leg crosses. Viewpoints inside cannot be visited any more.
     occupied_heights_m
         Flight heights of vehicles that nobody hears, see `Continuation`.
+    last
+        Ids of viewpoints that each vehicle visits after all its others: somebody who is not
+        heard may be about to visit them.
     """
 
     alive: Mapping[str, Aloft | float | None]
@@ -55,12 +58,14 @@ class Situation:
     new_places: tuple[GeoPosition, ...] = ()
     new_exclusions: tuple[SurveyArea, ...] = field(default=())
     occupied_heights_m: tuple[float, ...] = ()
+    last: frozenset[int] = frozenset()
 
 
 def replan(
     plan: SurveyPlan,
     situation: Situation,
     on_progress: Progress = lambda _makespan, _bound: True,
+    method: str = 'solver',
 ) -> SurveyPlan:
     """Return the plan for the rest of a survey; times count from now.
 
@@ -74,11 +79,13 @@ def replan(
     PlannerError
         If there is no plan for the rest; NothingLeftError if all is photographed.
     """
-    return checked_plan(remaining_request(plan, situation), on_progress)
+    return checked_plan(remaining_request(plan, situation, method), on_progress)
 
 
-def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
-    """Return what is left of a plan as a request: with the solver, without a time limit."""
+def remaining_request(
+    plan: SurveyPlan, situation: Situation, method: str = 'solver'
+) -> SurveyRequest:
+    """Return what is left of a plan as a request for a method, without a time limit."""
     request = plan.request
     known = _all_viewpoints(plan)
     _check(situation, known, request)
@@ -93,7 +100,9 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
         raise NothingLeftError('no viewpoint is left: all are photographed')
     done = [view for view in known.values() if view.id in situation.visited]
     # No wait keeps away from a vehicle of which nobody knows when it is where.
-    by = 'layers' if situation.occupied_heights_m else request.separation.by
+    by = request.separation.by
+    if situation.occupied_heights_m and by != 'reserved':
+        by = 'layers'
     return dataclasses.replace(
         request,
         vehicles=tuple(
@@ -105,7 +114,7 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
             request.coverage, max_viewpoints=max(request.coverage.max_viewpoints, len(left))
         ),
         effort=dataclasses.replace(
-            request.effort, method='solver', budget_s=0.0, proposals=_proposals(len(left))
+            request.effort, method=method, budget_s=0.0, proposals=_proposals(len(left))
         ),
         separation=dataclasses.replace(request.separation, by=by),
         exclusions=(*request.exclusions, *situation.new_exclusions),
@@ -115,6 +124,7 @@ def remaining_request(plan: SurveyPlan, situation: Situation) -> SurveyRequest:
             ground_reference=request.continuation.ground_reference
             or tuple(v.home for v in request.vehicles),
             occupied_heights_m=situation.occupied_heights_m,
+            last=tuple(sorted({view.id for view in left} & situation.last)),
         ),
     )
 

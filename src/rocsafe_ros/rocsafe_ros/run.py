@@ -6,10 +6,13 @@ wait-set executors. Where a callback must wait, it is a coroutine, not a thread.
 """
 
 import ctypes
+import fcntl
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -33,6 +36,10 @@ POLL_S = 0.1
 # The supervisor sets this to its process id; its nodes end when it ends.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 _PR_SET_PDEATHSIG = 1
+# A file that the agents of a fleet keep locked: as long as they do, the nodes of their mission go
+# on without their supervisor.
+FLEET_LOCK_VARIABLE = 'ROCSAFE_FLEET_LOCK'
+FLEET_LOOK_S = 1.0
 
 
 class StopRequest:
@@ -72,6 +79,8 @@ def run(
         a parameter is wrong. Any other exception ends the process with its traceback, and its
         supervisor decides whether to start it again.
     """
+    if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
+        outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE]).is_needed
     if outlives is None:
         _end_with_supervisor()
     stop = StopRequest()
@@ -124,6 +133,41 @@ def is_orphan() -> bool:
     """Return whether the supervisor that started this process has died."""
     supervisor = os.environ.get(SUPERVISOR_VARIABLE)
     return bool(supervisor) and os.getppid() != int(supervisor or 0)
+
+
+class FleetWatch:
+    """Looks now and then whether a mission goes on: its supervisor lives, or its agents fly.
+
+    Parameters
+    ----------
+    lock
+        File that the agents keep locked.
+    """
+
+    def __init__(self, lock: str) -> None:
+        self._lock = lock
+        self._look_s = 0.0
+        self._goes_on = True
+
+    def is_needed(self, _made: object) -> bool:
+        """Return whether the mission goes on."""
+        now_s = time.monotonic()
+        if now_s >= self._look_s:
+            self._look_s = now_s + FLEET_LOOK_S
+            self._goes_on = not is_orphan() or is_locked(self._lock)
+        return self._goes_on
+
+
+def is_locked(path: str) -> bool:
+    """Return whether another process keeps a file locked."""
+    try:
+        with Path(path).open('rb') as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False
+    return False
 
 
 def _end_with_supervisor() -> None:

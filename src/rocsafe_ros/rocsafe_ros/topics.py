@@ -29,11 +29,13 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_interfaces.action import DriveRoute, FlyRoute, PlanGroundRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    AgentState,
     Control,
     Decision,
     DoseAlarm,
     DoseRate,
     EvidencePointArray,
+    FleetPacket,
     GasReading,
     GeoPoint,
     GeotaggedImage,
@@ -115,6 +117,11 @@ def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
 
 def _pictures() -> QoSProfile:
     return QoSProfile(depth=PICTURES_KEPT, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def _radio() -> QoSProfile:
+    """Return a stream whose lost messages are not sent again: who sends repairs that itself."""
+    return QoSProfile(depth=MEASUREMENTS_KEPT, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def _latched() -> QoSProfile:
@@ -288,6 +295,12 @@ CORDONS = _fleet(
 )
 BELIEF_MAP = _fleet(
     'hazard/belief', OccupancyGrid, _latched(), 'on change', 'probability of a source, percent'
+)
+FLEET_DELTA = _fleet(
+    'fleet/delta', FleetPacket, _radio(), '1 Hz an agent and on change', 'packets between agents'
+)
+AGENTS = _fleet(
+    'fleet/agents', AgentState, _kept(), '1 Hz an agent', 'what each agent knows of its fleet'
 )
 EVIDENCE = _fleet(
     'evidence', EvidencePointArray, _latched(), 'on change', 'where a ground vehicle is sent'

@@ -16,6 +16,7 @@ from rocsafe_scenario.radiation_blocks import RadiationBlock
 from rocsafe_scenario.scenario_blocks import (
     Block,
     ClockBlock,
+    FleetBlock,
     LatLon,
     OriginBlock,
     RegionBlock,
@@ -41,6 +42,7 @@ class Scenario(Block):
     other_cameras: tuple[OtherCameraBlock, ...] = Field(default=(), max_length=8)
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
+    fleet: FleetBlock = FleetBlock()
     replan: Literal['never', 'on_loss'] = 'on_loss'
     on_operator_lost: Literal['hold_then_return', 'return', 'go_on'] = 'hold_then_return'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)

@@ -151,6 +151,12 @@ class SeparationBlock(Block):
     by: Separation = _SEPARATION['by']
 
 
+class FleetBlock(Block):
+    """Whether each vehicle has an agent: they go on without an orchestrator."""
+
+    agents: bool = False
+
+
 class EffortBlock(Block):
     """Which method plans, what it minimises, for how long: see `Effort`.
 

@@ -19,6 +19,8 @@ from rocsafe_scenario.survey_size import fewest_viewpoints
 LARGEST_DISTANCE_M = 20_000.0
 # On one machine DDS finds 32 participants; a mission has a dozen besides its vehicles.
 MOST_VEHICLE_PROCESSES = 20
+# A proposal of the agents names all vehicles in one packet.
+MOST_AGENTS = 20
 # Slower air carries a release nowhere, m/s.
 LEAST_WIND_MPS = 0.5
 
@@ -40,6 +42,7 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_unclear_places(scenario),
         *_unused_shields(scenario),
         *_unclear_releases(scenario),
+        *_unfit_for_agents(scenario),
     ]
     try:
         area = scenario.area()
@@ -110,6 +113,23 @@ def _too_many_processes(scenario: Scenario) -> Iterator[str]:
             f'vehicles = {count} of them: must be at most {MOST_VEHICLE_PROCESSES} with '
             'simulation.processes = per_vehicle; fleet flies more in one process'
         )
+
+
+def _unfit_for_agents(scenario: Scenario) -> Iterator[str]:
+    """Refuse agents where they could not keep vehicles apart, or would not be asked."""
+    if not scenario.fleet.agents:
+        return
+    separation, count = scenario.survey.separation, len(scenario.vehicles)
+    if separation.by != 'reserved':
+        yield f'survey.separation.by = {separation.by!r}: must be reserved with fleet.agents'
+    if separation.distance_m <= 0.0:
+        yield 'survey.separation.distance_m = 0: must be positive with fleet.agents'
+    if scenario.replan != 'on_loss':
+        yield f'replan = {scenario.replan!r}: must be on_loss with fleet.agents'
+    if count > MOST_AGENTS:
+        yield f'vehicles = {count} of them: must be at most {MOST_AGENTS} with fleet.agents'
+    if scenario.extra_rounds:
+        yield f'extra_rounds = {scenario.extra_rounds}: must be 0 with fleet.agents'
 
 
 def _two_ends(scenario: Scenario) -> Iterator[str]:

@@ -46,6 +46,11 @@ def overlap(text: str) -> float:
     return _number(text, 0.0, 0.95, '')
 
 
+def part(text: str) -> float:
+    """Return a part of a whole, 0 to 1."""
+    return _number(text, 0.0, 1.0, '')
+
+
 def vehicle_speed(text: str) -> float:
     """Return a speed of a vehicle; an error names value and limits."""
     return _number(text, 0.1, 100.0, ' m/s')

@@ -69,6 +69,10 @@ class Losses:
         """Whether simulated time is paused, or about to be."""
         return self._requests.get(OrderKind.PAUSE_CLOCK) is not None
 
+    def replace_losses(self) -> None:
+        """Let other vehicles take over from now on."""
+        self._is_replaced = True
+
     def member(self, vehicle: str) -> Member:
         """Return the presence of a vehicle."""
         return self._members[vehicle]

@@ -19,7 +19,9 @@ from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.situation import Crew, Situation
 from rocsafe_orchestrator.mission.time_watch import TimeWatch
 
-LOCALIZER = 'localizer'
+LOCALIZER, AGENTS = 'localizer', 'agents'
+# Agents must have nothing left for so long: a loss may give them more.
+AGENTS_DONE_S = 3.0
 
 
 class Mission(PhaseRecord):
@@ -39,6 +41,8 @@ class Mission(PhaseRecord):
         Largest number of further flights to the places where readings are most informative.
     replans
         Whether the other vehicles take over the viewpoints of a lost one.
+    has_agents
+        Whether agents of the vehicles do that by themselves.
 
     Attributes
     ----------
@@ -55,6 +59,7 @@ class Mission(PhaseRecord):
         slowest_beat_s: float = 0.0,
         extra_rounds: int = 0,
         replans: bool = False,
+        has_agents: bool = False,
     ) -> None:
         super().__init__()
         self._crew = crew
@@ -68,6 +73,8 @@ class Mission(PhaseRecord):
             deadlines.lease(slowest_beat_s),
             is_replaced=replans,
         )
+        self._has_agents = has_agents
+        self._agents_done_s: float | None = None
         self._down_by_s: float | None = None
         self._rounds_left = extra_rounds
         self._is_extra = False
@@ -187,6 +194,9 @@ class Mission(PhaseRecord):
         if request is None or request.status is Status.DONE:
             return
         request.finish()
+        if self._has_agents:
+            # The image store counts: agents give vehicles other routes meanwhile.
+            return
         self._closing.shots += shots
         if not fault:
             return
@@ -215,7 +225,7 @@ class Mission(PhaseRecord):
         if not is_aloft or not self.fleet.member(vehicle).takes_orders:
             return
         self._requests.finish(OrderKind.FLY, vehicle)
-        if not self._replaced([vehicle], why):
+        if not self._replaced([vehicle], why) and not self._has_agents:
             self.fault(f'{vehicle}: {why}')
         self.fleet.withdraw(vehicle, why, OrderKind.RETURN if is_waiting else OrderKind.RETREAT)
 
@@ -230,10 +240,22 @@ class Mission(PhaseRecord):
         if not vehicles or not is_aloft or self.is_cancelled:
             return False
         if not self.fleet.note(vehicles, why, is_gone=is_gone):
-            return False
+            return self._left_to_agents(vehicles, why, is_gone=is_gone)
         self._time.begin()
         self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
         self.enter(Phase.PLANNING)
+        return True
+
+    def _left_to_agents(self, vehicles: list[str], why: str, *, is_gone: bool) -> bool:
+        """Leave lost vehicles to the agents of the others; return whether there are any."""
+        if not self._has_agents or not self.fleet.others:
+            return False
+        names = ', '.join(vehicles)
+        self.remarks.append(f'{names}: {why}; the agents of the others take over')
+        for vehicle in vehicles:
+            self._requests.finish(OrderKind.FLY, vehicle)
+        if is_gone:
+            self.fleet.dismiss_again()
         return True
 
     def restarted(self, process: str, now_s: float) -> None:
@@ -261,10 +283,19 @@ class Mission(PhaseRecord):
             self.fault(f'{process} {text}')
         elif self.phase is Phase.DRIVING:
             self._fail(f'{process} {text}')
+        elif process == AGENTS and self.phase < Phase.MAPPING:
+            self._do_without_agents(text)
         elif self._replaced(self.fleet.of_process(process), text, is_gone=True):
             return
         elif self.phase < Phase.REPORTING:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
+
+    def _do_without_agents(self, text: str) -> None:
+        """Handle losses here from now on; simulated time does not wait for the agents."""
+        self._has_agents = False
+        self.fleet.replace_losses()
+        self.remarks.append(f'{AGENTS} {text}: losses are handled without them')
+        self._requests.renew(OrderKind.DISMISS, WORLD, AGENTS)
 
     def cancel(self, text: str) -> None:
         """Cancel the mission: time stops, map and products are made within a short time."""
@@ -348,7 +379,7 @@ class Mission(PhaseRecord):
         is_flying = bool(situation.aloft) or not self._requests.all_done(OrderKind.FLY)
         if is_flying and all(request.status is not Status.WAITING for request in routes):
             self._requests.add(OrderKind.RUN_CLOCK, WORLD)
-        if self._requests.all_done(OrderKind.FLY) and self._are_down(now_s, situation):
+        if self._requests.all_done(OrderKind.FLY) and self._are_over(now_s, situation):
             self._go_on_or_collect()
             return
         is_running = self._time.is_begun or self._requests.all_done(OrderKind.RUN_CLOCK)
@@ -366,7 +397,7 @@ class Mission(PhaseRecord):
                 is_replaced = True
             elif is_gone and self.fleet.others:
                 self._give_up_on(vehicle, why)
-        back = self.fleet.regain()
+        back = [] if self._has_agents else self.fleet.regain()
         if back:
             self.enter(Phase.PLANNING)
         return is_replaced or bool(back)
@@ -376,6 +407,18 @@ class Mission(PhaseRecord):
         self.fault(f'{vehicle}: {why}')
         self.fleet.dismiss_again()
         self._requests.finish(OrderKind.FLY, vehicle)
+
+    def _are_over(self, now_s: float, situation: Situation) -> bool:
+        """Return whether all flights are over: with agents when these have nothing left."""
+        if not self._has_agents:
+            return self._are_down(now_s, situation)
+        if not situation.agents_are_done:
+            self._agents_done_s = None
+            return False
+        self._closing.shots = situation.images_expected
+        if self._agents_done_s is None:
+            self._agents_done_s = now_s
+        return now_s - self._agents_done_s >= AGENTS_DONE_S
 
     def _are_down(self, now_s: float, situation: Situation) -> bool:
         """Return whether every vehicle that reports has landed, or had time enough for it."""

@@ -23,6 +23,8 @@ class Situation:
         Number of photographs in the store.
     images_rejected
         Number of photographs that the store refuses.
+    images_expected
+        Number of viewpoints of the plan.
     still
         Vehicles that do not move, in the air or on the ground.
     aloft
@@ -35,6 +37,8 @@ class Situation:
         Whether the ground vehicle stands and has no drive.
     is_driver_unsettled
         Whether it has photographs that are not stored yet.
+    agents_are_done
+        Whether all agents that are heard have nothing left to fly.
     """
 
     ready: frozenset[str]
@@ -42,12 +46,14 @@ class Situation:
     waiting_for: tuple[str, ...] = ()
     images_stored: int = 0
     images_rejected: int = 0
+    images_expected: int = 0
     still: frozenset[str] = frozenset()
     aloft: frozenset[str] = frozenset()
     unsettled: frozenset[str] = frozenset()
     sightings: Mapping[str, Sighting] = field(default_factory=dict)
     is_driver_home: bool = False
     is_driver_unsettled: bool = False
+    agents_are_done: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

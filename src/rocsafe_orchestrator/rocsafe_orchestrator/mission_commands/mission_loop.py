@@ -247,6 +247,7 @@ class MissionLoop:
             waiting_for=waiting_for,
             images_stored=parts.monitor.images_stored,
             images_rejected=len(parts.monitor.rejections),
+            images_expected=parts.monitor.images_expected,
             still=parts.monitor.still,
             aloft=frozenset(
                 status.name
@@ -256,6 +257,7 @@ class MissionLoop:
             unsettled=parts.monitor.unsettled,
             is_driver_home=parts.monitor.driver.state in DRIVER_HOME,
             is_driver_unsettled=parts.monitor.driver.shots_pending > 0,
+            agents_are_done=parts.node.agents_are_done,
             sightings={
                 name: parts.monitor.sighting(name, now_s, silent_s)
                 for name, silent_s in silences_s.items()

@@ -180,7 +180,7 @@ class _Run:
             self.table = (*self.table, server)
         self.supervisor = Supervisor(
             launches(self.table, self.directory, self.identity, self.request.config),
-            child_environment(self.directory),
+            child_environment(self.directory, has_agents=self.scenario.fleet.agents),
         )
 
     @contextmanager
@@ -208,7 +208,8 @@ class _Run:
                 planning_budget_s=self.scenario.survey.effort.budget_s,
                 slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
                 extra_rounds=self.scenario.extra_rounds,
-                replans=self.scenario.replan == 'on_loss',
+                replans=self.scenario.replan == 'on_loss' and not self.scenario.fleet.agents,
+                has_agents=self.scenario.fleet.agents,
             )
             parts = Parts(
                 table=self.table,

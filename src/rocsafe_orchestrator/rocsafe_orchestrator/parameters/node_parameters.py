@@ -16,7 +16,7 @@ from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBl
 Parameters = dict[str, Any]
 
 FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
-LOCALIZER, AIR = 'localizer', 'air'
+LOCALIZER, AIR, AGENTS = 'localizer', 'air', 'agents'
 LOCK_STEP = {'lock_step': True}
 
 
@@ -42,10 +42,16 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'step_s': scenario.clock.step_s,
         'speed': 1.0 if is_real else scenario.clock.speed,
         'start_time_s': scenario.clock.start.timestamp(),
-        'participants': [*_vehicle_participants(scenario), FIELD, *_air(scenario), RECORDER],
+        'participants': [
+            *_vehicle_participants(scenario),
+            *([AGENTS] if scenario.fleet.agents else []),
+            FIELD,
+            *_air(scenario),
+            RECORDER,
+        ],
         'autostart': is_real,
         'pause_when_idle': not is_real,
-        'pause_on_news': not is_real and scenario.replan == 'on_loss',
+        'pause_on_news': not (is_real or scenario.fleet.agents) and scenario.replan == 'on_loss',
         'scene': scenario.scene,
     }
 
@@ -141,6 +147,20 @@ def airsim_parameters(scenario: Scenario, host: str, port: int) -> Parameters:
     """Return the parameters of the server of AirSim's API."""
     vehicles = list(scenario.vehicle_names)
     return {'host': host, 'port': port, 'vehicles': vehicles, **_origin(scenario)}
+
+
+def agent_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the agents of all vehicles."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
+        'mission': run.name,
+        'plan_file': str(run.plan),
+        'terrain_file': scenario.survey.terrain_file,
+        'state_directory': str(run.path / AGENTS),
+        'lock_step': not scenario.linked,
+        'participants': [name for name in _vehicle_participants(scenario) if name != FLEET],
+    }
 
 
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:

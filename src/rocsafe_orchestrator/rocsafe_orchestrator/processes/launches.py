@@ -13,7 +13,9 @@ from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import MissionIdentity
+from rocsafe_ros.run import FLEET_LOCK_VARIABLE
 
+_FLEET_LOCK = 'agents.lock'
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
@@ -52,10 +54,14 @@ def launches(
     return (*(_launch(spec, run, identity, config) for spec in table), _report_launch(run))
 
 
-def child_environment(run: RunDirectory) -> Mapping[str, str]:
-    """Return the environment of every process of the run."""
+def child_environment(run: RunDirectory, *, has_agents: bool = False) -> Mapping[str, str]:
+    """Return the environment of every process of the run.
+
+    With agents, the processes go on without their supervisor as long as the agents do.
+    """
     return {
         **os.environ,
+        **({FLEET_LOCK_VARIABLE: str(run.path / _FLEET_LOCK)} if has_agents else {}),
         SUPERVISOR_VARIABLE: str(os.getpid()),
         # ROS writes one log file for each process, by default in the user's home.
         'ROS_LOG_DIR': str(run.logs / 'ros'),

@@ -18,7 +18,7 @@ from rocsafe_orchestrator.parameters.ground_parameters import (
     rgv_parameters,
     router_parameters,
 )
-from rocsafe_orchestrator.parameters.node_parameters import AIR, BRIDGE, FLEET
+from rocsafe_orchestrator.parameters.node_parameters import AGENTS, AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
 from rocsafe_scenario.scenario import Scenario
@@ -97,6 +97,7 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
         _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
                  parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
+        *_agent_processes(scenario, run),
         *_air_processes(scenario, run),
         *_vehicle_processes(scenario, run),
         *_ground_processes(scenario, run),
@@ -122,6 +123,13 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
         in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
         driver=scenario.driver_name,
     )
+
+
+def _agent_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
+    """Yield one process for the agents of all vehicles, if they have any."""
+    if scenario.fleet.agents:
+        values = parameters.agent_parameters(scenario, run)
+        yield _process(AGENTS, 'rocsafe_fleet/agent', values, *_shared(topics.AGENTS))
 
 
 def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:

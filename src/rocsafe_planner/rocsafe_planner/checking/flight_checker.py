@@ -77,7 +77,7 @@ def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> It
     """Yield viewpoints at the wrong height, and legs too near to the terrain."""
     height_m = plan.request.coverage.height_agl_m
     layer = route.flight_height_m - height_m
-    if layer < -1e-9 or (layer > 1e-9 and plan.request.separation.by != 'layers'):
+    if layer < -1e-9 or (layer > 1e-9 and plan.request.separation.by == 'delay'):
         yield f'flies {route.flight_height_m} m high: height_agl_m is {height_m}'
     highest_m = plan.request.airspace.max_height_agl_m
     if route.flight_height_m > highest_m + 1e-9:

@@ -60,7 +60,7 @@ def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
 def _kept_apart(site: SurveySite, orders: Orders, turn: int = 0) -> KeptApart:
     request = site.request
     is_wanted = request.separation.distance_m > 0.0
-    layers = (0.0,) * len(orders)
+    layers = site.problem.layers_m or (0.0,) * len(orders)
     routes = routes_of(site, orders)
     if is_wanted and request.separation.by == 'layers':
         layers = _layers(site, orders, routes, turn)

@@ -57,13 +57,16 @@ def vehicle_document(vehicle: Vehicle) -> Document:
         **position_document(vehicle.aloft.position),
         'used_s': vehicle.aloft.used_s,
     }
-    return {
+    document = {
         **dataclasses.asdict(vehicle),
         'aloft': aloft,
         'home': position_document(vehicle.home),
         'end': end,
         'sensors': list(vehicle.sensors),
     }
+    if vehicle.layer is None:  # plans without reserved layers keep their ids
+        del document['layer']
+    return document
 
 
 def terrain_document(terrain: Terrain | None) -> Document | None:
@@ -83,14 +86,17 @@ def viewpoint_document(viewpoint: Viewpoint) -> Document:
 
 
 def continuation_document(continuation: Continuation) -> Document:
-    """Return what is taken over from an earlier plan; heights only where some are occupied."""
+    """Return what is taken over from an earlier plan; what is rare only where there is some."""
     occupied = list(continuation.occupied_heights_m)
-    return {
+    document: Document = {
         'viewpoints': [viewpoint_document(view) for view in continuation.viewpoints],
         'visited': [viewpoint_document(view) for view in continuation.visited],
         'ground_reference': [position_document(p) for p in continuation.ground_reference],
         **({'occupied_heights_m': occupied} if occupied else {}),
     }
+    if continuation.last:  # other plans keep their ids
+        document['last'] = list(continuation.last)
+    return document
 
 
 def _ring(ring: Ring) -> list[Document]:

@@ -135,6 +135,7 @@ def _request(document: Document, terrain: Terrain | None) -> SurveyRequest:
             visited=tuple(_viewpoint(v, camera) for v in continuation['visited']),
             ground_reference=tuple(map(_position, continuation['ground_reference'])),
             occupied_heights_m=tuple(continuation.get('occupied_heights_m', ())),
+            last=tuple(continuation.get('last', ())),
         ),
     )
 

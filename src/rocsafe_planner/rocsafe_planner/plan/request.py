@@ -4,7 +4,7 @@
 import hashlib
 import json
 from collections import Counter
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 
 from rocsafe_geo.limits import require_count
 from rocsafe_geo.pinhole import PinholeCamera
@@ -74,10 +74,36 @@ class SurveyRequest:
             raise ValueError(
                 f'height_agl_m is {height:g} m: must be at most max_height_agl_m, {highest:g} m'
             )
+        self._reserve_layers()
         if self.terrain is not None and clearance >= height:
             raise ValueError(
                 f'terrain_clearance_m is {clearance:g} m: must be below height_agl_m, {height:g} m'
             )
+
+    def _reserve_layers(self) -> None:
+        """Give each vehicle a layer of its own, if layers are reserved."""
+        if self.separation.by != 'reserved':
+            return
+        vehicles = tuple(
+            replace(vehicle, layer=number) if vehicle.layer is None else vehicle
+            for number, vehicle in enumerate(self.vehicles)
+        )
+        object.__setattr__(self, 'vehicles', vehicles)
+        if len({vehicle.layer for vehicle in vehicles}) < len(vehicles):
+            raise ValueError('two vehicles have the same layer: layers must differ')
+        highest = self.coverage.height_agl_m + max(self.layers_m)
+        if highest > self.airspace.max_height_agl_m:
+            raise ValueError(
+                f'the highest of {len(vehicles)} reserved layers is at {highest:g} m: must be at '
+                f'most max_height_agl_m, {self.airspace.max_height_agl_m:g} m'
+            )
+
+    @property
+    def layers_m(self) -> tuple[float, ...]:
+        """How much higher than the camera's height each vehicle flies; empty: not reserved."""
+        if self.separation.by != 'reserved':
+            return ()
+        return tuple(self.separation.distance_m * (v.layer or 0) for v in self.vehicles)
 
     def identity(self) -> str:
         """Return 16 hexadecimal digits that name the request: SHA-256 of all its values."""

@@ -26,14 +26,14 @@ MAX_VIEWPOINTS_LIMIT = 1_000_000
 """To which the limit can be raised."""
 Grid = Literal['best', 'rotated', 'axis_aligned']
 Objective = Literal['longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy']
-Separation = Literal['delay', 'layers']
+Separation = Literal['delay', 'layers', 'reserved']
 SpacingRule = Literal['iou', 'linear']
 GRIDS: tuple[Grid, ...] = get_args(Grid)
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 SEPARATIONS: tuple[Separation, ...] = get_args(Separation)
 METHODS = (
     'solver', 'boustrophedon_minmax', 'boustrophedon_equal', 'strips', 'christofides',
-    'nearest_to_shortest', 'paper_greedy',
+    'nearest_to_shortest', 'insertion', 'paper_greedy',
 )  # fmt: skip
 
 SPACING_RULES: dict[str, Callable[[float], float]] = {
@@ -138,8 +138,9 @@ class SeparationOptions:
         twice the 95 % error of a receiver without correction signals (about 5 m, GPS Standard
         Positioning Service, with a vehicle's own size and its deviation from its way).
     by
-        ``'delay'`` (vehicles wait) or ``'layers'`` (they fly at different heights, too, where
-        that lets them land earlier).
+        ``'delay'`` (vehicles wait), ``'layers'`` (they fly at different heights, too, where
+        that lets them land earlier), or ``'reserved'`` (each vehicle has a layer of its own in
+        all plans, so that vehicles with different plans do not meet on their way).
     """
 
     distance_m: float = 10.0
@@ -207,12 +208,15 @@ class Continuation:
         Flight heights above the ground of vehicles that are in the air and in no plan, because
         nobody hears them: they go on by themselves. No route is flown nearer to such a height
         than the separation.
+    last
+        Ids of viewpoints that each vehicle visits after all its others.
     """
 
     viewpoints: tuple[Viewpoint, ...] = ()
     visited: tuple[Viewpoint, ...] = ()
     ground_reference: tuple[GeoPosition, ...] = ()
     occupied_heights_m: tuple[float, ...] = ()
+    last: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         for height_m in self.occupied_heights_m:

@@ -5,12 +5,13 @@ import re
 from dataclasses import dataclass
 from functools import lru_cache
 
-from rocsafe_geo.limits import require_not_negative, require_positive
+from rocsafe_geo.limits import require_count, require_not_negative, require_positive
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
 from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import GeoPosition
 
+MOST_LAYERS = 1000
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}')
 
 
@@ -57,6 +58,8 @@ class Vehicle:
         Flight time used of the battery with which it takes off at home.
     autopilot
         Limits with which it accelerates, turns, climbs and lands.
+    layer
+        Number of the height layer that is reserved for it, from 0; None: none is.
     """
 
     name: str
@@ -76,6 +79,7 @@ class Vehicle:
     aloft: Aloft | None = None
     used_s: float = 0.0
     autopilot: Autopilot = ARDUCOPTER
+    layer: int | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
@@ -97,6 +101,8 @@ class Vehicle:
         if self.is_open and self.end is not None:
             raise ValueError(f'{self.name} has an end and is_open: must have one of them at most')
         object.__setattr__(self, 'sensors', require_sensors(self.name, self.sensors))
+        if self.layer is not None:
+            require_count(f'{self.name} layer', self.layer, 0, MOST_LAYERS)
 
     def performance(self, wind_mps: tuple[float, float] = (0.0, 0.0)) -> Performance:
         """Return the limits of its flight in a wind that blows towards (east, north).

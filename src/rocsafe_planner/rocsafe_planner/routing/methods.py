@@ -11,6 +11,7 @@ from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.boustrophedon import boustrophedon_equal, boustrophedon_minmax, strips
 from rocsafe_planner.routing.christofides import christofides
+from rocsafe_planner.routing.insertion import minmax_insertion
 
 # Distances that differ by rounding only are equal: the lower index wins on every machine.
 _DECIMALS = 6
@@ -77,6 +78,7 @@ def solver(problem: FleetProblem) -> list[Order]:
 METHODS: dict[str, Callable[[FleetProblem], list[Order]]] = {
     'paper_greedy': paper_greedy,
     'nearest_to_shortest': nearest_to_shortest,
+    'insertion': minmax_insertion,
     'boustrophedon_equal': boustrophedon_equal,
     'boustrophedon_minmax': boustrophedon_minmax,
     'strips': strips,

@@ -179,6 +179,7 @@ def _problem_of(
         height_m=request.coverage.height_agl_m,
         ground=ground,
         relief=relief,
+        layers_m=request.layers_m,
         wind_mps=request.airspace.wind_mps,
         detours=None if detours is None or detours.is_straight else detours,
         may_visit=_may_visit(request, coverage),

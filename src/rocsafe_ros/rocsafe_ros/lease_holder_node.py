@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The control leases of the vehicles of a mission: taken at its start, and kept."""
+"""The control leases that a mission or an agent holds of its vehicles: taken, and kept."""
 
 import os
 import socket
@@ -42,13 +42,25 @@ class Leases:
         Name of the mission.
     say
         Called with one line for people when a lease is lost.
+    role
+        What the node is for the vehicles: the name of the holder, before that of the machine.
+    is_reserve
+        Whether it takes a lease only when an order needs it, and then from another holder, too.
     """
 
     def __init__(
-        self, node: Node, vehicles: Iterable[str], mission: str, say: Callable[[str], None]
+        self,
+        node: Node,
+        vehicles: Iterable[str],
+        mission: str,
+        say: Callable[[str], None],
+        *,
+        role: str,
+        is_reserve: bool = False,
     ) -> None:
         self._mission = mission
-        self._holder = f'orchestrator@{socket.gethostname()}'
+        self._holder = f'{role}@{socket.gethostname()}'
+        self._is_reserve = is_reserve
         self._token = os.environ.get(MISSION_VARIABLE, '')
         self._say = say
         self._clients: dict[str, Client] = {
@@ -73,7 +85,8 @@ class Leases:
     def _look(self) -> None:
         now_s = time.monotonic()
         for vehicle, client in self._clients.items():
-            is_due = now_s >= self._due_s[vehicle] and vehicle not in self._lost
+            is_wanted = not self._is_reserve or vehicle in self._held or vehicle in self._waiting
+            is_due = now_s >= self._due_s[vehicle] and is_wanted and vehicle not in self._lost
             if is_due and client.service_is_ready():
                 self._due_s[vehicle] = now_s + REPEAT_S
                 answer = client.call_async(self._request(vehicle))
@@ -87,6 +100,7 @@ class Leases:
             mission=self._mission,
             lease=held,
             duration_s=LEASE_S,
+            take_over=self._is_reserve and not held,
             server=server_of(vehicle, self._token) if self._token else '',
         )
 

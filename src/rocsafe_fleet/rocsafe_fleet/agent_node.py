@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The node ``agents``: the agents of one or several vehicles, which agree with all others."""
+
+import fcntl
+import os
+import time
+from functools import partial
+from pathlib import Path
+from typing import IO, Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+from rocsafe_fleet.agreement.agent import Wanted
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan
+from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_of
+from rocsafe_fleet.fleet_start import FleetStart, fleet_start
+from rocsafe_fleet.options import AgentOptions
+from rocsafe_fleet.vehicle_link_node import VehicleLink
+from rocsafe_interfaces.msg import FleetPacket, StepDone, SurveyPlan
+from rocsafe_planner.solver.precompile import load_kernels
+from rocsafe_ros import topics
+from rocsafe_ros.background_job import BackgroundJob
+from rocsafe_ros.control_lease import MISSION_VARIABLE
+from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.lease_holder_node import Leases
+from rocsafe_ros.lockstep import Participant
+from rocsafe_ros.parameters import ParameterError, declare_options
+from rocsafe_ros.run import FLEET_LOCK_VARIABLE, is_orphan, run
+
+NAME = 'agents'
+STEP_S = 0.1
+LOOK_S = 0.05
+REPORT_S = 1.0
+# Without an orchestrator the agents end so long after the last landing.
+LINGER_S = 10.0
+_NS = 1e-9
+
+
+class AgentsNode(Node):
+    """The agents of some vehicles. They speak only the vehicles' own topics and actions.
+
+    Publishes ``fleet/delta`` and ``fleet/agents``; subscribes ``plan``, ``fleet/delta``, and
+    ``<vehicle>/state`` and ``<vehicle>/control``. Uses ``<vehicle>/fly_route``,
+    ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time ``world/run``, so that no
+    time passes while they plan.
+    """
+
+    def __init__(self, **node_options: Any) -> None:
+        super().__init__(NAME, **node_options)
+        self._options = options = declare_options(self, AgentOptions)
+        self._fleet: FleetStart | None = None
+        self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
+        self._flown = dict.fromkeys(options.vehicles, (0, 0))
+        self._is_paused = False
+        self._step_s = self._report_s = self._active_s = time.monotonic()
+        self._has_flown = False
+        self._steps: dict[str, int] = {}
+        self._steps_watch: Any = None
+        self._lock = _locked()
+        self._packets = topics.create_publisher(self, topics.FLEET_DELTA)
+        self._states = topics.create_publisher(self, topics.AGENTS)
+        self._done = topics.create_publisher(self, topics.STEP_DONE)
+        self._world = self.create_client(SetBool, topics.WORLD_RUN.name)
+        leases = Leases(
+            self, options.vehicles, options.mission, self._warn, role='agent', is_reserve=True
+        )
+        self._links = {
+            name: VehicleLink(
+                self, name, leases, options.mission, is_real=name in options.real_vehicles
+            )
+            for name in options.vehicles
+        }
+        # While the other nodes start: the first loss need not wait for it.
+        BackgroundJob(lambda _report: load_kernels(), 'loading', None)
+        topics.create_subscription(self, topics.PLAN, self._on_plan)
+        topics.create_subscription(self, topics.FLEET_DELTA, self._on_packet)
+        if options.lock_step:
+            self._participant = Participant(self, NAME, self._on_step)
+        else:
+            self.create_timer(STEP_S, lambda: self._on_step(self.get_clock().now().nanoseconds))
+        self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def destroy_node(self) -> None:
+        """Destroy the node and the clients that it made."""
+        for link in self._links.values():
+            link.close()
+        super().destroy_node()
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether an orchestrator lives, or something is left to fly."""
+        now_s = time.monotonic()
+        is_flying = self._has_flown and not self._is_done()
+        if is_flying or not is_orphan():
+            self._active_s = now_s
+        return now_s - self._active_s < (LINGER_S if self._has_flown else LOOK_S)
+
+    def _warn(self, text: str) -> None:
+        self.get_logger().warning(text)
+
+    # What the agents hear.
+
+    def _on_plan(self, message: SurveyPlan) -> None:
+        if self._fleet is not None:
+            return
+        try:
+            self._fleet = fleet_start(
+                self._options, message.plan_id, os.environ.get(MISSION_VARIABLE, ''), self._now_s()
+            )
+        except ValueError as error:
+            self.get_logger().error(f'no agents: {error}')
+            return
+        known = self._fleet.load()
+        for name, link in self._links.items():
+            link.routes[message.plan_id] = self._fleet.first_route(name)
+            link.routes.update((k, tuple(route)) for k, route in known.get(name, {}).items())
+
+    def _on_packet(self, message: FleetPacket) -> None:
+        if self._fleet is not None:
+            self._fleet.local.receive(bytes(message.data), self._now_s())
+
+    def _on_step(self, time_ns: int) -> bool:
+        """Let the agents think at one time; return whether they have nothing to do."""
+        self._step_s = time.monotonic()
+        if self._fleet is None:
+            return True
+        fleet = self._fleet
+        for name, link in self._links.items():
+            self._tell_agent(fleet, name, link, time_ns * _NS)
+        for data in fleet.local.advance(time_ns * _NS):
+            self._packets.publish(FleetPacket(data=data))
+        self._plan(fleet)
+        return self._is_done()
+
+    def _tell_agent(self, fleet: FleetStart, name: str, link: VehicleLink, time_s: float) -> None:
+        """Tell an agent what its vehicle does."""
+        agent = fleet.agent(name)
+        if link.state is None:
+            return
+        self._has_flown = self._has_flown or is_aloft(link.state)
+        place = place_of_state(link.state, fleet.endurance_s(name))
+        if place is not None:
+            agent.move(place)
+        if link.visited:
+            agent.visit(link.visited)
+        if link.is_silent(time_s):
+            agent.disable('its vehicle is silent')
+        elif name not in fleet.silent:
+            agent.disable(link.inability)
+
+    # Plans and routes.
+
+    def _plan(self, fleet: FleetStart) -> None:
+        wanted = fleet.local.wanted
+        if wanted is None or not self._has_flown:
+            return
+        if self._job is None:
+            self._pause(is_paused=True)
+            job = BackgroundJob(partial(fleet.plan, wanted), 'planning', None)
+            self._job = wanted, job
+
+    def _look(self) -> None:
+        """Take plans that are ready, repeat orders, find vehicles that hold up time."""
+        for link in self._links.values():
+            link.look()
+        if self._fleet is None:
+            return
+        if self._job is not None and self._job[1].is_done:
+            (wanted, job), self._job = self._job, None
+            self._fleet.local.planned(wanted, job.result())
+            self._fly(self._fleet)
+            self._plan(self._fleet)
+        is_busy = self._job is not None or any(link.is_busy for link in self._links.values())
+        if self._is_paused and not is_busy:
+            self._pause(is_paused=False)
+        self._watch_time(self._fleet)
+        if time.monotonic() - self._report_s >= REPORT_S:
+            self._report_s = time.monotonic()
+            self._report(self._fleet)
+
+    def _fly(self, fleet: FleetStart) -> None:
+        for name, link in self._links.items():
+            agent = fleet.agent(name)
+            is_new = agent.epoch > self._flown[name] and agent.own in agent.proposal.names
+            if is_new and agent.plan.source is not None:
+                self._flown[name] = agent.epoch
+                source = agent.plan.source
+                self.get_logger().info(
+                    f'{name}: epoch {agent.epoch[0]}, plan {source.plan_id}, '
+                    f'{len(agent.route)} viewpoints, {len(agent.proposal.names)} vehicles'
+                )
+                link.fly(source.plan_id, route_of(source, name, agent.visited))
+
+    def _pause(self, *, is_paused: bool) -> None:
+        """Let no simulated time pass while routes are made."""
+        if self._options.lock_step and self._is_paused != is_paused:
+            self._is_paused = is_paused
+            self._world.call_async(SetBool.Request(data=not is_paused))
+
+    # Simulated time.
+
+    def _watch_time(self, fleet: FleetStart) -> None:
+        """Let time not wait for a vehicle whose process is gone."""
+        if not self._options.lock_step or not self._has_flown or self._is_paused:
+            return
+        limit_s = self._options.alone_after_s if is_orphan() else self._options.lost_after_s
+        stalled_s = time.monotonic() - self._step_s
+        if stalled_s < 0.5 * limit_s:
+            if self._steps_watch is not None:
+                self.destroy_subscription(self._steps_watch)
+                self._steps_watch = None
+                self._steps.clear()
+        elif self._steps_watch is None:
+            self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_done)
+        elif stalled_s > limit_s and self._steps:
+            newest = max(self._steps.values())
+            for name in self._options.participants:
+                if self._steps.get(name, -1) < newest and name in self._links:
+                    self._warn(f'{name}: its process is silent, simulated time goes on without')
+                    self._done.publish(StepDone(participant=name, has_left=True))
+                    fleet.silent.add(name)
+                    fleet.agent(name).disable('its process is silent')
+
+    def _on_done(self, message: StepDone) -> None:
+        self._steps[message.participant] = ns_of_stamp(message.step)
+
+    # What the agents tell.
+
+    def _is_done(self) -> bool:
+        fleet, links = self._fleet, self._links.values()
+        if fleet is None or self._job is not None or any(link.is_busy for link in links):
+            return fleet is None
+        now_s = self._now_s()
+        gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent
+        is_down = all(link.is_down or link.name in gone for link in links)
+        return is_down and fleet.is_done
+
+    def _report(self, fleet: FleetStart) -> None:
+        fleet.save({name: link.routes for name, link in self._links.items()})
+        stamp = self.get_clock().now().to_msg()
+        is_done = self._is_done()
+        for name in self._links:
+            agent = fleet.agent(name)
+            sent = fleet.local.bytes_sent[agent.own]
+            text = 'plans' if self._job is not None else ''
+            state = state_of(agent, fleet.names, sent, is_done=is_done, text=text)
+            state.header.stamp = stamp
+            self._states.publish(state)
+
+    def _now_s(self) -> float:
+        return float(self.get_clock().now().nanoseconds) * _NS
+
+
+def _locked() -> IO[bytes] | None:
+    """Lock the file that lets the nodes of the mission go on without their supervisor."""
+    path = os.environ.get(FLEET_LOCK_VARIABLE)
+    if not path:
+        return None
+    try:
+        Path(path).touch()
+        # Locked as long as the process lives.
+        file = Path(path).open('rb')  # noqa: SIM115
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        raise ParameterError(f'{path}: cannot be locked: {error.strerror}') from error
+    return file
+
+
+def main() -> int:
+    """Run the agents until asked to stop, or nothing is left to fly without an orchestrator."""
+    return run(AgentsNode, outlives=lambda node: node.is_needed)
+
+
+if __name__ == '__main__':
+    raise SystemExit(main())

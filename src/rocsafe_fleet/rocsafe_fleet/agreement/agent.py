@@ -1,0 +1,391 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The agent of one vehicle: knows the others, agrees with those that it hears, keeps a route.
+
+The live agent with the lowest number coordinates. It proposes a situation, and each agent computes
+the same plan from it. No rounds of votes are needed: the highest epoch (number, coordinator) that
+an agent knows holds. Parts of the fleet that do not hear each other go on by themselves, and agree
+again as soon as they meet.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from rocsafe_fleet.agreement.exchange import Exchange
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring
+from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
+from rocsafe_fleet.errors import PacketError
+from rocsafe_fleet.ledger.ledger import Kind, Ledger
+from rocsafe_fleet.ledger.packet import Packet, decode, encode
+from rocsafe_fleet.ledger.records import (
+    FIRST_EPOCH,
+    Claim,
+    Epoch,
+    Place,
+    Proposal,
+    claim_of,
+    proposal_of,
+    ring_of,
+    set_bytes,
+    set_of,
+)
+from rocsafe_fleet.membership.membership import Membership
+
+Numbers = frozenset[int]
+FRESH_BEATS = 8
+"""A place counts as old if its vehicle has sent more packets since."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """A proposal that is to be planned, and the zones that it names."""
+
+    proposal: Proposal
+    coordinator: int
+    rings: tuple[Ring, ...]
+
+    @property
+    def epoch(self) -> Epoch:
+        """Its name."""
+        return self.proposal.number, self.coordinator
+
+
+class Agent:
+    """The agent of one vehicle. It reads no clock: `now_s` is an argument, seconds.
+
+    Parameters
+    ----------
+    own
+        Number of its vehicle in the survey's plan.
+    first
+        Plan with which the survey begins.
+    key
+        Key of the fleet, up to 64 bytes.
+    incarnation
+        Number of this start of the agent, higher than those before.
+
+    Attributes
+    ----------
+    ledger
+        What it knows.
+    plan
+        What it keeps to.
+    proposal
+        From which the plan was made.
+    alarms
+        Epochs in which somebody claims another plan from the same proposal.
+    refused
+        Packets that were damaged, or of another fleet.
+    """
+
+    def __init__(
+        self,
+        own: int,
+        first: FleetPlan,
+        key: bytes,
+        now_s: float,
+        incarnation: int = 1,
+        options: AgreementOptions | None = None,
+    ) -> None:
+        self._options = options or AgreementOptions()
+        self._count = max(first.routes, default=0) + 1
+        points = [p for route in first.routes.values() for p in route]
+        self._points = frozenset(points) | first.left_out
+        _check(own, self._count, self._points)
+        self.own = own
+        self.ledger = Ledger((own, incarnation))
+        self.plan = first
+        self.proposal = Proposal(number=0, members=())
+        self.alarms: set[Epoch] = set()
+        self.refused = 0
+        self._key = key
+        self._membership = Membership(
+            own, self._count, incarnation, now_s, self._options.membership
+        )
+        self._exchange = Exchange(self.ledger, self._count)
+        self._places: dict[int, tuple[tuple[int, int], Place]] = {}
+        self._route = first.routes.get(own, ())
+        self._live = self._everyone
+        self._next_beat_s = now_s
+        self._sent_s = now_s - self._options.least_gap_s
+        self._reason_s: float | None = None
+        self._repeats = (0, now_s)
+        self._proposed = 1
+        self._looked_at: object = None
+        self._skewed: dict[int, int] = {}
+        self._decoded: tuple[int, list[tuple[Epoch, Proposal]]] = (0, [])
+        self._known: tuple[int, Numbers] = (0, frozenset())
+        self.ledger.write(Kind.ABLE, b'')
+
+    # What the agent knows.
+
+    @property
+    def _everyone(self) -> Numbers:
+        return frozenset(range(self._count))
+
+    @property
+    def live(self) -> Numbers:
+        """Agents that are heard, as of the last `advance`."""
+        return self._live
+
+    @property
+    def unable(self) -> Mapping[int, str]:
+        """Vehicles that say that they take no more work, and why."""
+        texts = {k: self.ledger.newest(k, Kind.ABLE) for k in range(self._count)}
+        return {k: text.decode() for k, text in texts.items() if text}
+
+    @property
+    def visited(self) -> Numbers:
+        """Viewpoints that anybody has photographed."""
+        if self._known[0] != self.ledger.digest:
+            sets = [set_of(value) for _, _, value in self.ledger.values(Kind.VISITED)]
+            self._known = self.ledger.digest, frozenset().union(*sets)
+        return self._known[1]
+
+    @property
+    def duplicates(self) -> int:
+        """Photographs of viewpoints that another vehicle has photographed too."""
+        by_vehicle: dict[int, set[int]] = {}
+        for (vehicle, _), _, value in self.ledger.values(Kind.VISITED):
+            by_vehicle.setdefault(vehicle, set()).update(set_of(value))
+        return sum(map(len, by_vehicle.values())) - len(self.visited)
+
+    @property
+    def left(self) -> Numbers:
+        """Viewpoints that nobody has photographed, and somebody can reach."""
+        return self._points - self.visited - self.plan.left_out
+
+    @property
+    def route(self) -> tuple[int, ...]:
+        """Viewpoints that its vehicle is to visit, in order."""
+        return tuple(point for point in self._route if point not in self.visited)
+
+    @property
+    def epoch(self) -> Epoch:
+        """The epoch whose plan it keeps to."""
+        return self.plan.epoch
+
+    @property
+    def wanted(self) -> Wanted | None:
+        """The newest proposal if it is not planned yet and its zones are known.
+
+        One whose coordinator did not hear this agent is not for it.
+        """
+        mine = [one for one in self._proposals() if self.own not in one[1].silent]
+        epoch, proposal = max(mine, key=lambda one: one[0], default=(FIRST_EPOCH, self.proposal))
+        if epoch <= self.plan.epoch:
+            return None
+        zones = {(w[0], part): ring_of(v) for w, part, v in self.ledger.values(Kind.EXCLUSION)}
+        if any(zone not in zones for zone in proposal.exclusions):
+            return None
+        rings = tuple(zones[zone] for zone in proposal.exclusions)
+        return Wanted(proposal=proposal, coordinator=epoch[1], rings=rings)
+
+    def has_agreed(self, members: Iterable[int]) -> bool:
+        """Return whether these agents claim the same plan as this one."""
+        own = Claim(epoch=self.plan.epoch, plan_hash=self.plan.digest)
+        return all(member == self.own or self._claim(member) == own for member in members)
+
+    # What its vehicle does.
+
+    def move(self, place: Place) -> None:
+        """Note where its vehicle is."""
+        self._places[self.own] = self._membership.beats[self.own], place
+
+    def visit(self, points: Iterable[int]) -> None:
+        """Note that its vehicle has photographed these viewpoints."""
+        mine = self.ledger.newest(self.own, Kind.VISITED)
+        known = set_of(mine) if mine else frozenset()
+        self.ledger.write(Kind.VISITED, set_bytes(known | set(points)))
+
+    def disable(self, why: str) -> None:
+        """Note that its vehicle takes no more work; empty: it does again."""
+        self.ledger.write(Kind.ABLE, why.encode())
+
+    def planned(self, wanted: Wanted, plan: FleetPlan) -> None:
+        """Keep to the plan of a proposal. Who is no member of it keeps its route."""
+        if wanted.epoch <= self.plan.epoch:
+            return
+        self.plan, self.proposal = plan, wanted.proposal
+        if self.own in wanted.proposal.names:
+            self._route = plan.routes[self.own]
+        claim = Claim(epoch=plan.epoch, plan_hash=plan.digest)
+        self.ledger.write(Kind.CLAIM, claim.encoded())
+
+    # Packets.
+
+    def receive(self, data: bytes, now_s: float) -> None:
+        """Take a packet."""
+        try:
+            packet = decode(data, self._key)
+        except PacketError:
+            self.refused += 1
+            return
+        if packet.sender == self.own or packet.sender >= self._count:
+            return
+        self._membership.hear(packet.beats, now_s)
+        beat = packet.beats.get(packet.sender, (0, 0))
+        known = self._places.get(packet.sender)
+        if packet.place is not None and (known is None or known[0] <= beat):
+            self._places[packet.sender] = beat, packet.place
+        if packet.sender not in self._live:  # they meet again
+            self._exchange.asks = True
+            self._next_beat_s = now_s
+        rank = sorted(self._live | {self.own}).index(self.own)
+        self._exchange.take(packet, rank, now_s)
+
+    def advance(self, now_s: float) -> list[bytes]:
+        """Look who is heard, coordinate if it is this agent's turn, return packets to send."""
+        live = self._membership.live(now_s)
+        if live != self._live:
+            self._live = live
+            self._next_beat_s = now_s
+        self._coordinate(now_s)
+        is_beat = now_s >= self._next_beat_s
+        is_urgent = is_beat or self._exchange.has_news or self._exchange.is_due(now_s)
+        if not is_urgent or now_s - self._sent_s < self._options.least_gap_s - 1e-9:
+            return []
+        if is_beat:
+            self._next_beat_s = now_s + self._period_s
+        return [self._packet(now_s)]
+
+    @property
+    def _period_s(self) -> float:
+        """Time between heartbeats: shorter while somebody is missing, who may come back."""
+        is_complete = self._live | self.unable.keys() == self._everyone
+        return self._options.membership.period_s * (1.0 if is_complete else 0.5)
+
+    def _packet(self, now_s: float) -> bytes:
+        self._sent_s = now_s
+        self._membership.beat()
+        place = self._places.get(self.own)
+        packet = Packet(
+            sender=self.own,
+            beats=self._membership.beats,
+            digest=self.ledger.digest,
+            place=None if place is None else place[1],
+            vector=self._exchange.vector(),
+            deltas=self._exchange.deltas(now_s),
+        )
+        return encode(packet, self._key)
+
+    # Agreement.
+
+    def _proposals(self) -> list[tuple[Epoch, Proposal]]:
+        if self._decoded[0] != self.ledger.digest:
+            found = [(w[0], proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
+            known = [((proposal.number, writer), proposal) for writer, proposal in found]
+            self._decoded = self.ledger.digest, known
+        return self._decoded[1]
+
+    def _claim(self, member: int) -> Claim | None:
+        value = self.ledger.newest(member, Kind.CLAIM)
+        return None if value is None else claim_of(value)
+
+    def _odd(self) -> Numbers:
+        """Return who computes other plans than this agent, until they are started again."""
+        beats = self._membership.beats
+        return frozenset(
+            k for k, started in self._skewed.items() if k in beats and beats[k][0] == started
+        )
+
+    def _look_for_alarms(self) -> None:
+        """Note who claims another plan of the epoch that this agent keeps to."""
+        for member in self.proposal.names - {self.own}:
+            claim = self._claim(member)
+            if claim is None or claim.epoch != self.plan.epoch:
+                continue
+            if claim.plan_hash != self.plan.digest:
+                self.alarms.add(self.plan.epoch)
+                self._skewed[member] = self._membership.beats.get(member, (0, 0))[0]
+
+    def _coordinate(self, now_s: float) -> None:
+        """Propose a situation if there is a reason, or repeat the last proposal."""
+        state = (self.ledger.digest, self._live, self.plan.epoch, len(self._places))
+        if state == self._looked_at and self._reason_s is None:
+            self._repeat(now_s)
+            return
+        self._looked_at = state
+        self._look_for_alarms()
+        if min(self._live) != self.own or self.wanted is not None:
+            self._reason_s = None
+            return
+        members, silent = self._parts()
+        if not self._has_reason(members, silent):
+            self._reason_s = None
+            self._repeat(now_s)
+        elif self._reason_s is None:
+            self._reason_s = now_s
+        elif now_s - self._reason_s >= self._waits_s(members):
+            self._reason_s = None
+            self._propose(members & self._places.keys(), silent)
+            self._repeats = self._options.repeats, now_s
+
+    def _waits_s(self, members: Numbers) -> float:
+        """Return how long to wait before a proposal: longer while places are old."""
+        beats = self._membership.beats
+        for member in members:
+            known = self._places.get(member)
+            beat = beats.get(member, (0, 0))
+            if known is None or known[0][0] != beat[0] or beat[1] - known[0][1] > FRESH_BEATS:
+                return self._options.patience_s
+        return self._options.settle_s
+
+    def _parts(self) -> tuple[Numbers, Numbers]:
+        """Return who takes part in the next plan, and who may fly on unheard."""
+        unable = frozenset(self.unable)
+        odd = self._odd()
+        members = self._live - unable - odd
+        silent = (self._everyone - self._live - unable) | (odd & self._live)
+        return members, silent
+
+    def _has_reason(self, members: Numbers, silent: Numbers) -> bool:
+        if not members & self._places.keys() or not self._points - self.visited:
+            return False
+        if self.plan.epoch == FIRST_EPOCH:
+            before, unheard = self._everyone, frozenset[int]()
+        else:
+            before, unheard = self.proposal.names, self.proposal.silent
+        if any(epoch > self.plan.epoch for epoch, _ in self._proposals()):
+            return True  # others keep to a plan that was made without this agent
+        if members != before or silent != unheard or self._zones() != self.proposal.exclusions:
+            return bool(self.left) or members != before
+        open_points = [p for k in members for p in self.plan.routes.get(k, ())]
+        return bool(self.left) and self.visited.issuperset(open_points) and not self.plan.error
+
+    def _zones(self) -> tuple[tuple[int, int], ...]:
+        return tuple(sorted({(w[0], part) for w, part, _ in self.ledger.values(Kind.EXCLUSION)}))
+
+    def _propose(self, members: Numbers, silent: Numbers) -> None:
+        number = max([epoch[0] for epoch, _ in self._proposals()] + [self.plan.epoch[0]]) + 1
+        theirs = {p for k in silent for p in self.plan.routes.get(k, ())}
+        if silent & self.proposal.silent:
+            theirs |= self.proposal.last
+        proposal = Proposal(
+            number=number,
+            members=tuple((k, self._places[k][1]) for k in sorted(members)),
+            silent=silent,
+            visited=self.visited,
+            last=frozenset(theirs) - self.visited,
+            exclusions=self._zones(),
+        )
+        self.ledger.write(Kind.PROPOSAL, proposal.encoded())
+        self._proposed = self.ledger.vector[self.ledger.writer]
+
+    def _repeat(self, now_s: float) -> None:
+        """Send the last proposal again while members have not claimed its plan."""
+        left, due_s = self._repeats
+        if self.plan.epoch[1] != self.own or self.plan.epoch == FIRST_EPOCH or not left:
+            return
+        if now_s >= due_s + self._options.repeat_s:
+            waits = not self.has_agreed(self.proposal.names & self._live)
+            self._repeats = (left - 1 if waits else 0), now_s
+            if waits:
+                self._exchange.repeat(self._proposed)
+
+
+def _check(own: int, count: int, points: Numbers) -> None:
+    if not 0 <= own < count <= MOST_AGENTS:
+        raise ValueError(f'agent {own} of {count}: must be at most {MOST_AGENTS} of them')
+    most = max(points, default=0)
+    if most >= MOST_POINTS:
+        raise ValueError(f'viewpoint {most}: must be below {MOST_POINTS} with agents')

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The plan of an epoch: the same for all who know the same proposal."""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from rocsafe_fleet.ledger.records import FIRST_EPOCH, HASH_BYTES, Epoch, Proposal
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_planner.errors import NothingLeftError, PlannerError
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.vehicle import Aloft
+from rocsafe_planner.replanning import Situation, replan
+
+MOST_KEPT = 16
+"""Plans that a process keeps for its agents."""
+Ring = tuple[GeoPosition, ...]
+Numbers = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FleetPlan:
+    """Who visits what in an epoch.
+
+    Attributes
+    ----------
+    routes
+        Ids of viewpoints in flying order, by number of the vehicle.
+    source
+        The planner's plan; None: there was nothing left, or no plan.
+    left_out
+        Ids of viewpoints that nobody can visit.
+    error
+        Why there is no plan; empty if there is one.
+    """
+
+    epoch: Epoch = FIRST_EPOCH
+    routes: Mapping[int, Numbers]
+    source: SurveyPlan | None = None
+    left_out: frozenset[int] = field(default_factory=frozenset)
+    error: str = ''
+
+    @property
+    def digest(self) -> bytes:
+        """Hash of the order of all viewpoints: equal for equal plans on all machines."""
+        text = repr(sorted(self.routes.items())).encode()
+        return hashlib.blake2b(text, digest_size=HASH_BYTES).digest()
+
+
+def first_plan(plan: SurveyPlan) -> FleetPlan:
+    """Return the plan with which a survey begins, as that of the first epoch."""
+    routes = {k: _numbers(route.viewpoints) for k, route in enumerate(plan.routes)}
+    return FleetPlan(routes=routes, source=plan, left_out=frozenset(plan.left_out))
+
+
+def _numbers(views: object) -> Numbers:
+    return tuple(view.id for view in views)  # type: ignore[attr-defined]
+
+
+def plan_of(
+    survey: SurveyPlan, proposal: Proposal, coordinator: int, rings: tuple[Ring, ...]
+) -> FleetPlan:
+    """Return the plan for what a proposal leaves, by the planner's search.
+
+    The search counts proposals, not seconds. If it cannot run here, the points are inserted
+    where they lengthen the longest route least; the hash of such a plan differs from the others'.
+
+    Parameters
+    ----------
+    survey
+        The plan with which the survey began, which all agents have.
+    rings
+        Zones of the ledger that hold.
+    """
+    epoch = proposal.number, coordinator
+    names = [vehicle.name for vehicle in survey.request.vehicles]
+    situation = situation_of(proposal, names, rings)
+    try:
+        plan = _searched(survey, situation)
+    except NothingLeftError:
+        return FleetPlan(epoch=epoch, routes=dict.fromkeys(sorted(proposal.names), ()))
+    except PlannerError as error:
+        unplanned = dict.fromkeys(sorted(proposal.names), ())
+        return FleetPlan(epoch=epoch, routes=unplanned, error=str(error))
+    number = {name: k for k, name in enumerate(names)}
+    flown = {view.id for route in plan.routes for view in route.viewpoints}
+    left = {view.id for view in plan.request.continuation.viewpoints}
+    return FleetPlan(
+        epoch=epoch,
+        routes={number[r.vehicle.name]: _numbers(r.viewpoints) for r in plan.routes},
+        source=plan,
+        left_out=frozenset(left - flown),
+    )
+
+
+def _searched(survey: SurveyPlan, situation: Situation) -> SurveyPlan:
+    try:
+        return replan(survey, situation)
+    except (MemoryError, ImportError):
+        return replan(survey, situation, method='insertion')
+
+
+def situation_of(proposal: Proposal, names: list[str], rings: tuple[Ring, ...]) -> Situation:
+    """Return a proposal as the planner takes it."""
+    return Situation(
+        alive={
+            names[k]: Aloft(position=place.position, used_s=place.used_s)
+            if place.is_aloft
+            else place.used_s
+            for k, place in proposal.members
+        },
+        visited=proposal.visited,
+        new_exclusions=tuple(SurveyArea(ring) for ring in rings),
+        last=proposal.last,
+    )
+
+
+class SharedPlans:
+    """Plans of one survey, computed once for all agents of a process.
+
+    Parameters
+    ----------
+    compute
+        Returns the plan of a proposal, its coordinator and the zones.
+    """
+
+    def __init__(self, compute: Callable[[Proposal, int, tuple[Ring, ...]], FleetPlan]) -> None:
+        self._compute = compute
+        self._plans: dict[tuple[bytes, int, tuple[Ring, ...]], FleetPlan] = {}
+
+    def get(self, proposal: Proposal, coordinator: int, rings: tuple[Ring, ...]) -> FleetPlan:
+        """Return the plan of a proposal; equal proposals have the same."""
+        key = (proposal.encoded(), coordinator, rings)
+        if key not in self._plans:
+            self._plans[key] = self._compute(proposal, coordinator, rings)
+            while len(self._plans) > MOST_KEPT:
+                del self._plans[next(iter(self._plans))]
+        return self._plans[key]

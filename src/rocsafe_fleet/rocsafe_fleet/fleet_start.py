@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: Apache-2.0
+"""How the agents of a process begin: from the plan's file, and the count of their starts."""
+
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from rocsafe_fleet.agreement.agent import Agent, Wanted
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, first_plan
+from rocsafe_fleet.agreement.local_agents import LocalAgents
+from rocsafe_fleet.ledger.packet import Packet, decode, encode
+from rocsafe_fleet.options import AgentOptions
+from rocsafe_fleet.trial.trial import planner_of
+from rocsafe_geo.storage.durable import finish_part, write_part
+from rocsafe_geo.terrain.terrain_file import read_terrain
+from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.plan_reading import read_plan
+
+_STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'
+_ALL_BYTES = 2**31
+
+
+class FleetStart:
+    """The agents of a process, and what they plan with.
+
+    Attributes
+    ----------
+    local
+        The agents.
+    names
+        Of all vehicles of the survey, by number.
+    silent
+        Vehicles whose process does not answer.
+    """
+
+    def __init__(self, survey: SurveyPlan, local: LocalAgents, key: bytes, folder: str) -> None:
+        self.local = local
+        self._key, self._folder = key, Path(folder) if folder else None
+        self._saved = 0
+        self.names = [route.vehicle.name for route in survey.routes]
+        self.silent: set[str] = set()
+        self._survey = survey
+        self._plans = SharedPlans(planner_of(survey))
+
+    def agent(self, name: str) -> Agent:
+        """Return the agent of a vehicle."""
+        return self.local.agents[self.names.index(name)]
+
+    def endurance_s(self, name: str) -> float:
+        """Return the usable flight time of a vehicle's battery."""
+        return self._survey.routes[self.names.index(name)].vehicle.endurance_s
+
+    def first_route(self, name: str) -> tuple[int, ...]:
+        """Return the viewpoints of a vehicle by the survey's plan."""
+        views = self._survey.routes[self.names.index(name)].viewpoints
+        return tuple(view.id for view in views)
+
+    def load(self) -> dict[str, dict[str, list[int]]]:
+        """Take back what earlier agents knew; return their routes by vehicle and plan id."""
+        if self._folder is None:
+            return {}
+        ledger, routes = self._folder / _LEDGER, self._folder / _ROUTES
+        if ledger.is_file():
+            for delta in decode(ledger.read_bytes(), self._key).deltas:
+                for agent in self.local.agents.values():
+                    agent.ledger.merge(delta)
+        return json.loads(routes.read_text()) if routes.is_file() else {}
+
+    def save(self, routes: Mapping[str, Mapping[str, Sequence[int]]]) -> None:
+        """Keep what the agents know, for those that are started after a failure."""
+        ledgers = [agent.ledger for agent in self.local.agents.values()]
+        digest = hash(tuple(ledger.digest for ledger in ledgers))
+        if self._folder is None or digest == self._saved:
+            return
+        self._saved = digest
+        deltas = tuple(delta for ledger in ledgers for delta in ledger.deltas({}, _ALL_BYTES))
+        packet = Packet(sender=0, beats={}, digest=0, deltas=deltas)
+        for name, data in (
+            (_LEDGER, encode(packet, self._key)),
+            (_ROUTES, json.dumps(routes).encode()),
+        ):
+            write_part(self._folder / name, data)
+            finish_part(self._folder / name)
+
+    def plan(self, wanted: Wanted, _report: Callable[[None], bool]) -> FleetPlan:
+        """Return the plan of a proposal; runs in a thread."""
+        return self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether no agent here has anything left that somebody could fly."""
+        return all(
+            agent.wanted is None and (not agent.left or bool(agent.plan.error))
+            for agent in self.local.agents.values()
+        )
+
+
+def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -> FleetStart:
+    """Return the agents of a process that fly a plan.
+
+    Raises
+    ------
+    ValueError
+        If the file holds another plan, or a vehicle is not of it.
+    """
+    terrain = read_terrain(options.terrain_file) if options.terrain_file else None
+    survey = read_plan(options.plan_file, terrain)
+    if survey.plan_id != plan_id:
+        raise ValueError(f'{options.plan_file}: has plan {survey.plan_id}, not {plan_id}')
+    names = [route.vehicle.name for route in survey.routes]
+    strangers = sorted(set(options.vehicles) - set(names))
+    if strangers:
+        raise ValueError(f'vehicles has {strangers[0]!r}: must be of {", ".join(names)}')
+    first = first_plan(survey)
+    key = hashlib.sha256(f'{options.mission}/{plan_id}/{token}'.encode()).digest()
+    start = _count_start(options.state_directory)
+    agents = [Agent(names.index(name), first, key, now_s, start) for name in options.vehicles]
+    return FleetStart(survey, LocalAgents(agents), key, options.state_directory)
+
+
+def _count_start(folder: str) -> int:
+    """Return the number of this start, from 1; starts count in a file of the folder."""
+    if not folder:
+        return 1
+    path = Path(folder) / _STARTS
+    path.parent.mkdir(parents=True, exist_ok=True)
+    number = int(path.read_text()) + 1 if path.is_file() else 1
+    path.write_text(str(number))
+    return number

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parameters of the agents' node."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AgentOptions:
+    """Parameters of the node."""
+
+    vehicles: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'namespaces of the vehicles whose agents run here'}
+    )
+    real_vehicles: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'those of the fleet that are no simulation'}
+    )
+    mission: str = field(default='', metadata={'doc': 'mission whose vehicles are flown'})
+    plan_file: str = field(
+        default='', metadata={'doc': 'plan.json with which the survey begins, on this machine'}
+    )
+    terrain_file: str = field(default='', metadata={'doc': 'heights that the plan follows'})
+    state_directory: str = field(
+        default='', metadata={'doc': 'folder in which agents count their starts'}
+    )
+    lock_step: bool = field(default=False, metadata={'doc': 'take part in simulated time'})
+    participants: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'vehicles that simulated time waits for'}
+    )
+    lost_after_s: float = field(
+        default=12.0,
+        metadata={'doc': 'wall time after which time stops to wait for a vehicle, s', 'min': 1.0},
+    )
+    alone_after_s: float = field(
+        default=5.0, metadata={'doc': 'the same once the orchestrator is gone, s', 'min': 1.0}
+    )
+
+    def __post_init__(self) -> None:
+        if not self.vehicles or len(set(self.vehicles)) < len(self.vehicles):
+            raise ValueError(f'vehicles = {list(self.vehicles)}: must be one or more that differ')
+        if not self.plan_file:
+            raise ValueError('plan_file is empty: must name the plan of the survey')

@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an agent hears from its vehicle, and how it lets it fly: topics and actions, by lease."""
+
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from rclpy.action import ActionClient
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from rocsafe_fleet.conversions import inability, is_aloft, numbers_of, visited_of
+from rocsafe_interfaces.action import FlyRoute
+from rocsafe_interfaces.msg import Control, Route, VehicleState
+from rocsafe_ros import topics
+from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.lease_holder_node import Leases
+from rocsafe_ros.plan_digest import route_digest
+
+# A route is sent again if it is not accepted within this time, so often.
+REPEAT_S = 2.0
+MOST_TRIES = 5
+# A vehicle in the air that tells nothing for so long is lost, seconds by the node's clock.
+SILENT_S = 10.0
+
+
+class VehicleLink:
+    """One vehicle of an agent.
+
+    Parameters
+    ----------
+    node
+        Node that owns the subscriptions and clients.
+    leases
+        Of the vehicles of the node.
+    mission
+        Name of the mission.
+    is_real
+        Whether it is no simulation.
+
+    Attributes
+    ----------
+    state
+        Newest state; None: nothing was heard yet.
+    routes
+        Viewpoints of all routes that it may be flying, by plan id.
+    """
+
+    def __init__(
+        self, node: Node, name: str, leases: Leases, mission: str, *, is_real: bool
+    ) -> None:
+        self.name = name
+        self.state: VehicleState | None = None
+        self._is_real = is_real
+        self._mission = mission
+        self._leases = leases
+        self._log = node.get_logger()
+        self._control: Control | None = None
+        self.routes: dict[str, tuple[int, ...]] = {}
+        self._sending: tuple[Callable[[], None], float, int] | None = None
+        topics.create_subscription(node, topics.STATE, self._on_state, name)
+        topics.create_subscription(node, topics.CONTROL, self._on_control, name)
+        self._flights = ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
+        self._home = node.create_client(Trigger, topics.name_of(topics.RETURN_HOME, name))
+
+    def close(self) -> None:
+        """Destroy the client of the action, which keeps its node in the graph."""
+        self._flights.destroy()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether an order was not carried out yet."""
+        return self._sending is not None
+
+    @property
+    def is_down(self) -> bool:
+        """Whether it is not in the air, as far as it is heard."""
+        return self.state is None or not is_aloft(self.state)
+
+    def is_silent(self, now_s: float) -> bool:
+        """Return whether it was in the air and has told nothing for too long."""
+        if self.state is None or self.is_down:
+            return False
+        return now_s - ns_of_stamp(self.state.header.stamp) * 1e-9 > SILENT_S
+
+    @property
+    def inability(self) -> str:
+        """Why it takes no more work; empty: it does."""
+        if self.state is None:
+            return ''
+        return inability(self.state, self._control, self._mission, self._is_real)
+
+    @property
+    def visited(self) -> tuple[int, ...]:
+        """Viewpoints whose photographs it has handed over on its present route."""
+        if self.state is None:
+            return ()
+        return visited_of(self.state, self.routes.get(self.state.plan_id, ()))
+
+    def fly(self, plan_id: str, route: Route | None) -> None:
+        """Let it fly a route in place of its present one; without one it returns home."""
+        if route is None:
+            if not self.is_down:
+                self._begin(self._return)
+            return
+        self.routes[plan_id] = numbers_of(route)
+        self._begin(partial(self._send, plan_id, route))
+
+    def look(self) -> None:
+        """Repeat an order that was not answered; give it up after some tries."""
+        if self._sending is None:
+            return
+        send, due_s, tries = self._sending
+        if time.monotonic() < due_s:
+            return
+        if tries >= MOST_TRIES:
+            self._log.error(f'{self.name}: did not take its route within {tries} tries')
+            self._sending = None
+            return
+        self._sending = send, time.monotonic() + REPEAT_S, tries + 1
+        send()
+
+    def _begin(self, send: Callable[[], None]) -> None:
+        self._sending = send, time.monotonic() + REPEAT_S, 1
+        send()
+
+    def _send(self, plan_id: str, route: Route) -> None:
+        def send(lease: str) -> None:
+            goal = FlyRoute.Goal(route=route, plan_id=plan_id, replace=True, lease=lease)
+            goal.confirmation = route_digest(plan_id, route)
+            self._flights.send_goal_async(goal).add_done_callback(self._on_goal)
+
+        self._leases.carry(self.name, send, self._refuse)
+
+    def _return(self) -> None:
+        self._home.call_async(Trigger.Request()).add_done_callback(self._on_return)
+
+    def _on_goal(self, future: Any) -> None:
+        handle = future.result()
+        if handle is not None and handle.accepted:
+            self._sending = None
+            handle.get_result_async().add_done_callback(self._on_result)
+
+    def _on_result(self, future: Any) -> None:
+        result = future.result().result
+        if result.outcome == FlyRoute.Result.REJECTED:
+            self._log.warning(result.error_msg)
+
+    def _on_return(self, future: Any) -> None:
+        self._sending = None
+        if not future.result().success:
+            self._log.warning(future.result().message)
+
+    def _refuse(self, text: str) -> None:
+        self._log.warning(text)
+
+    def _on_state(self, message: VehicleState) -> None:
+        self.state = message
+
+    def _on_control(self, message: Control) -> None:
+        self._control = message

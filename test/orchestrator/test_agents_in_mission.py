@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Missions with agents: the orchestrator watches, and takes over when the agents are gone."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rocsafe_orchestrator.mission.mission import Mission
+from rocsafe_orchestrator.mission.options import Deadlines
+from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission.presence import Sighting
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission.situation import Crew, Situation
+from rocsafe_orchestrator.parameters.node_parameters import world_parameters
+from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario_file import read_scenario
+
+PROCESSES = frozenset({'planner', 'world', 'agents', 'rav1', 'rav2'})
+CREW = Crew(vehicle_processes={'rav1': 'rav1', 'rav2': 'rav2'}, processes=PROCESSES)
+ROUTES = tuple(Order(kind=OrderKind.FLY, vehicle=name) for name in ('rav1', 'rav2'))
+AGENTS = {'fleet.agents': True, 'survey.separation.by': 'reserved'}
+
+
+def airborne() -> Mission:
+    """Return a mission with agents whose vehicles fly, at 101 s."""
+    mission = Mission(CREW, Deadlines(), has_agents=True)
+    mission.advance(100.0, Situation(ready=PROCESSES))
+    mission.planned(['rav1', 'rav2'])
+    mission.advance(100.1, Situation(ready=PROCESSES))
+    for order in ROUTES:
+        mission.accepted(order)
+    mission.advance(101.0, situation())
+    return mission
+
+
+def situation(*, done: bool = False, stored: int = 0, lost: str = '') -> Situation:
+    """Return how things are during the flight."""
+    return Situation(
+        ready=PROCESSES,
+        images_stored=stored,
+        images_expected=6,
+        aloft=frozenset() if done else frozenset({'rav1', 'rav2'}),
+        agents_are_done=done,
+        sightings={
+            name: Sighting(silent_s=99.0 if name == lost else 0.0, is_grounded=done)
+            for name in ('rav1', 'rav2')
+        },
+    )
+
+
+def test_a_replaced_route_and_a_loss_are_no_faults():
+    """The agents give other routes; what counts is that all is photographed."""
+    mission = airborne()
+    mission.flown('rav2', 1, 'aborted: another plan is flown in its place')
+    mission.advance(102.0, situation(lost='rav1'))
+    assert mission.phase is Phase.FLYING
+    assert mission.faults == []
+    assert any('the agents of the others take over' in text for text in mission.remarks)
+
+
+def test_a_vehicle_whose_process_is_gone_is_left_to_the_agents():
+    """Simulated time does not wait for it, and that is no fault."""
+    mission = airborne()
+    mission.gave_up('rav1', 'was ended by SIGKILL')
+    orders = mission.advance(102.0, situation())
+    assert Order(kind=OrderKind.DISMISS, vehicle='rav1') in orders
+    assert mission.phase is Phase.FLYING
+    assert mission.faults == []
+
+
+def test_the_flight_is_over_when_the_agents_are_done():
+    """For some seconds, because a loss may give them more; then missing photographs count."""
+    mission = airborne()
+    for vehicle in ('rav1', 'rav2'):
+        mission.flown(vehicle, 3)
+    mission.advance(110.0, situation())
+    mission.advance(111.0, situation(done=True))
+    mission.advance(113.0, situation())
+    mission.advance(114.0, situation(done=True))
+    assert mission.phase is Phase.FLYING
+    mission.advance(117.1, situation(done=True, stored=5))
+    assert mission.phase is Phase.COLLECTING
+    mission.advance(118.0, situation(done=True, stored=5))
+    assert mission.phase is Phase.COLLECTING
+    mission.advance(119.0, situation(done=True, stored=6))
+    assert mission.phase is Phase.MAPPING
+    assert mission.faults == []
+
+
+def test_without_agents_losses_are_handled_here():
+    """Simulated time does not wait for them, and the next loss is replaced."""
+    mission = airborne()
+    mission.gave_up('agents', 'ended with exit code 1')
+    orders = mission.advance(102.0, situation())
+    assert Order(kind=OrderKind.DISMISS, vehicle='agents') in orders
+    mission.advance(103.0, situation(lost='rav1'))
+    assert mission.phase is Phase.PLANNING
+    assert mission.faults == []
+
+
+@pytest.mark.parametrize(
+    ('changes', 'text'),
+    [
+        ({'survey.separation.by': 'layers'}, "by = 'layers': must be reserved"),
+        ({'survey.separation.distance_m': 0}, 'distance_m = 0: must be positive'),
+        ({'replan': 'never'}, "replan = 'never': must be on_loss"),
+        ({'radiation.search.extra_rounds': 1}, 'extra_rounds = 1: must be 0'),
+    ],
+)
+def test_scenarios_that_agents_cannot_fly_are_refused(
+    small: Callable[..., Path], changes: dict[str, object], text: str
+):
+    """With the key and its limit."""
+    with pytest.raises(ScenarioError, match=text):
+        read_scenario(small({**AGENTS, **changes}))
+
+
+def test_time_waits_for_the_agents(small: Callable[..., Path]):
+    """And does not pause for news, which they answer themselves."""
+    parameters = world_parameters(read_scenario(small(AGENTS)))
+    assert 'agents' in parameters['participants']
+    assert not parameters['pause_on_news']
+    assert 'agents' not in world_parameters(read_scenario(small()))['participants']
