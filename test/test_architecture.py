@@ -54,8 +54,8 @@ ROSDEP_KEYS = {
     'yaml': 'python3-yaml',
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
-# files of a map work without. Areas of threat zones need contourpy.
-OPTIONAL = {'contourpy', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles'}
+# files of a map work without. Areas of threat zones need contourpy, ranked procedures bm25s.
+OPTIONAL = {'bm25s', 'contourpy', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles'}
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {
     'rocsafe_planner',
