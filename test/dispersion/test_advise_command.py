@@ -61,12 +61,20 @@ def test_without_evidence_nothing_is_confident(capsys):
         (['--saw=smell_bitter_almonds', '--saw=effect_blood'], 'cyanide-and-asphyxiants.md'),
         (['--saw=smell_geranium', '--saw=effect_blister'], 'blister-agent.md'),
         (['--un=1005'], 'irritant-gas.md'),
+        (['--sensor=pid_10_6_ev=5'], 'unknown-gas.md'),
     ],
 )
 def test_the_fitting_procedure_is_first(signs, file, capsys):
     """Of those shipped."""
     assert main([*signs, '--json']) == 0
     assert json.loads(capsys.readouterr().out)['procedures'][0]['file'] == file
+
+
+def test_a_reading_that_fits_many_agents_recommends_no_procedure_of_one(capsys):
+    """A lamp that shows gas is no sign of a nerve or blister agent."""
+    assert main(['--sensor=pid_10_6_ev=5', '--json']) == 0
+    found = json.loads(capsys.readouterr().out)['procedures']
+    assert {row['file'] for row in found} == {'unknown-gas.md'}
 
 
 def test_text_says_agents_next_observation_and_procedures(capsys):

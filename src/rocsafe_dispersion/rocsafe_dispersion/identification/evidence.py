@@ -62,6 +62,13 @@ class Evidence:
     sensors: tuple[SensorReport, ...] = ()
     un_number: int | None = None
 
+    @property
+    def is_positive(self) -> bool:
+        """Whether anything was seen, smelled, read or detected at all."""
+        seen = [report.is_seen for report in self.sensors]
+        said = [report.is_true for report in self.reports]
+        return any((*seen, *said, self.un_number is not None))
+
     def __post_init__(self) -> None:
         kinds = [report.sensor for report in self.sensors]
         if len(set(kinds)) < len(kinds):

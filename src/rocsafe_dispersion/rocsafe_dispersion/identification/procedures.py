@@ -16,7 +16,9 @@ SHIPPED = Path(__file__).with_name('procedures')
 # A hypothesis below this probability adds no words to the question.
 LEAST_PROBABILITY = 0.05
 # Nor does one that evidence has not made so many times as probable as before.
-RAISED = 1.1
+RAISED = 1.5
+# Below this probability of every agent the word `UNKNOWN` is looked for as well.
+NAMED, UNKNOWN = 0.5, 'unknown'
 MOST_BYTES = 1_000_000
 _HEADING = re.compile(r'^#{1,6}\s+(.+?)\s*#*$', re.MULTILINE)
 _WORD = re.compile(r'[a-z0-9]+')
@@ -67,7 +69,8 @@ def question(evidence: Evidence, found: Identification) -> dict[str, float]:
     """Return the words to look for, with their weights between 0 and 1.
 
     What was observed counts fully. Agents and their categories count by their probabilities, if
-    the evidence made them more probable.
+    the evidence made them more probable. If something was observed that names no agent, `UNKNOWN`
+    counts fully, too.
     """
     weights: dict[str, float] = {}
     for report in evidence.reports:
@@ -86,6 +89,9 @@ def question(evidence: Evidence, found: Identification) -> dict[str, float]:
             continue
         for word in _words(name):
             weights[word] = max(weights.get(word, 0.0), probability)
+    names = {name: share for name, share in found.probabilities if name != SOMETHING_ELSE}
+    if evidence.is_positive and max(names.values()) < NAMED:
+        weights[UNKNOWN] = 1.0
     return weights
 
 
