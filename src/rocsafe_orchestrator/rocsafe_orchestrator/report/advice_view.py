@@ -47,18 +47,18 @@ def advice_view(found: AgentAdvice | None) -> AdviceView | None:
 def _evidence_rows(found: AgentAdvice) -> tuple[tuple[str, ...], ...]:
     rows = [*map(_detected, found.sensors), *map(_observed, found.reports)]
     if found.un_number is not None:
-        rows.append((f'placard UN {found.un_number}', 'read', '', '', ''))
+        rows.append((f'placard UN {found.un_number}', 'read', '-', '-', '-'))
     return tuple(rows)
 
 
 def _detected(one: Detected) -> tuple[str, ...]:
     shown = f'{one.reading:.3g} {one.unit.replace("_", "/")}' if one.is_seen else 'silent'
-    return _words(one.sensor), shown, 'detector', '', ''
+    return _words(one.sensor), shown, 'detector', '-', '-'
 
 
 def _observed(one: Observed) -> tuple[str, ...]:
     said = 'yes' if one.is_true else 'no'
-    return _words(one.observation), said, one.witness, one.time, _place(one)
+    return _words(one.observation), said, one.witness or '-', one.time or '-', _place(one) or '-'
 
 
 def _procedure(one: Procedure) -> tuple[str, ...]:
