@@ -115,9 +115,8 @@ def lines_at(grid: MapGrid, values: FloatArray, level: float) -> list[FloatArray
 
     The edge of ground without a value is no such line.
     """
-    lines = contourpy.contour_generator(
-        grid.east_m(), grid.north_m(), np.ma.masked_invalid(values), name='serial'
-    )
+    # Takes points without a finite value for masked.
+    lines = contourpy.contour_generator(grid.east_m(), grid.north_m(), values, name='serial')
     return [np.asarray(line) for line in lines.lines(level)]
 
 
