@@ -55,9 +55,10 @@ ROSDEP_KEYS = {
     'yaml': 'python3-yaml',
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
-# files of a map work without. Areas of threat zones need contourpy.
+# files of a map work without. Areas of threat zones need contourpy, ranked procedures bm25s.
 OPTIONAL = {
-    'contourpy', 'distributed', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles', 'pyarrow',
+    'bm25s', 'contourpy', 'distributed', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles',
+    'pyarrow',
 }  # fmt: skip
 NUMERICAL = {'numpy', 'cv2', 'scipy', 'shapely', 'pyproj', 'rasterio', 'math', 'cmath', 'numba'}
 DOMAINS = {

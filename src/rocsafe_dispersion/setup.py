@@ -11,7 +11,14 @@ setup(
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',
     packages=find_packages(),
-    package_data={NAME: ['py.typed', 'agents/*.json']},
+    package_data={
+        NAME: [
+            'py.typed',
+            'agents/*.json',
+            'identification/*.json',
+            'identification/procedures/*.md',
+        ]
+    },
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
@@ -22,6 +29,7 @@ setup(
         'console_scripts': [
             'air = rocsafe_dispersion.air_node:main',
             'estimator = rocsafe_dispersion.estimator_node:main',
+            'advise = rocsafe_dispersion.command_line.advise_command:main',
             'locate-release = rocsafe_dispersion.command_line.locate_command:main',
         ]
     },

@@ -14,7 +14,7 @@ from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_dispersion.zones.exposure import Exposure, MapGrid
 from rocsafe_dispersion.zones.levels import response_levels
-from rocsafe_dispersion.zones.threat_zones import area_above, threat_zones, zones_geojson
+from rocsafe_dispersion.zones.threat_zones import area_above, lines_at, threat_zones, zones_geojson
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.wind.wind_vector import wind_from
@@ -138,3 +138,14 @@ def test_bad_values_are_refused(make):
     """With one error type."""
     with pytest.raises(ValueError, match=r'must|need'):
         make()
+
+
+def test_lines_leave_out_the_edge_of_ground_without_a_value():
+    """Times of arrival are infinite upwind: no line of any time runs along that edge."""
+    east = np.tile(GRID.east_m(), (GRID.rows, 1))
+    arrival = np.where(east > 0.0, east / 5.0, np.inf)
+    for time_s in (30.0, 60.0):
+        (line,) = lines_at(GRID, arrival, time_s)
+        assert line[:, 0] == pytest.approx(5.0 * time_s)
+        assert np.ptp(line[:, 1]) == pytest.approx(GRID.cell_m * (GRID.rows - 1))
+    assert lines_at(GRID, np.full_like(arrival, np.inf), 30.0) == []

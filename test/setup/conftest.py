@@ -200,7 +200,7 @@ def system_ros(machine: FakeMachine, tmp_path: Path) -> FakeMachine:
         'PYTHONPATH': str(rclpy.parent),
         'FAKE_PREFIX': str(prefix),
         'FAKE_LIBRARIES': (
-            '{"aiohttp": "3.9.1", "cryptography": "41.0.7", '
+            '{"aiohttp": "3.9.1", "bm25s": "0.3.16", "cryptography": "41.0.7", '
             '"colcon_core": "0.16.1", "contourpy": "1.0.7", '
             '"cv2": "4.6.0", "mcap": "", '
             '"mcap_ros2": "", "msgpack": "1.0.3", "pymavlink": "2.4.41", '

@@ -20,6 +20,7 @@ from workspace.ros import SystemRos
 # or missing comes, pinned, from python.txt.
 SYSTEM_MINIMA: dict[str, tuple[str, tuple[int, ...]]] = {
     'aiohttp': ('aiohttp', (3, 14)),
+    'bm25s': ('bm25s', (0, 3)),
     'colcon_core': ('colcon-common-extensions', (0, 12)),
     'contourpy': ('contourpy', (1, 0, 7)),
     'cryptography': ('cryptography', (45, 0)),

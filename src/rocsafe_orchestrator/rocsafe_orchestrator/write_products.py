@@ -10,6 +10,7 @@ from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.parameters.air_parameters import ESTIMATOR
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.scene_export import export_scenes
+from rocsafe_orchestrator.products.agent_advice import advise
 from rocsafe_orchestrator.products.readings_table import write_readings
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_reading import read_run
@@ -40,7 +41,7 @@ def write_products(run_directory: Path) -> RunSummary:
     record = read_run(run.path)
     readings = record.log.readings if record.log else ()
     write_readings(run.readings, readings, mission_frame(record))
-    record = _with_releases(_with_estimates(record, run), run)
+    record = _with_advice(_with_releases(_with_estimates(record, run), run), run)
     summary = summarise(record)
     _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
     _write_text(run.report, report_page(record, summary, mission_frame(record)))
@@ -73,6 +74,18 @@ def _with_releases(record: RunRecord, run: RunDirectory) -> RunRecord:
         line = f'no estimate of releases: {error}'
         return dataclasses.replace(record, missing=(*record.missing, line))
     return dataclasses.replace(record, releases=releases)
+
+
+def _with_advice(record: RunRecord, run: RunDirectory) -> RunRecord:
+    """Return `record` with the agent that its detectors and witnesses name."""
+    if record.scenario is None or not record.scenario.air.gas_sensors:
+        return record
+    try:
+        advice = advise(run.parameters_of(ESTIMATOR), run.path)
+    except OrchestratorError as error:
+        line = f'no agent named: {error}'
+        return dataclasses.replace(record, missing=(*record.missing, line))
+    return dataclasses.replace(record, advice=advice)
 
 
 def mission_frame(record: RunRecord) -> LocalFrame | None:

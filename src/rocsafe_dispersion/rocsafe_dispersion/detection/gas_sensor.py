@@ -69,6 +69,8 @@ class GasSensor:
         infinite overload: never.
     bars
         Readings at which it shows one bar more, ascending; none: it shows numbers.
+    is_selective
+        Whether it is blind to all gases without a response; otherwise that is unknown.
     """
 
     name: str
@@ -88,6 +90,7 @@ class GasSensor:
     overload: float = math.inf
     clear_down_s: float = 0.0
     bars: tuple[float, ...] = ()
+    is_selective: bool = False
 
     def __post_init__(self) -> None:
         if self.unit not in ('ppm', 'mg_m3'):
@@ -117,7 +120,9 @@ class GasSensor:
 
     def sees(self, agent: Agent) -> bool | None:
         """Return whether silence of the sensor speaks against an agent; None: unknown."""
-        if self.lamp_ev and agent.ionisation_ev is None:
+        if self.lamp_ev:
+            return None if agent.ionisation_ev is None else self.response(agent) > 0.0
+        if agent.name not in self.responses and not self.is_selective:
             return None
         return self.response(agent) > 0.0
 

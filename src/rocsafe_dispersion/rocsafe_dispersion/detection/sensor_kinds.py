@@ -36,6 +36,7 @@ _KINDS = (
     ),
     GasSensor(
         name='electrochemical_chlorine',
+        is_selective=True,
         technology='electrochemical',
         calibration_gas='chlorine',
         responses={'chlorine': 1.0, 'nitrogen_dioxide': 0.5, 'bromine': 0.9},
@@ -49,6 +50,7 @@ _KINDS = (
     ),
     GasSensor(
         name='electrochemical_ammonia',
+        is_selective=True,
         technology='electrochemical',
         calibration_gas='ammonia',
         responses={'ammonia': 1.0, 'hydrogen_sulphide': 0.1},
@@ -62,6 +64,7 @@ _KINDS = (
     ),
     GasSensor(
         name='electrochemical_hydrogen_sulphide',
+        is_selective=True,
         technology='electrochemical',
         calibration_gas='hydrogen_sulphide',
         responses={'hydrogen_sulphide': 1.0, 'sulphur_dioxide': 0.15},
@@ -75,6 +78,7 @@ _KINDS = (
     ),
     GasSensor(
         name='electrochemical_sulphur_dioxide',
+        is_selective=True,
         technology='electrochemical',
         calibration_gas='sulphur_dioxide',
         responses={'sulphur_dioxide': 1.0, 'nitrogen_dioxide': -0.5, 'hydrogen_sulphide': 0.1},

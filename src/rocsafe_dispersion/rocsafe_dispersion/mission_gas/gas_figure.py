@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A figure of readings and plume over time: one SVG that moves by itself and needs no script."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from shapely.geometry import MultiPolygon
 
 from rocsafe_dispersion.mission_gas.release_assessment import ReleaseAssessment
-from rocsafe_dispersion.zones.threat_zones import area_above
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_dispersion.zones.threat_zones import lines_at
 
 # The figure shows the flight in so many seconds, then rests, then begins again.
 LASTS_S, RESTS_S = 12.0, 4.0
@@ -80,25 +79,25 @@ def _zones(assessment: ReleaseAssessment) -> Iterator[str]:
 
 
 def _isochrones(assessment: ReleaseAssessment) -> Iterator[str]:
-    """Yield the edges of the ground that the gas has reached after each time."""
+    """Yield the lines that the gas has reached after each time."""
     plume = assessment.plume
     if plume is None:
         return
     for time_s in ISOCHRONES_S:
-        reached = np.where(np.isfinite(plume.arrival_s), plume.arrival_s, 1e9)
-        values: FloatArray = time_s / np.maximum(reached, 1e-3)
+        way = ''.join(map(_line, lines_at(plume.grid, plume.arrival_s, time_s)))
         yield (
-            f'<path class="way" vector-effect="non-scaling-stroke" '
-            f'd="{_path(area_above(plume.grid, values, 1.0))}"><title>{time_s:g} s</title></path>'
+            f'<path class="way" vector-effect="non-scaling-stroke" d="{way}">'
+            f'<title>{time_s:g} s</title></path>'
         )
 
 
 def _path(area: MultiPolygon) -> str:
     rings = (ring for part in area.geoms for ring in (part.exterior, *part.interiors))
-    return ''.join(
-        'M' + 'L'.join(f'{point[0]:.1f} {-point[1]:.1f}' for point in ring.coords) + 'Z'
-        for ring in rings
-    )
+    return ''.join(_line(ring.coords) + 'Z' for ring in rings)
+
+
+def _line(points: Iterable[Sequence[float]]) -> str:
+    return 'M' + 'L'.join(f'{point[0]:.1f} {-point[1]:.1f}' for point in points)
 
 
 def _colour(share: float) -> str:

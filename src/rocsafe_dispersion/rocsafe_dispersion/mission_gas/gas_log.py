@@ -2,7 +2,7 @@
 """Readings of gas and wind of a running flight, each once, and the survey that they make."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -138,6 +138,11 @@ class GasLog:
             return False
         self._winds[key] = reading
         return True
+
+    def readings(self) -> Iterator[GasFlightReading]:
+        """Yield all readings of gas, of one sensor after the other."""
+        for own in self._gases.values():
+            yield from own.values()
 
     def survey(self) -> FlightSurvey:
         """Return the survey of all readings so far.

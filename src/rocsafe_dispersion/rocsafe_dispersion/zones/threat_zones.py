@@ -110,6 +110,16 @@ def area_above(grid: MapGrid, values: FloatArray, level: float) -> MultiPolygon:
     return MultiPolygon([part for part in shapely.get_parts(joined) if part.area > 0.0])
 
 
+def lines_at(grid: MapGrid, values: FloatArray, level: float) -> list[FloatArray]:
+    """Return where finite `values` (rows, columns) equal a level: lines of (n, 2), metres.
+
+    The edge of ground without a value is no such line.
+    """
+    # Takes points without a finite value for masked.
+    lines = contourpy.contour_generator(grid.east_m(), grid.north_m(), values, name='serial')
+    return [np.asarray(line) for line in lines.lines(level)]
+
+
 def _rings(points: Any, cuts: Any) -> list[Any]:
     return [points[first:last] for first, last in pairwise(cuts[1:])]
 

@@ -32,6 +32,7 @@ class PassedOn:
 PASSED_ON = (
     PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
     PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
+    PassedOn('advise', 'rocsafe_dispersion', 'name the agent and rank procedures from evidence'),
     PassedOn('ground', 'rocsafe_ground', 'plan the drive of a ground vehicle to evidence points'),
     PassedOn('campaign', 'rocsafe_campaign', 'fly many missions; what moves the result'),
     PassedOn('mavlink_view', 'rocsafe_mavlink', 'show simulated vehicles to QGroundControl'),

@@ -12,6 +12,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.products.agent_advice import AgentAdvice
 from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_planner.plan.plan import SurveyPlan
@@ -198,6 +199,8 @@ class RunRecord:
         Sources estimated from the readings.
     releases
         Releases of gas estimated from the readings.
+    advice
+        The agent named from readings and evidence.
     """
 
     path: Path
@@ -209,6 +212,7 @@ class RunRecord:
     missing: tuple[str, ...]
     estimates: SourceEstimates | None = None
     releases: ReleaseEstimates | None = None
+    advice: AgentAdvice | None = None
     further: tuple[SurveyPlan, ...] = ()
 
     @property

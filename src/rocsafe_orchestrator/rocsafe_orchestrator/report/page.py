@@ -11,6 +11,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.readings_table import COLUMNS
 from rocsafe_orchestrator.products.run_record import MissionSample, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
+from rocsafe_orchestrator.report.advice_view import advice_view
 from rocsafe_orchestrator.report.dose_view import READINGS_BELOW, dose_view
 from rocsafe_orchestrator.report.drive_view import drive_view
 from rocsafe_orchestrator.report.events import events, flights, start_ns
@@ -66,6 +67,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
         dose=dose,
         gas=gas_view(record.releases),
+        advice=advice_view(record.advice),
         drive=drive_view(record, frame),
         chart_scale=chart_scale,
         flights=flown,
