@@ -61,6 +61,11 @@ docs: ## write the tables of docs/interfaces.md from the code
 	@sh tools/setup.sh
 	@. ./env.sh && python tools/interface_tables.py
 
+.PHONY: wheels
+wheels: ## set up and make wheels of all packages in dist/, for machines without a compiler
+	@sh tools/setup.sh
+	@. ./env.sh && PYTHONPATH="tools:$$PYTHONPATH" python -m distribution.command
+
 .PHONY: clean
 clean: ## remove all that set-up, checks and tests made; runs/ stays
 	@sh tools/setup.sh --clean
