@@ -66,6 +66,11 @@ wheels: ## set up and make wheels of all packages in dist/, for machines without
 	@sh tools/setup.sh
 	@. ./env.sh && PYTHONPATH="tools:$$PYTHONPATH" python -m distribution.command
 
+.PHONY: site
+site: ## set up and build the documentation site in site/; warnings are errors
+	@sh tools/setup.sh --dev
+	@. ./env.sh && NO_MKDOCS_2_WARNING=1 python -m mkdocs build --strict $(ARGS)
+
 .PHONY: clean
 clean: ## remove all that set-up, checks and tests made; runs/ stays
 	@sh tools/setup.sh --clean
