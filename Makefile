@@ -46,6 +46,13 @@ test-all: ## set up and pass all tests: also those with browsers and autopilots,
 	@sh tools/setup.sh --dev
 	@$(PYTEST) $(ARGS)
 
+.PHONY: coverage
+coverage: ## set up and measure which lines the tests of make test-fast run
+	@sh tools/setup.sh --dev
+	@. ./env.sh && python -m coverage run --source=src --omit='*/setup.py' -m pytest \
+	    -m 'not process and not slow and not all' --hypothesis-profile=fast -q -n 0 $(ARGS) \
+	    && python -m coverage report --skip-covered --sort=cover
+
 .PHONY: check
 check: ## set up and check style and types
 	@sh tools/setup.sh --dev

@@ -13,6 +13,8 @@ _INDEX_NAMES = {
     'python3-pymavlink-pip': 'pymavlink',
     'python3-yaml': 'pyyaml',
 }
+# Not among the wheels of ROS: launch files are for machines with a ROS of their own.
+_WITHOUT_WHEEL = frozenset({'launch'})
 # rclpy loads the middleware while it runs; the wheel does not name one.
 _MIDDLEWARE = 'ros-rmw-fastrtps-cpp'
 
@@ -51,7 +53,9 @@ def requirements(manifest: Path, own: Mapping[str, str], lock: Mapping[str, str]
         for element in root.findall(kind)
     }
     needed = {f'{key}=={own[key]}' for key in keys & own.keys()}
-    needed |= {_pinned(_index_name(key), manifest, lock) for key in keys - own.keys()}
+    needed |= {
+        _pinned(_index_name(key), manifest, lock) for key in keys - own.keys() - _WITHOUT_WHEEL
+    }
     if 'rclpy' in keys:
         needed.add(_pinned(_MIDDLEWARE, manifest, lock))
     return sorted(needed)
