@@ -27,12 +27,12 @@ def read_scene(path: Path) -> SceneDescription:
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder, 'range.yaml')
-    ...     _ = path.write_text('name: range\nterain: {}\n')
+    ...     _ = path.write_text('name: range\nhills: {}\n')
     ...     try:
     ...         scene = read_scene(path)
     ...     except SceneError as error:
     ...         print(error)
-    range.yaml: terain: unknown key
+    range.yaml: hills: unknown key
     """
     content = _content(path)
     try:
