@@ -14,8 +14,8 @@ from PIL import Image
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, Outcome, Result
 from rocsafe_console.people.users import User, Users
-from rocsafe_console.picture.dose_image import Grid, corners_of, png_of
 from rocsafe_console.picture.live import Live
+from rocsafe_console.picture.map_image import DOSE, PLUME, Grid, corners_of, png_of
 from rocsafe_console.picture.picture import MissionNow, Picture, Reading
 from rocsafe_console.picture.vehicle import Holder, VehicleReport
 from rocsafe_console.web.context import Context, WebOptions
@@ -110,6 +110,19 @@ class Stage:
                 'cordons',
                 [self._cordon(level, size) for level, size in ((25.0, 70.0), (100.0, 30.0))],
             )
+            put('releases', {
+                'stamp_s': now_s, 'agent': 'ammonia', 'sensor': 'pid', 'verdict': 'enough',
+                'is_enough': True,
+                'releases': [{
+                    'id': 0, 'place': place_of(-60, -30), 'radius_95_m': 8.0, 'rate_g_s': 90.0,
+                    'rate_low_g_s': 60.0, 'rate_high_g_s': 140.0,
+                }],
+            })  # fmt: skip
+            zone = {'level': 'AEGL-2 160 ppm', 'colour': '#ff8000'}
+            put('zones', [
+                {**zone, 'is_mean': size < 60.0, 'ring': self._cordon(0.0, size)['ring']}
+                for size in (50.0, 65.0)
+            ])  # fmt: skip
             put(
                 'wind',
                 {
@@ -195,12 +208,14 @@ class Stage:
         ]
         grid = Grid(cells=cells, columns=CELLS, corner_m=(-200.0, -200.0), cell_m=5.0)
         frame = LocalFrame(GeoPosition(*ORIGIN, 0.0))
-        live.images['dose_map'] = png_of(grid)
+        live.images['dose_map'] = png_of(grid, DOSE)
         buffer = BytesIO()
         Image.linear_gradient('L').convert('RGB').save(buffer, 'PNG')
         live.images['mosaic'] = buffer.getvalue()
         put = live.picture.sections.put
         put('dose_map', {'stamp_s': now_s, 'heard_s': now_s, 'corners': corners_of(grid, frame)})
+        live.images['plume'] = png_of(grid, PLUME)
+        put('plume', {'stamp_s': now_s, 'heard_s': now_s, 'corners': corners_of(grid, frame)})
         put('mosaic', {
             'stamp_s': now_s, 'heard_s': now_s, 'images_placed': 21, 'is_final': False,
             'ground_resolution_m': 0.1, 'corners': [place_of(-110, -70), place_of(60, 70)],

@@ -7,8 +7,13 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
+from geometry_msgs.msg import Point, TransformStamped, Vector3
+from nav_msgs.msg import OccupancyGrid
 from rclpy.node import Node
+from std_msgs.msg import ColorRGBA
 from test.orchestrator.test_fleet_verbs import Stand
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_console.console_node import ConsoleNode
 from rocsafe_console.evidence.desk import Desk
@@ -16,6 +21,8 @@ from rocsafe_console.orders.order_book import Order, Outcome, Result, Target
 from rocsafe_console.people.roles import Action
 from rocsafe_console.picture.live import Live
 from rocsafe_console.picture.picture import Picture
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition, ecef_m
 from rocsafe_interfaces.msg import MissionState, VehicleState
 from rocsafe_ros import topics
 
@@ -130,3 +137,33 @@ def test_another_mission_is_another_picture(console):
         )
     assert console.live.picture is not seen
     assert not console.live.picture.vehicles
+
+
+def test_what_lies_in_the_frame_is_drawn_when_the_frame_is_known(console):
+    """Zones and plume may be heard before the frame of the mission; an empty plume is none."""
+    point = {'x': 30.0, 'y': 20.0}
+    line = Marker(
+        ns='AEGL-2 160 ppm outer', type=Marker.LINE_STRIP, action=Marker.ADD,
+        color=ColorRGBA(r=1.0, g=0.5, b=0.0, a=1.0), points=[Point(), Point(**point)],
+    )  # fmt: skip
+    zones = topics.create_publisher(console.speaker, topics.THREAT_ZONES)
+    zones.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL), line]))
+    plumes = topics.create_publisher(console.speaker, topics.PLUME)
+    grid = OccupancyGrid(data=[0, 50])
+    grid.info.width, grid.info.height, grid.info.resolution = 2, 1, 10.0
+    plumes.publish(grid)
+    frames = topics.create_publisher(console.speaker, topics.TF_STATIC)
+    place = TransformStamped(child_frame_id='map')
+    place.header.frame_id = 'earth'
+    x, y, z = ecef_m(53.0, -9.0, 0.0)[0]
+    place.transform.translation = Vector3(x=x, y=y, z=z)
+    frames.publish(TFMessage(transforms=[place]))
+    value = console.live.picture.sections.value
+    console.ros.spin_until(lambda: bool(value('zones') and value('plume')), DEADLINE_S)
+    (zone,) = value('zones')
+    assert (zone['level'], zone['is_mean'], zone['colour']) == ('AEGL-2 160 ppm', False, '#ff8000')
+    frame = LocalFrame(GeoPosition(53.0, -9.0, 0.0))
+    assert frame.to_enu(*zone['ring'][1], 0.0)[0][:2] == pytest.approx((30.0, 20.0), abs=0.05)
+    assert console.live.images['plume']
+    plumes.publish(OccupancyGrid())
+    console.ros.spin_until(lambda: value('plume') is None, DEADLINE_S)

@@ -29,7 +29,7 @@ def stage(tmp_path) -> Stage:
 
 
 def test_events_have_what_a_receiver_needs(stage):
-    """Vehicles, source, cordons and mark, each with place, kind and end; parsed as XML."""
+    """Vehicles, source, release, lines and mark, each with place, kind and end; parsed as XML."""
     now_s = time.time()
     found = [
         ElementTree.fromstring(event.to_xml(now_s))  # noqa: S314 - our own
@@ -37,8 +37,8 @@ def test_events_have_what_a_receiver_needs(stage):
     ]
     kinds = [event.get('type') for event in found]
     assert kinds.count('a-f-A-M-H-Q') == 3
-    assert kinds.count('b-m-p-s-m') == 2
-    assert kinds.count('u-d-f') == 2
+    assert kinds.count('b-m-p-s-m') == 3
+    assert kinds.count('u-d-f') == 3
     assert len({event.get('uid') for event in found}) == len(found)
     for event in found:
         point = event.find('point')

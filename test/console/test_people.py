@@ -76,6 +76,7 @@ def test_a_wrong_file_of_users_is_told_in_one_line(tmp_path, text, words):
         read_users(path)
 
 
+@pytest.mark.slow
 def test_a_password_is_right_or_not():
     """Two hashes of one password differ; a short one is refused without being told."""
     first, second = hash_of(PASSWORD), hash_of(PASSWORD)

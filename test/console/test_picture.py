@@ -13,10 +13,10 @@ from PIL import Image
 
 from rocsafe_console.picture.alarms import ERROR, MOST_KEPT, WARN, Alarms
 from rocsafe_console.picture.coordinates import coordinates_of, position_of_ecef, zone_of
-from rocsafe_console.picture.dose_image import Grid, colour_scale, corners_of, png_of
 from rocsafe_console.picture.estimates import BatteryDrain, Trend, way_home_s
 from rocsafe_console.picture.frame_bytes import HEAD, VEHICLE, VehicleFrame, frame_of
 from rocsafe_console.picture.freshness import MissionClock
+from rocsafe_console.picture.map_image import DOSE, Grid, corners_of, png_of
 from rocsafe_console.picture.picture import MissionNow, Picture, Reading
 from rocsafe_console.picture.sections import Sections, message_of
 from rocsafe_console.picture.track import MOST_POINTS, Track
@@ -244,11 +244,11 @@ def test_the_origin_of_the_map_comes_back_from_the_frames():
 def test_the_picture_of_the_dose_map_is_north_up_and_lies_where_its_cells_lie():
     """One hot cell in the north-west of two rows and three columns."""
     grid = Grid(cells=[0, 0, 0, 100, 0, -1], columns=3, corner_m=(0.0, 0.0), cell_m=10.0)
-    picture = Image.open(BytesIO(png_of(grid)))
+    picture = Image.open(BytesIO(png_of(grid, DOSE)))
     assert picture.size == (3, 2)
     assert picture.getpixel((0, 0))[3] > 0
     assert [picture.getpixel((x, 1))[3] for x in range(3)] == [0, 0, 0]
-    assert '#' + bytes(picture.getpixel((0, 0))[:3]).hex() == colour_scale()[-1][1]
+    assert '#' + bytes(picture.getpixel((0, 0))[:3]).hex() == DOSE.stops()[-1][1]
     frame = LocalFrame(GeoPosition(53.0, -9.0, 0.0))
     south_west, north_east = corners_of(grid, frame)
     east, north, _ = frame.to_enu(*(north_east[0], north_east[1], 0.0))[0]

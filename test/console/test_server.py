@@ -156,6 +156,7 @@ def people() -> dict[str, User]:
     return {role.value: User(name=role.value, role=role, password_hash=hashed) for role in Role}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('role', Role)
 def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
     """Every action by its request: refused with 403 exactly where the role may not."""
@@ -183,6 +184,7 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
 
 
+@pytest.mark.slow
 def test_passwords_cannot_be_tried_out(tmp_path, people):
     """After five attempts a minute must pass, also for the right password."""
     stage = Stage(tmp_path, users=people)

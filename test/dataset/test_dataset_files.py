@@ -28,6 +28,8 @@ from rocsafe_scene.graphics.lens import looking
 from rocsafe_scene.graphics.pipe import open_pipe
 from rocsafe_scene.mesh.classes import CLASSES
 
+pytestmark = pytest.mark.slow
+
 OPTIONS = DatasetOptions(
     count=10, seed=2, size_px=(160, 120), height_m=(12.0, 25.0), per_arrangement=5,
     weathers=('clear', 'overcast'), splits=(0.5, 0.25, 0.25), least_pixels=6,
@@ -73,7 +75,6 @@ def records(folder):
     return [json.loads(folder.record(number).read_bytes()) for number in range(OPTIONS.count)]
 
 
-@pytest.mark.slow
 def test_pycocotools_reads_the_annotations(dataset):
     """Masks, boxes and areas are those of the instance pictures."""
     coco = pytest.importorskip('pycocotools.coco')

@@ -126,6 +126,7 @@ def test_ion_mobility_needs_minutes_after_an_overload():
     assert not at(readings, 500.0).is_saturated
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['pid_10_6_ev', 'metal_oxide', 'ion_mobility'])
 def test_restart_changes_no_reading(name):
     """A sensor that starts in the middle of a flight gives the same readings, later."""

@@ -111,6 +111,7 @@ def test_background_is_told_from_the_release():
     assert math.dist(found.releases[0].place_m, (-22.0, 13.0)) < 8.0
 
 
+@pytest.mark.slow
 def test_censored_readings_tell_no_more_than_they_say():
     """What is below the limit or above the ceiling still leads to the release."""
     survey = readings([(-22.0, 13.0, 2.0)], 3)

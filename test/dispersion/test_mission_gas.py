@@ -123,6 +123,7 @@ def assessment():
     return assess(flown().survey(), QUICK)
 
 
+@pytest.mark.slow
 def test_a_flight_finds_the_release(assessment):
     """Its place within 10 m, its rate within a factor of 2; rotors' dilution is made good."""
     (release,) = assessment.found.releases

@@ -9,7 +9,7 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rocsafe_geo.detour import WaysAround
+from rocsafe_geo.detour import WaysAround, zone_on_way
 
 SQUARE = ((-10.0, -10.0), (10.0, -10.0), (10.0, 10.0), (-10.0, 10.0))
 COORDINATES = st.floats(-60.0, 60.0)
@@ -58,6 +58,40 @@ def test_a_goal_that_is_shut_off_is_flown_to_straight():
     assert WaysAround(zones, 1.0, (0.0, 0.0)).bends((60.0, 0.0)) == []
 
 
+FAR = ((100.0, 100.0), (110.0, 100.0), (110.0, 110.0))
+
+
+@pytest.mark.parametrize(
+    ('way', 'fault'),
+    [
+        (((-30.0, 0.0), (30.0, 0.0)), (1, 2)),
+        (((-30.0, 20.0), (30.0, 20.0)), None),
+        (((-30.0, 20.0), (30.0, 20.0), (30.0, 0.0), (-30.0, 0.0)), (3, 2)),
+        (((-30.0, 14.0), (30.0, 14.0)), (1, 2)),
+        (((-30.0, 14.0), (0.0, 14.0), (0.0, 40.0)), (1, 2)),
+        (((0.0, 12.0), (0.0, 40.0)), None),
+        (((0.0, 12.0), (0.0, 40.0), (40.0, 40.0), (12.0, 0.0)), None),
+        (((0.0, 12.0), (20.0, 10.5)), (1, 2)),
+        (((0.0, 9.0), (0.0, 40.0)), (1, 2)),
+        (((0.0, 40.0), (0.0, 0.0)), (1, 2)),
+    ],
+    ids=['through', 'free', 'third leg', 'too near', 'only its ends may be near', 'leaves',
+         'leaves and ends', 'goes nearer', 'from inside', 'ends inside'],
+)  # fmt: skip
+def test_first_leg_that_is_too_near_to_a_zone_is_named(way, fault):
+    """Around a square of 20 m with 6 m clearance, of which 1 m is left for rounding."""
+    assert zone_on_way([FAR, SQUARE], 6.0, way) == fault
+
+
+def test_without_a_clearance_a_way_may_touch_a_zone():
+    """It may not cut off a corner of it."""
+    assert zone_on_way([SQUARE], 0.0, [(-30.0, 10.0), (30.0, 10.0)]) is None
+    assert zone_on_way([SQUARE], 0.0, [(-30.0, 9.8), (30.0, 9.8)]) == (1, 1)
+    sliver = ((-10.0, 0.0), (10.0, 0.0), (10.0, 0.06))
+    assert zone_on_way([sliver], 0.0, [(9.0, -5.0), (9.0, 5.0)]) == (1, 1)
+
+
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(boxes(), st.tuples(COORDINATES, COORDINATES), st.tuples(COORDINATES, COORDINATES))
 def test_no_way_crosses_a_zone_or_could_be_shorter(zones, place, goal):
@@ -70,6 +104,7 @@ def test_no_way_crosses_a_zone_or_could_be_shorter(zones, place, goal):
     kept = union.buffer(clearance_m - 0.05, join_style='mitre')
     assume(len(way) > 2 or not kept.intersects(shapely.LineString(way)))
     assert not kept.intersects(shapely.LineString(way))
+    assert zone_on_way(zones, clearance_m, way) is None
     corners = shapely.get_coordinates(union.buffer(clearance_m + 0.01, join_style='mitre'))
     for count in (1, 2):
         for middle in itertools.permutations(map(tuple, corners[:12]), count):

@@ -115,6 +115,7 @@ def test_route_stays_on_free_ground_and_its_figures_are_those_of_its_lines(villa
     assert [stop.evidence for stop in plan.stops if stop.evidence] == ['m1']
 
 
+@pytest.mark.slow
 def test_tighter_budget_gives_less_dose_and_more_time(village):
     """And each forecast is within its budget."""
     ground = ground_of(village)
@@ -141,6 +142,7 @@ def test_dose_of_a_pass_is_that_of_the_closed_form(village):
     )
 
 
+@pytest.mark.slow
 def test_chance_counts_what_is_not_known_of_the_source(tmp_path):
     """A strength known to a factor of two takes a drive far from it; the same seed, the same."""
     vague = ground_of(write_village(tmp_path / 'vague', rate_std_usvh=35_000.0))
@@ -153,6 +155,7 @@ def test_chance_counts_what_is_not_known_of_the_source(tmp_path):
     assert again.forecast == far.forecast
 
 
+@pytest.mark.slow
 def test_hot_ground_is_a_wall(village):
     """No sample of the track has the upper dose rate at which the vehicle turns back."""
     ground = ground_of(village, turn_back=300.0)
@@ -172,6 +175,7 @@ def test_source_is_seen_from_where_the_dose_rate_is_low(village):
     assert plan.time_s > 60.0
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_is_named_with_what_would_admit_it(village):
     """With that budget it is visited."""
     ground = ground_of(village)

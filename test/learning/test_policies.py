@@ -47,6 +47,7 @@ def test_linear_policy_follows_its_weights():
     assert go(search) == (93.75, 93.75)
 
 
+@pytest.mark.slow
 def test_the_same_searches_give_the_same_score():
     """Scores depend on nothing but seeds and options."""
     options = SearchOptions(readings=5)

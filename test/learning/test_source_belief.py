@@ -54,6 +54,7 @@ def test_gains_add_up_to_the_fall_of_the_entropy():
     assert sum(gains) == pytest.approx(start - belief.entropy_nats, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('sensor', [GammaSensor(), PlumeSensor()], ids=['gamma', 'gas'])
 def test_it_is_as_sure_as_it_is_right(sensor):
     """Over searches the squared error is the squared spread that it states, within a third."""

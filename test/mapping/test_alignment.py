@@ -87,6 +87,7 @@ def test_ties_that_never_entered_agree(usual):
     assert np.median(off) < 0.3
 
 
+@pytest.mark.slow
 def test_stated_error_is_the_true_one(usual):
     """The stated standard error is that of several flights, within a factor of two.
 
@@ -130,6 +131,7 @@ def test_arrival_order_does_not_matter(usual):
         assert np.abs(first - second).max() < 0.05 * pixel_m
 
 
+@pytest.mark.slow
 def test_reversed_yaws_are_survived():
     """A strip whose yaw is told half a turn wrong lies right."""
     shots = texture.flight(2, told_yaw=0.0)
@@ -155,6 +157,7 @@ def test_wrong_fix_is_not_believed():
     assert abs(np.mean(found + origin(maker) - true)) < 1.5
 
 
+@pytest.mark.slow
 def test_featureless_photograph_stays_where_its_fix_says():
     """A photograph of nothing stays on the map, flagged."""
     shots = texture.flight(4)

@@ -19,6 +19,8 @@ from rocsafe_mapping.mosaic.one_place import distances_from_most_m
 from rocsafe_mapping.photographs.exif import with_exif
 from rocsafe_mapping.store.photograph_files import photographs_of
 
+pytestmark = pytest.mark.slow
+
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')
 )

@@ -60,6 +60,7 @@ def test_a_photograph_is_refined_by_its_own_piece_of_work(live):
     assert live.by_features == 2
 
 
+@pytest.mark.slow
 def test_work_comes_to_an_end(live):
     """When all is tied, drawn and adjusted there is nothing left to do."""
     for shot in texture.flight(1):
@@ -71,6 +72,7 @@ def test_work_comes_to_an_end(live):
     assert live.by_features == 6
 
 
+@pytest.mark.slow
 def test_tiles_show_the_map_at_all_zooms(live, tmp_path):
     """Each zoom shows the same ground in about a quarter of the pixels."""
     for shot in texture.flight(1):

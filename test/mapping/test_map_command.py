@@ -14,6 +14,8 @@ import rasterio.warp
 from rocsafe_mapping.command_line.map_command import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, main
 from rocsafe_mapping.photographs.exif import with_exif
 
+pytestmark = pytest.mark.slow
+
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')
 )
@@ -33,7 +35,6 @@ def folder(tmp_path_factory):
     return folder / 'map'
 
 
-@pytest.mark.slow
 def test_geotiff_is_georeferenced_and_tiled(folder):
     """The GeoTIFF has a UTM zone, tiles, overviews and a mask, and lies where the flight was."""
     with rasterio.open(folder / 'mosaic.tif') as file:

@@ -25,6 +25,8 @@ from rocsafe_mapping.photographs.track import read_track
 from rocsafe_mapping.products.control_points import control_facts
 from rocsafe_mapping.products.quality import violations
 
+pytestmark = pytest.mark.slow
+
 _spec = importlib.util.spec_from_file_location(
     'texture', pathlib.Path(__file__).with_name('texture.py')
 )
@@ -215,7 +217,6 @@ def folder(flight, tmp_path_factory):
     return folder
 
 
-@pytest.mark.slow
 def test_local_map_says_that_it_has_neither_scale_nor_north(flight, folder, tmp_path, capsys):
     """It is drawn without KML and tiles, its CRS is no place on earth, and its shape is right."""
     assert main([str(folder), '-o', str(tmp_path)]) == EXIT_FAILED
@@ -243,7 +244,6 @@ def test_local_map_has_the_right_shape(flight):
     assert np.abs(found * factor - truth).max() < 0.5
 
 
-@pytest.mark.slow
 def test_geo_txt_places_photographs(flight, folder, tmp_path):
     """Places of OpenDroneMap's file, here in UTM, put the map where the flight was."""
     lines = ['WGS84 UTM 29N']

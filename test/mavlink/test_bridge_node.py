@@ -17,7 +17,7 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleEvent, VehicleState
-from rocsafe_interfaces.srv import Lease, Preflight, SetSpeed
+from rocsafe_interfaces.srv import Lease, Preflight, Resume, SetSpeed
 from rocsafe_mavlink.autopilots.ardupilot import GUIDED
 from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_mavlink.knowledge import telemetry as vehicle
@@ -98,12 +98,31 @@ def test_same_route_joins_and_another_is_refused(ground):
     assert late.result().result.outcome == FlyRoute.Result.COMPLETED
 
 
-def test_orders_on_the_ground_are_refused(ground):
-    """The answer says why."""
+def test_orders_on_the_ground(ground):
+    """Whom nothing moves is told to hold, return or land without harm; others say why not."""
     ground.listen(topics.FIX)
     ground.until(lambda: ground.heard['fix', 'rav1'])
-    answer = ground.call('rav1/hold', Trigger)
+    for verb in ('hold', 'return_home', 'land'):
+        answer = ground.call(f'rav1/{verb}', Trigger)
+        assert (answer.success, answer.message) == (True, '')
+    answer = ground.call('rav1/resume', Resume)
     assert (answer.success, answer.message) == (False, 'rav1: the vehicle is on the ground')
+
+
+@pytest.mark.parametrize('verb', ['hold', 'return_home', 'land', 'cancel'])
+def test_start_is_called_off(ground, verb):
+    """As soon as the goal has come, before and during the upload: it never takes off."""
+    ground.listen(topics.STATE)
+    result = ground.fly()
+    if verb == 'cancel':
+        ground.until(ground.goal.cancel_goal_async().done)
+    else:
+        assert ground.call(f'rav1/{verb}', Trigger).success
+    ground.until(result.done)
+    assert result.result().result.outcome != FlyRoute.Result.COMPLETED
+    copter = ground.air.copters[1]
+    ground.listen_for(3.0)
+    assert not copter.is_armed
 
 
 def test_preflight_lists_the_checks(ground):

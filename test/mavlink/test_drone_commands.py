@@ -67,6 +67,7 @@ def test_hold_within_a_mission_keeps_the_mode():
     assert numbers_of(px4.hold(on_mission)) == [176]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('visited', [0, 6], ids=['climbing', 'returning'])
 def test_what_cannot_pause_brakes(visited):
     """A copter that climbs or returns within its mission refuses to pause; it stands all the same.

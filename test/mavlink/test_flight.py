@@ -207,6 +207,7 @@ def test_accepted_but_not_shown_is_not_believed():
     assert 'heartbeats do not show it' in ended.reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('number', [176, 400, 300])
 def test_lost_answers_are_made_up_for(number):
     """An order that was carried out without an answer is seen in what the vehicle does."""

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Exclusions hold for the way home, too: of a vehicle that gives up, and of one that is called."""
 
+from dataclasses import replace
+
 import pytest
 from shapely.geometry import Point, Polygon
 from test.fakes.fake_autopilot import HOME
@@ -11,6 +13,7 @@ from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.preflight import route_checks
+from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
@@ -18,7 +21,7 @@ from rocsafe_mavlink.knowledge.telemetry import Home, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
-from rocsafe_mavlink.plan.homeward import ReturnPlaces, return_fault
+from rocsafe_mavlink.plan.homeward import ReturnPlaces, return_fault, way_fault
 
 HOME_PLACE = GeoPosition(*HOME)
 # A square of 40 m, 80 to 120 m north of home.
@@ -128,6 +131,7 @@ def flying_around():
     return air
 
 
+@pytest.mark.slow
 def test_commanded_return_flies_around():
     """A straight one would cross the square; nothing is left behind, and the flight has ended."""
     air = flying_around()
@@ -175,3 +179,70 @@ def test_route_is_refused_where_a_failsafe_would_cross_an_exclusion():
         air.drones[1].fly(
             Assignment(plan_id='around', plan=around(), viewpoint_ids=(0,)), air.now_s
         )
+
+
+def there(*waypoints):
+    """Return a plan to places (east, north) about home, clear of the square but for its begin."""
+    return FlightPlan(
+        waypoints=tuple(
+            FlightWaypoint(position=offset(HOME_PLACE, *place), height_m=30.0)
+            for place in waypoints
+        ),
+        speed_mps=10.0,
+        exclusions=(SQUARE,),
+        clearance_m=5.0,
+    )
+
+
+def test_way_to_the_first_waypoint_of_a_new_route_is_checked_from_where_it_is():
+    """From home this route is free of the square; behind it the vehicle must fly around first."""
+    air = flying_around()
+    vehicle, commands = air.drones[1].vehicle, air.drones[1].commands
+    route = there((0.0, 40.0))
+    home = HOME_PLACE
+    assert way_fault(route, [home, *(w.position for w in route.waypoints), home]) == ''
+    with pytest.raises(CommandRefusedError, match='way is exclusion 1 lies on leg 1'):
+        commands.replace_route(route, air.now_s)
+    assert not air.drones[1].session.is_commanded
+    lost = replace(vehicle, motion=None)
+    (check,) = exclusion_checks(route, start_of(lost, home), home)
+    assert check.verdict is CheckVerdict.FAIL
+    commands.replace_route(there((60.0, 140.0), (60.0, 40.0), (0.0, 40.0)), air.now_s)
+
+
+def test_way_is_checked_again_when_the_new_route_lies_on_the_vehicle():
+    """A gust has carried it behind the square during the upload: it is not started."""
+    air = flying_around()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    commands.replace_route(there((60.0, 140.0), (60.0, 40.0)), air.now_s)
+    air.until(lambda: copter.mode == BRAKE, 30.0)
+    copter.place = (-60.0, 90.0)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert 'exclusion 1 lies on leg 1' in commands.outcome(commands.count)
+    assert copter.mode == BRAKE
+
+
+def test_resumed_route_is_not_flown_across_an_exclusion():
+    """Held and carried behind the square it is not resumed; brought back it is."""
+    air = Air()
+    air.copters[1].parameters |= {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0}
+    air.wait(46.0)
+    commands, copter = air.drones[1].commands, air.copters[1]
+    commands.push_fence(Fence(exclusions=(SQUARE,)), air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    air.wait(60.0)
+    plan = there((60.0, 60.0), (60.0, 140.0), (60.0, 60.0))
+    air.drones[1].fly(Assignment(plan_id='beside', plan=plan, viewpoint_ids=(0, 1, 2)), air.now_s)
+    air.until(lambda: air.flight().visited == 1 and copter.place[1] > 80.0)
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    before = copter.place
+    copter.place = (-60.0, 90.0)
+    air.wait(3.0)
+    with pytest.raises(CommandRefusedError, match='exclusion 1 lies on the way'):
+        commands.resume(air.now_s)
+    copter.place = before
+    air.wait(3.0)
+    commands.resume(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert commands.outcome(commands.count) == ''

@@ -218,6 +218,7 @@ def truncated(source):
 KINDS = [random_bytes, mutated, repaired, truncated]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_stream', [False, True], ids=['datagrams', 'stream'])
 @pytest.mark.parametrize('kind', KINDS, ids=lambda kind: kind.__name__)
 def test_fuzz(kind, is_stream):

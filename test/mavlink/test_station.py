@@ -157,6 +157,7 @@ def test_three_vehicles_on_one_link_are_told_apart():
         assert [number for number in copter.commands if number != 511] == [176, 400, 176, 300]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('loss', 'seed'), [(0.05, 1), (0.2, 2), (0.2, 3), (0.4, 4), (0.4, 5)])
 def test_lossy_link_flies_the_whole_route(loss, seed):
     """Messages lost in both directions: it is flown whole, or refused with nothing left armed."""

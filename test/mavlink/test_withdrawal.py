@@ -49,6 +49,7 @@ def replacing(air, item=3):
     return air.drones[1].commands.count
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('take_over', 'words'),
     [
@@ -221,6 +222,7 @@ ORDERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ORDERS)
 @pytest.mark.parametrize(
     ('take_over', 'words'),
@@ -243,6 +245,7 @@ def test_every_command_is_refused_while_somebody_else_has_the_vehicle(order, tak
     assert changes(air) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ['hold', 'resume', 'return home', 'land', 'speed', 'go to'])
 def test_no_command_is_repeated_against_the_pilot(order):
     """Its answer is lost, and the pilot takes over before it is repeated."""
@@ -287,6 +290,7 @@ def test_checks_are_repeated_before_the_motors_start():
     assert 'charge is 20%' in air.flight().reason
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('mode', 'words'),
     [

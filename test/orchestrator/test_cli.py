@@ -102,6 +102,7 @@ def test_workspace_that_is_not_sourced_ends_with_3_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
     """Area, viewpoints, vehicles and sources are printed."""
     assert main(['check', str(DERAILMENT)]) == errors.EXIT_COMPLETE
@@ -134,6 +135,7 @@ def test_check_finds_what_has_no_plan(
     assert 'valid' not in told.out
 
 
+@pytest.mark.slow
 def test_check_shows_other_cameras(capsys: pytest.CaptureFixture[str]) -> None:
     """Each with its name and how it hangs."""
     scenario = DERAILMENT.with_name('derailment_cameras.yaml')

@@ -232,6 +232,35 @@ def test_vehicle_that_comes_back_is_merged_into_the_next_plan() -> None:
     assert routes == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav2')]
 
 
+@pytest.mark.parametrize('holder', ['pilot', 'failsafe'])
+def test_vehicle_that_comes_back_in_other_hands_gets_no_order_until_it_is_ours(
+    holder: str,
+) -> None:
+    """Silent for 16 s and replaced, heard again with its pilot or a failsafe; then given back.
+
+    It gets no order at all before that, then a hold, and no route before what it did is merged.
+    """
+    flying = Airborne()
+    gone = seen(rav2=Sighting(silent_s=16.0))
+    flying.accept(*flying.advance(gone))
+    still_there = seen('rav1', 'rav3', rav2=Sighting(silent_s=17.0))
+    flying.accept(*flying.advance(still_there))
+    assert flying.advance(still_there) == [order(OrderKind.PLAN)]
+    flying.mission.planned(['rav1', 'rav3'], visited=3)
+    flying.accept(*flying.advance(gone))
+    flying.accept(*flying.advance(gone))
+    taken = seen(rav2=Sighting(taken_by=holder))
+    orders = [each for _ in range(50) for each in flying.advance(taken)]
+    assert [each for each in orders if each.vehicle == 'rav2'] == []
+    holds = flying.advance(seen())
+    assert set(holds) == {order(OrderKind.HOLD, name) for name in NAMES}
+    flying.accept(*holds)
+    flying.accept(*flying.advance(seen(*NAMES)))
+    assert flying.advance(seen(*NAMES)) == [order(OrderKind.PLAN)]
+    flying.mission.planned(['rav2'], visited=5)
+    assert flying.advance(seen(*NAMES)) == [order(OrderKind.FLY, 'rav2')]
+
+
 def test_vehicle_for_which_nothing_is_left_returns_home() -> None:
     """It came back after all was photographed: it does not fly its old route."""
     flying = Airborne()

@@ -111,6 +111,7 @@ def test_vehicles_nearer_than_asked_are_told() -> None:
     assert '--separation' in separation_remark(2.7, 0.0)
 
 
+@pytest.mark.slow
 def test_a_plan_is_checked_and_gone_on_with(
     fields: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -51,6 +51,7 @@ def test_arguments_become_a_situation(plan: SurveyPlan) -> None:
     assert [(p.latitude_deg, p.longitude_deg) for p in found.new_places] == [(53.281, -9.061)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('changes', 'message'),
     [

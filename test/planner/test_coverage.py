@@ -314,6 +314,7 @@ def test_ground_too_deep_between_exclusions_is_named_as_unseen():
     assert region.area - ring.area - found.sight.covered_area_m2 == pytest.approx(400.0, abs=0.1)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(
     st.lists(

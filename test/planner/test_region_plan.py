@@ -21,6 +21,7 @@ def region_file(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_a_region_file_and_a_number_of_drones(region_file):
     """All is seen, by as many drones, with a proof; what is not said has defaults."""
     plan = plan_region(region_file, drones=2, effort=Effort(proposals=20_000))

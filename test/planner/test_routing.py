@@ -54,6 +54,7 @@ def test_nearest_to_shortest_leaves_the_far_at_home():
     assert [len(order) for order in nearest_to_shortest(world)] == [7, 1]
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @pytest.mark.parametrize('method', METHODS)
 @given(

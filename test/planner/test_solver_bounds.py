@@ -51,6 +51,7 @@ def test_the_grid_of_the_paper_is_bounded_within_one_and_a_half_percent():
     assert 84.4 < best < 85.63
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(8))
 def test_bounds_of_small_grids_hold(seed):
     """Where all neighbours are equally far, the shells' bounds come close and never too close."""

@@ -78,6 +78,7 @@ def test_level_ground_changes_nothing():
             assert seen.position.latitude_deg == pytest.approx(expected.position.latitude_deg)
 
 
+@pytest.mark.slow
 def test_every_viewpoint_is_as_high_above_its_ground():
     """On a slope altitudes follow the ground, above the homes' own datum if they say one."""
     plan = plan_survey(request(terrain=SLOPE, vehicles=BLIND, grid='best'))

@@ -55,6 +55,7 @@ def test_strength_and_place_are_told_like_those_of_the_likelihood():
     assert high / low > 1.05, 'a place that is not known makes the strength less known'
 
 
+@pytest.mark.slow
 def test_a_picture_is_made_by_either_method():
     """Same products; places to measure next come from either."""
     readings = survey([(150.0, 150.0, 925.0)])

@@ -30,6 +30,7 @@ def errors_m(found, sources):
     return [np.hypot(*(places - source[:2]).T).min() for source in np.array(sources)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(3))
 def test_no_source_is_found_where_none_is(seed):
     """Background alone, and its level."""
@@ -39,6 +40,7 @@ def test_no_source_is_found_where_none_is(seed):
     assert found.background_usvh == pytest.approx(0.1, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(3))
 def test_one_source_is_found_within_its_ellipse(seed):
     """10 GBq from 32 m: within 5 sigma, as strong as it is, certainly one."""
@@ -103,6 +105,7 @@ def test_the_gradient_is_that_of_the_objective():
         assert gradient[index] == pytest.approx(slope, rel=1e-3, abs=0.05)
 
 
+@pytest.mark.slow
 def test_the_same_readings_in_another_order_give_the_same():
     """Nothing depends on the order, nor is anything random."""
     readings = survey([(120.0, 170.0, CAESIUM_10_GBQ)])
@@ -160,6 +163,7 @@ def test_merging_keeps_counts_and_exposures():
     assert merged.size < whole.size / 5
 
 
+@pytest.mark.slow
 def test_a_spectral_window_foretells_an_uneven_background():
     """A hot spot of ground, counted in the window above the lines too, is no source."""
     flown = survey([(150.0, 150.0, 300.0)], background_usvh=0.1)

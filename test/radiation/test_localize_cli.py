@@ -52,6 +52,7 @@ def derailment():
     )
 
 
+@pytest.mark.slow
 def test_a_source_is_printed_with_its_place_and_its_ellipse(table, capsys):
     """In degrees, on the ground below the lowest reading."""
     assert main([str(table(HEAD + derailment())), '--model', 'paper', '--json']) == 0
@@ -65,6 +66,7 @@ def test_a_source_is_printed_with_its_place_and_its_ellipse(table, capsys):
     assert source['dose_rate_at_1m_usvh'] == pytest.approx(9250.0, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_guessed_ground_is_told_and_a_given_one_is_taken(table, capsys):
     """A flight that does not begin on the ground needs its altitude: it is refused."""
     path = str(table(HEAD + ''.join(derailment().splitlines(keepends=True)[1:])))

@@ -126,6 +126,7 @@ def test_caesium_in_air_keeps_what_was_published():
     assert kept == pytest.approx([0.988, 0.974, 0.873, 0.754, 0.392], rel=0.035)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', nuclide_names())
 def test_the_table_of_air_equals_the_sum_over_lines(name):
     """From a centimetre to a kilometre."""

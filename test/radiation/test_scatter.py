@@ -106,6 +106,7 @@ def test_a_simulated_scintillator_counts_scattered_photons_but_in_the_model_with
     assert low <= counted / dose <= high
 
 
+@pytest.mark.slow
 def test_the_localiser_that_knows_the_detector_states_the_strength():
     """Else it is twice too high."""
     flown = survey([])

@@ -41,6 +41,7 @@ def test_the_next_places_lie_around_the_source_not_above_it():
     assert [one.gain for one in chosen] == sorted((one.gain for one in chosen), reverse=True)
 
 
+@pytest.mark.slow
 def test_the_promised_gain_is_what_a_reading_brings():
     """The volume after forty readings more, against the promise, with exact fixes."""
     exact = dataclasses.replace(LOSSLESS, position_std_m=0.0, response_std=0.0)
@@ -61,6 +62,7 @@ def test_the_promised_gain_is_what_a_reading_brings():
     assert 0.4 * promised < fell < 1.3 * promised
 
 
+@pytest.mark.slow
 def test_without_a_source_there_is_nothing_to_sharpen():
     """A search for sources goes on with its survey."""
     assert next_waypoints(localize(survey([]), LOSSLESS), places(), 550.0, PAPER, 3) == ()

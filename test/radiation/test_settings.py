@@ -20,6 +20,8 @@ from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import LOSSLESS, survey
 
+pytestmark = pytest.mark.slow
+
 STRONG = (40.0, 55.0, 2000.0)
 
 
@@ -43,7 +45,6 @@ def uneven(sources, seed, share=0.2, lengths_m=(150.0, 400.0), slope=0.0):
     )
 
 
-@pytest.mark.slow
 def test_a_strong_source_at_the_edge_is_the_only_one():
     """The random field neither takes its shape nor leaves rests that look like sources."""
     found = localize(uneven([STRONG], 1), LOSSLESS)
@@ -53,7 +54,6 @@ def test_a_strong_source_at_the_edge_is_the_only_one():
     assert found.is_structured
 
 
-@pytest.mark.slow
 def test_hills_of_background_as_wide_as_a_source_shows_are_no_sources():
     """Waves of 60 to 200 m from 32 m above."""
     found = localize(uneven([], 1, lengths_m=(60.0, 200.0)), LOSSLESS)
@@ -90,7 +90,6 @@ def test_errors_of_the_fixes_upwards_scatter_readings_of_a_source():
     assert math.dist(source.position_enu_m[:2], (140.0, 150.0)) < 2.0
 
 
-@pytest.mark.slow
 def test_the_evidence_is_the_integral_of_likelihood_and_prior():
     """Of a background alone, by a sum over its level: all else is nearly fixed."""
     flown = survey([])

@@ -30,6 +30,8 @@ from rocsafe_radiation.readings.survey import RadiationSurvey
 
 from .simulated_survey import HEIGHT_M, LOSSLESS
 
+pytestmark = pytest.mark.slow
+
 RISE = 0.25
 ORIGIN = GeoPosition(CENTRE.latitude_deg, CENTRE.longitude_deg, 66.0)
 SOURCE = (210.0, 90.0, 9250.0)

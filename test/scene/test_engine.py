@@ -89,6 +89,7 @@ def test_labels_and_depth_agree_with_ray_casting(environment, eye, pose):
     assert np.quantile(error, 0.999) <= DEPTH_LIMIT_M
 
 
+@pytest.mark.slow
 def test_sky_has_number_0_and_no_depth(eye):
     """Above the horizon there is nothing."""
     frame = eye.expose(np.array([0.0, 0.0, 20.0]), looking(np.array([1.0, 0.2, 0.5])))

@@ -56,6 +56,7 @@ def test_things_are_where_their_boxes_are_however_high_they_stand(drawing):
         assert centre_of(chosen) == pytest.approx(boxes[name].position_enu[:2], abs=0.15)
 
 
+@pytest.mark.slow
 def test_boxes_are_the_smallest_around_their_pieces():
     """All corners of a piece lie in its box, and touch each of its six sides."""
     objects = small_environment().objects

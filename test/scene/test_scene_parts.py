@@ -87,6 +87,7 @@ def test_thinned_trees_are_lighter_and_as_large():
     assert np.allclose(np.ptp(thin.points, axis=0), np.ptp(full.points, axis=0), rtol=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('species', ['oak', 'willow'])
 def test_the_skin_of_a_crown_is_closed_and_faces_outwards(species):
     """Each edge belongs to two triangles, wound opposite ways; the volume is that of a crown."""

@@ -10,14 +10,18 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from test.fakes.verb_table import VERBS, Answer, answers
 from test.sim.flights import AIRFRAME, HOME, ROUTE, START_NS, at_s, steps, vehicle_on
 
 from rocsafe_geo.motion.state import Enu
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.flight.fence import Fence
+from rocsafe_sim.flight.route import FlightRoute
+from rocsafe_sim.flight.segment import Mode, standing
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
+AROUND = ((-90.0, -90.0), (90.0, -90.0), (90.0, 90.0), (-90.0, 90.0))
 AWAY = (60.0, -30.0, 20.0)
 COMMANDS: dict[str, Callable[[SimulatedVehicle], None]] = {
     'hold': SimulatedVehicle.hold,
@@ -27,24 +31,14 @@ COMMANDS: dict[str, Callable[[SimulatedVehicle], None]] = {
     'go_to': lambda vehicle: vehicle.go_to(AWAY),
     'set_speed': lambda vehicle: vehicle.set_speed(4.0),
     'set_home': lambda vehicle: vehicle.set_home(AWAY),
+    'fence': lambda vehicle: vehicle.push_fence(Fence(inclusions=(AROUND,))),
+    'rally': lambda vehicle: vehicle.push_rally((AWAY,)),
 }
 # seconds after take-off at which the flight of ROUTE is in each mode
 TIMES_S = {Mode.TAKING_OFF: 5.0, Mode.FLYING: 36.0, Mode.RETURNING: 70.0, Mode.LANDING: 90.0}
 # full acceleration takes 2 s to let go of, on the way to 8 m/s; then 8 m/s take 4 s and 2 s
 LONGEST_STOP_S = 2.0 + 4.0 + 2.0
 LONGEST_STOP_M = 8.0 * 2.0 + 0.5 * 8.0 * 6.0
-OBEYED = {
-    Mode.DISARMED: ('set_home',),
-    Mode.WAITING: ('return_home', 'land'),
-    Mode.TAKING_OFF: ('hold', 'return_home', 'land', 'go_to', 'set_speed'),
-    Mode.FLYING: ('hold', 'return_home', 'land', 'go_to', 'set_speed'),
-    Mode.HOLDING: ('resume', 'return_home', 'land', 'go_to', 'set_speed'),
-    Mode.RETURNING: ('hold', 'land', 'go_to', 'set_speed'),
-    Mode.LANDING: (),
-    Mode.LANDED: (),
-    Mode.FALLING: (),
-    Mode.CRASHED: (),
-}
 
 
 class Ceiling:
@@ -81,16 +75,64 @@ def vehicle_in(mode: Mode) -> SimulatedVehicle:
     return vehicle
 
 
+ANSWERS = answers(is_real=False)
+
+
 @pytest.mark.parametrize('mode', list(Mode))
-@pytest.mark.parametrize('command', COMMANDS)
-def test_commands_are_obeyed_or_refused_with_the_mode(mode: Mode, command: str) -> None:
-    """Each command is legal in the modes of the table; else the refusal says what the mode is."""
+@pytest.mark.parametrize('command', [*VERBS, 'set_home'])
+def test_every_order_has_its_answer_in_every_state(mode: Mode, command: str) -> None:
+    """By the table of orders and states; a refusal says what the state is."""
     vehicle = vehicle_in(mode)
-    if command in OBEYED[mode]:
-        COMMANDS[command](vehicle)
-    else:
+    before = vehicle.record
+    home = Answer.OBEYED if mode is Mode.DISARMED else Answer.REFUSED
+    answer = ANSWERS.get((mode.value, command), home)
+    if answer is Answer.REFUSED:
         with pytest.raises(CommandRefusedError, match=mode.value):
             COMMANDS[command](vehicle)
+    else:
+        COMMANDS[command](vehicle)
+    assert (vehicle.record != before) is (answer is Answer.OBEYED)
+
+
+def test_held_on_the_ground_it_takes_off_when_it_is_resumed() -> None:
+    """Its wait ends, a battery that would fail does not, and nothing is photographed."""
+    vehicle = vehicle_on(replace(ROUTE, delay_s=60.0), replace(AIRFRAME, fails_after_s=200.0))
+    vehicle.hold()
+    vehicle.hold()
+    seen = at_s(vehicle, 1000.0)
+    assert (seen.mode, seen.pose.position_enu, seen.shots_taken) == (Mode.WAITING, HOME, 0)
+    assert (seen.battery_fraction, seen.power_w) == (1.0, 0.0)
+    assert math.isinf(seen.waits_s)
+    assert vehicle.summary() is None
+    assert restored(vehicle).step(vehicle.time_ns + 1) == vehicle.step(vehicle.time_ns + 1)
+    vehicle.resume()
+    assert vehicle.mode is Mode.TAKING_OFF
+    assert list(steps(vehicle, 1.0))[-1].viewpoints_visited == len(ROUTE.waypoints)
+
+
+@pytest.mark.parametrize('how', ['resume', 'its route again', 'another route'])
+def test_held_on_the_ground_it_waits_for_the_rest_of_its_time(how: str) -> None:
+    """Who resumes it early does not bring it nearer to the others; another route has its own."""
+    vehicle = vehicle_on(replace(ROUTE, delay_s=60.0))
+    at_s(vehicle, 10.0)
+    vehicle.hold()
+    at_s(vehicle, 30.0)
+    route = vehicle.flight.route
+    if how == 'resume':
+        vehicle.resume()
+    elif how == 'its route again':
+        vehicle.fly_route(route)
+    else:
+        vehicle.fly_route(replace(route, plan_id='plan-2', delay_s=30.0), replaces=True)
+    assert at_s(vehicle, 59.0).mode is Mode.WAITING
+    assert at_s(vehicle, 61.0).mode is Mode.TAKING_OFF
+
+
+def restored(vehicle: SimulatedVehicle) -> SimulatedVehicle:
+    """Return a vehicle that continues from the record of another."""
+    again = SimulatedVehicle(vehicle.airframe, HOME)
+    again.restore(vehicle.record)
+    return again
 
 
 @pytest.mark.slow
@@ -277,7 +319,7 @@ WALLED = replace(
         replace(BEHIND_WALL[1], approach_enu=((14.1, 0.0, 32.0),)),
         BEHIND_WALL[2],
     ),
-    homeward_enu=((5.0, 2.9, 32.0),),
+    homeward_enu=((14.1, 2.9, 32.0), (2.9, 2.9, 32.0)),
     exclusions=(WALL,),
     clearance_m=2.0,
 )
@@ -302,3 +344,55 @@ def test_giving_up_a_route_goes_around_exclusions(why: str) -> None:
     flown += [seen.pose.position_enu[:2] for seen in steps(vehicle, 0.1)]
     assert flown[-1] == HOME[:2]
     assert shapely.distance(shapely.LineString(flown), shapely.Polygon(WALL)) >= 2.0 - 0.03
+
+
+# Four walls about a place, and a place within.
+ENCLOSED = replace(
+    WALLED,
+    plan_id='enclosed',
+    waypoints=(replace(BEHIND_WALL[0], position_enu=(-20.0, 100.0, 32.0)),),
+    homeward_enu=(),
+    exclusions=(
+        ((-50.0, 70.0), (10.0, 70.0), (10.0, 80.0), (-50.0, 80.0)),
+        ((-50.0, 120.0), (10.0, 120.0), (10.0, 130.0), (-50.0, 130.0)),
+        ((-50.0, 70.0), (-40.0, 70.0), (-40.0, 130.0), (-50.0, 130.0)),
+        ((0.0, 70.0), (10.0, 70.0), (10.0, 130.0), (0.0, 130.0)),
+    ),
+)
+
+
+@pytest.mark.parametrize('is_airborne', [False, True], ids=['on the ground', 'in the air'])
+@pytest.mark.parametrize(
+    'route',
+    [ENCLOSED, replace(WALLED, plan_id='through', homeward_enu=())],
+    ids=['no way leads there', 'its way home leads through'],
+)
+def test_route_across_an_exclusion_is_refused(route: FlightRoute, is_airborne: bool) -> None:
+    """On the ground and in the air; the flight under way goes on."""
+    vehicle = vehicle_on(ROUTE if is_airborne else replace(ROUTE, delay_s=100.0))
+    at_s(vehicle, 30.0)
+    with pytest.raises(CommandRefusedError, match=r'exclusion \d lies on leg \d of the way'):
+        vehicle.fly_route(route, replaces=True)
+    assert vehicle.flight.route.plan_id == ROUTE.plan_id
+    assert vehicle.mode.is_airborne is is_airborne
+
+
+def test_held_route_is_resumed_on_a_free_way_only() -> None:
+    """It stands where no way leads out (by a record of another process); nor does it go in."""
+    vehicle = vehicle_on(replace(ENCLOSED, waypoints=WALLED.waypoints[:1]))
+    at_s(vehicle, 15.0)
+    with pytest.raises(CommandRefusedError, match='no way around the exclusions'):
+        vehicle.go_to((-20.0, 100.0, 32.0))
+    vehicle.hold()
+    at_s(vehicle, 25.0)
+    flight = vehicle.flight
+    inside = standing((-20.0, 100.0, 32.0), 0.0)
+    vehicle.restore(
+        replace(
+            vehicle.record, flight=replace(flight, command=replace(flight.command, start=inside))
+        )
+    )
+    for go_on in (vehicle.resume, lambda: vehicle.fly_route(flight.route)):
+        with pytest.raises(CommandRefusedError, match=r'exclusion \d lies on leg 1 of the way'):
+            go_on()
+    assert vehicle.mode is Mode.HOLDING

@@ -114,6 +114,7 @@ def test_every_mode_and_outcome_has_its_message():
         (0, 0.0, ''),
         (0, 12.4, 'keeps away from others: takes off in 12 s'),
         (2, 59.6, 'gets a new battery: takes off in 60 s'),
+        (0, math.inf, 'held on the ground, until it is resumed'),
     ],
 )
 def test_who_waits_says_why(number, waits_s, text):

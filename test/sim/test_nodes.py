@@ -105,9 +105,9 @@ def test_commands_by_service(operator: Operator, world: Any, rav: Any) -> None:
     world('rav1', speed=20.0)
     rav()
     states = operator.listen(topics.STATE)
-    refused = operator.call('rav1/hold', Trigger.Request())
-    assert not refused.success
-    assert refused.message == 'rav1: cannot hold: disarmed'
+    assert operator.call('rav1/hold', Trigger.Request()).success
+    refused = operator.order(Resume, 'resume')
+    assert (refused.success, refused.message) == (False, 'rav1: cannot resume: disarmed')
     goal = operator.send(route())
     operator.ros.spin_until(lambda: states and states[-1].viewpoints_visited >= 1, DEADLINE_S)
     assert operator.call('rav1/hold', Trigger.Request()).success

@@ -91,6 +91,7 @@ CLOSE = tuple(
 AUTOPILOT = Autopilot()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     'changes',
     [

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test.sim.flights import AIRFRAME, HOME, START_NS, airframes, at_s, routes, vehicle_on
@@ -22,6 +23,7 @@ def restarted(vehicle, path):
     return again
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(airframes(), routes(), st.lists(st.floats(0.1, 90.0), min_size=1, max_size=8), st.data())
 def test_any_number_of_restarts_changes_no_photograph(airframe, route, gaps_s, data):

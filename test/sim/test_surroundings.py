@@ -175,6 +175,7 @@ def test_a_restart_changes_no_collision(restart_s):
     assert second.record == reference.record
 
 
+@pytest.mark.slow
 def test_a_scene_is_met_as_its_rays_find_it():
     """Ground and touched things are those of the ray scene, for balls all over the place."""
     environment = small_environment(*THINGS, PLANT)

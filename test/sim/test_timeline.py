@@ -104,6 +104,7 @@ def test_a_landing_ends_below_where_it_stopped(airframe, route, share):
     assert end[2] == pytest.approx(HOME[2])
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(airframes(), routes(), SHARES)
 def test_the_way_back_takes_as_long_as_it_is_reckoned(airframe, route, share):
@@ -114,6 +115,7 @@ def test_the_way_back_takes_as_long_as_it_is_reckoned(airframe, route, share):
     assert reckoned_s == pytest.approx(diverted(airframe, start, route).duration_s, abs=1e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(airframes(), routes(), st.floats(0.2, 0.95))
 def test_it_turns_back_with_enough_charge_and_not_long_before(airframe, route, share):

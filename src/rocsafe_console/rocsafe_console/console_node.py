@@ -18,13 +18,13 @@ from rclpy.node import Node
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
-from rocsafe_console import conversions
+from rocsafe_console import conversions, gas_conversions
 from rocsafe_console.evidence.desk import Desk, Event
 from rocsafe_console.orders.order_book import Order
 from rocsafe_console.orders_node import Finish, Orders
 from rocsafe_console.picture.alarms import ERROR, WARN
-from rocsafe_console.picture.dose_image import corners_of, png_of
 from rocsafe_console.picture.live import Live
+from rocsafe_console.picture.map_image import DOSE, PLUME, Scale, corners_of, png_of
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
@@ -60,8 +60,8 @@ class ConsoleNode(Node):
         self._live = live
         self._desk = desk
         self._frame: LocalFrame | None = None
-        self._grid: OccupancyGrid | None = None
-        self._cordons: MarkerArray | None = None
+        # What lies in the frame of the mission and may be heard before it, by section.
+        self._placed: dict[str, Callable[[LocalFrame], None]] = {}
         self._vehicles: set[str] = set()
         self._posted: deque[Callable[[], None]] = deque()
         self.orders = Orders(self)
@@ -71,8 +71,11 @@ class ConsoleNode(Node):
             (topics.HAZARD_SOURCES, self._on_section('sources', conversions.sources_of)),
             (topics.REGION, self._on_section('region', conversions.region_of)),
             (topics.PLAN, self._on_section('plan', conversions.plan_of)),
-            (topics.DOSE_MAP, self._on_dose_map),
-            (topics.CORDONS, self._on_cordons),
+            (topics.RELEASES, self._on_section('releases', gas_conversions.releases_of)),
+            (topics.DOSE_MAP, self._on_grid('dose_map', DOSE)),
+            (topics.PLUME, self._on_grid('plume', PLUME)),
+            (topics.CORDONS, self._on_lines('cordons', conversions.cordons_of)),
+            (topics.THREAT_ZONES, self._on_lines('zones', gas_conversions.threat_zones_of)),
             (topics.MOSAIC, self._on_mosaic),
             (topics.RECEIPTS, self._on_receipt),
             (topics.TF_STATIC, self._on_frames),
@@ -224,27 +227,45 @@ class ConsoleNode(Node):
         frame = conversions.frame_of(message)
         if frame is not None:
             self._frame = frame
-            if self._grid is not None:
-                self._on_dose_map(self._grid)
-            if self._cordons is not None:
-                self._on_cordons(self._cordons)
+            for draw in self._placed.values():
+                draw(frame)
 
-    def _on_dose_map(self, message: OccupancyGrid) -> None:
-        self._grid = message
-        if self._frame is None or not message.data:
+    def _on_grid(self, name: str, scale: Scale) -> Callable[[OccupancyGrid], None]:
+        def on_message(message: OccupancyGrid) -> None:
+            self._place(name, lambda frame: self._put_grid(name, scale, message, frame))
+
+        return on_message
+
+    def _put_grid(
+        self, name: str, scale: Scale, message: OccupancyGrid, frame: LocalFrame
+    ) -> None:
+        if not message.data:
+            self._put(name, None)
             return
         grid = conversions.grid_of(message)
-        corners, picture = corners_of(grid, self._frame), png_of(grid)
-        stamp_s = conversions.seconds_of(message.header.stamp)
+        value = {
+            'stamp_s': conversions.seconds_of(message.header.stamp),
+            'corners': corners_of(grid, frame),
+            'heard_s': time.time(),
+        }
+        picture = png_of(grid, scale)
         with self._live.lock:
-            self._live.images['dose_map'] = picture
-            value = {'stamp_s': stamp_s, 'corners': corners, 'heard_s': time.time()}
-            self._live.picture.sections.put('dose_map', value)
+            self._live.images[name] = picture
+            self._live.picture.sections.put(name, value)
 
-    def _on_cordons(self, message: MarkerArray) -> None:
-        self._cordons = message
+    def _on_lines(
+        self, name: str, convert: Callable[[MarkerArray, LocalFrame], Any]
+    ) -> Callable[[MarkerArray], None]:
+        def on_message(message: MarkerArray) -> None:
+            self._place(name, lambda frame: self._put(name, convert(message, frame)))
+
+        return on_message
+
+    def _place(self, name: str, draw: Callable[[LocalFrame], None]) -> None:
+        """Draw what lies in the frame of the mission, now or when the frame is known."""
+        self._placed[name] = draw
         if self._frame is not None:
-            self._put('cordons', conversions.cordons_of(message, self._frame))
+            draw(self._frame)
 
     def _tell(self, kind: str, by: str, **what: Any) -> None:
         self._desk.add(Event(time_s=time.time(), kind=kind, by=by, what=what))

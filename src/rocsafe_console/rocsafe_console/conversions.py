@@ -11,7 +11,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_console.picture.coordinates import position_of_ecef
-from rocsafe_console.picture.dose_image import Grid
+from rocsafe_console.picture.map_image import Grid
 from rocsafe_console.picture.picture import MissionNow, Reading
 from rocsafe_console.picture.vehicle import Holder, VehicleReport
 from rocsafe_geo.frame import LocalFrame
@@ -171,7 +171,7 @@ def sources_of(message: HazardSourceArray) -> dict[str, Any]:
 
 
 def grid_of(message: OccupancyGrid) -> Grid:
-    """Return the dose map."""
+    """Return a map of dose rates or concentrations."""
     corner = message.info.origin.position
     return Grid(
         cells=message.data,
@@ -187,7 +187,7 @@ def cordons_of(message: MarkerArray, frame: LocalFrame) -> list[dict[str, Any]]:
         {
             'level_usvh': float(marker.ns.split(' ')[0]),
             'is_mean': marker.ns.endswith('mean'),
-            'ring': _geodetic(frame, [(p.x, p.y, p.z) for p in marker.points]),
+            'ring': geodetic_line(frame, [(p.x, p.y, p.z) for p in marker.points]),
         }
         for marker in message.markers
         if marker.action == Marker.ADD and marker.type == Marker.LINE_STRIP
@@ -203,7 +203,7 @@ def mosaic_of(message: Mosaic) -> dict[str, Any]:
         'is_georeferenced': message.is_georeferenced,
         'ground_resolution_m': message.ground_resolution_m,
         'stated_error_m': message.stated_error_m,
-        'corners': [_place(message.south_west), _place(message.north_east)],
+        'corners': [place_of(message.south_west), place_of(message.north_east)],
     }
 
 
@@ -232,7 +232,7 @@ def _source_of(source: Any) -> dict[str, Any]:
     east, north, angle = ellipse_of(source.position_covariance)
     return {
         'id': source.id,
-        'place': _place(source.position),
+        'place': place_of(source.position),
         'half_axes_m': [east, north],
         'angle_deg': angle,
         'dose_rate_at_1m_usvh': source.dose_rate_at_1m_usvh,
@@ -263,9 +263,9 @@ def _route_of(route: Route) -> dict[str, Any]:
         points += [*viewpoint.approach, viewpoint.position]
     points += [*route.homeward, *(route.end or ([] if route.is_open else [route.home]))]
     return {
-        'home': _place(route.home),
-        'line': [_place(point) for point in points],
-        'viewpoints': [[*_place(v.position), v.yaw_rad] for v in route.viewpoints],
+        'home': place_of(route.home),
+        'line': [place_of(point) for point in points],
+        'viewpoints': [[*place_of(v.position), v.yaw_rad] for v in route.viewpoints],
         'duration_s': route.duration_s,
         'length_m': route.length_m,
     }
@@ -281,14 +281,16 @@ def _footprint_m(plan: SurveyPlan) -> list[float] | None:
 
 
 def _rings(boundary: GeoPolygon, holes: Iterable[GeoPolygon]) -> list[list[Place]]:
-    return [[_place(point) for point in polygon.points] for polygon in (boundary, *holes)]
+    return [[place_of(point) for point in polygon.points] for polygon in (boundary, *holes)]
 
 
-def _place(point: GeoPoint) -> Place:
+def place_of(point: GeoPoint) -> Place:
+    """Return latitude and longitude, degrees, to the centimetre."""
     return [round(point.latitude, 7), round(point.longitude, 7)]
 
 
-def _geodetic(frame: LocalFrame, points: list[tuple[float, float, float]]) -> list[Place]:
+def geodetic_line(frame: LocalFrame, points: list[tuple[float, float, float]]) -> list[Place]:
+    """Return a line as latitudes and longitudes, without points that repeat."""
     if not points:
         return []
     rows: list[Place] = frame.to_geodetic(points)[:, :2].round(7).tolist()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shortest paths around zones to one place.
+"""Shortest paths around zones to one place, and the rule by which a path keeps clear of them.
 
 A shortest path among polygons bends only at their corners (Lozano-Perez and Wesley, 1979). Zones
 are widened by a clearance. The corners at which paths bend lie 1 mm further out, so that rounding
@@ -20,6 +20,51 @@ _MARGIN_M = 1e-3
 # A vehicle at the clearance may be this far inside it after a change of frame; it is still
 # outside.
 _SLACK_M = 0.02
+# A leg may be this much nearer to a zone than the clearance: routes are drawn in other planes than
+# those in which they are checked, and a vehicle stops some decimetres off.
+LEG_SLACK_M = 1.0
+# Without a clearance a leg may cut a zone by this much, for rounding.
+_CUT_M = 0.05
+
+
+def zone_on_way(
+    zones: Sequence[Ring], clearance_m: float, way: Sequence[Place]
+) -> tuple[int, int] | None:
+    """Return the first leg of a way that is too near to a zone, and that zone, counted from 1.
+
+    An end of the way that is itself nearer than the clearance counts with its own distance: a
+    vehicle may leave from there, but not go nearer. From inside a zone no leg is free.
+
+    Parameters
+    ----------
+    zones
+        Outlines of the zones, (east, north) in metres.
+    clearance_m
+        Distance to keep from them, metres; `LEG_SLACK_M` less is taken.
+    way
+        Two or more places in order, (east, north) in metres.
+
+    Returns
+    -------
+    Numbers of the leg and of the zone; None: the way is free.
+    """
+    if not zones:
+        return None
+    places = np.asarray(way, dtype=float)
+    legs = shapely.linestrings(np.stack([places[:-1], places[1:]], axis=1))
+    begin, end = shapely.points(places[[0, -1]])
+    faults: list[tuple[int, int]] = []
+    for number, zone in enumerate(zones, start=1):
+        whole = shapely.make_valid(shapely.Polygon(zone))
+        inner = shapely.buffer(whole, -_CUT_M)
+        shape = whole if shapely.is_empty(inner) else inner
+        limits_m = np.full(len(legs), max(clearance_m - LEG_SLACK_M, 0.0))
+        limits_m[0] = min(limits_m[0], shapely.distance(shape, begin) - _CUT_M)
+        limits_m[-1] = min(limits_m[-1], shapely.distance(shape, end) - _CUT_M)
+        distances_m = shapely.distance(shape, legs)
+        near = np.flatnonzero((distances_m <= 0.0) | (distances_m < limits_m))
+        faults += [(int(leg) + 1, number) for leg in near[:1]]
+    return min(faults, default=None)
 
 
 class WaysAround:

@@ -49,13 +49,13 @@ class CommandServices:
         self._clock = clock
         self._waiting: list[_Answer] = []
         commands = drone.commands
-        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s), ends_wait=True)
+        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s))
         self._serve(topics.RESUME, lambda _request, now_s: commands.resume(now_s))
         for spec, end in (
             (topics.RETURN_HOME, commands.return_home),
             (topics.LAND, commands.land),
         ):
-            self._serve(spec, partial(_given, end), ends_flight=True, ends_wait=True)
+            self._serve(spec, partial(_given, end), ends_flight=True)
         self._serve(topics.GO_TO, self._go_to)
         self._serve(
             topics.SET_SPEED,
@@ -78,14 +78,8 @@ class CommandServices:
                 self._drone.gave_up()
             answer.give(error)
 
-    def _serve(
-        self,
-        spec: topics.CallSpec,
-        begin: Begin,
-        ends_flight: bool = False,
-        ends_wait: bool = False,
-    ) -> None:
-        """Serve a command; `ends_wait`: on the ground it withdraws a start that is to come."""
+    def _serve(self, spec: topics.CallSpec, begin: Begin, ends_flight: bool = False) -> None:
+        """Serve a command; `ends_flight`: once obeyed, it ends the flight by request."""
         answers: list[_Answer] = []
 
         def on_call(request: Any, response: Any) -> Any:
@@ -98,9 +92,6 @@ class CommandServices:
             now_s = self._clock()
             # A flight that has just been found may be resumed.
             self._drone.step(now_s)
-            if ends_wait and self._drone.withdraw_start() and not self._drone.is_in_air:
-                answer.give('')
-                return response
             try:
                 if lease is not None:
                     self._lease.require(lease)

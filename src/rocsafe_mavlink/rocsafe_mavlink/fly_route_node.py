@@ -54,7 +54,7 @@ class FlyRouteServer:
         self._shots = shots
         self._now_s = 0.0
         self._feedback_s = 0.0
-        self._early: list[tuple[Any, float]] = []
+        self._early: list[tuple[Any, float, int]] = []
         self._late: tuple[list[Any], float] | None = None
         self._flying: list[Any] = []
         self._cancelling: list[tuple[Any, int]] = []
@@ -74,8 +74,12 @@ class FlyRouteServer:
         self._now_s = now_s
         self._watch_late(is_supervised=is_supervised)
         early, self._early = self._early, []
-        for goal, since_s in early:
-            self._begin(goal, since_s)
+        for goal, since_s, withdrawals in early:
+            if withdrawals != self._drone.session.withdrawals:
+                why = 'its start was withdrawn by a command'
+                self._end(goal, refusal_message(f'{self._drone.spec.name}: {why}'))
+            else:
+                self._begin(goal, since_s)
         self._watch_replacement()
         self._watch_cancelling()
         summary = self._drone.summary()
@@ -99,7 +103,11 @@ class FlyRouteServer:
             self._late = ([goal], now_s + delay_s)
             self._drone.wait_until(now_s + delay_s)
         else:
-            self._early.append((goal, now_s))
+            self._keep(goal, now_s)
+
+    def _keep(self, goal: Any, since_s: float) -> None:
+        """Let a goal begin at the next step, unless a command withdraws its start before."""
+        self._early.append((goal, since_s, self._drone.session.withdrawals))
 
     def _watch_late(self, *, is_supervised: bool) -> None:
         """Begin the goals with a delay when they are due, or give them up."""
@@ -113,7 +121,8 @@ class FlyRouteServer:
         elif self._now_s >= due_s:
             self._late = None
             self._drone.wait_until(None)
-            self._early += [(goal, self._now_s) for goal in goals]
+            for goal in goals:
+                self._keep(goal, self._now_s)
 
     def _end_late(self, why: str) -> None:
         """Give up the goals with a delay, if there are any."""
@@ -143,7 +152,7 @@ class FlyRouteServer:
             if self._now_s - since_s > TIMING.goal_wait_s:
                 self._end(goal, refusal_message(f'{name}: {reason}'))
             else:
-                self._early.append((goal, since_s))
+                self._keep(goal, since_s)
             return
         except (LeaseRefusedError, CommandRefusedError, ValueError) as error:
             self._end(goal, refusal_message(f'{name}: {error}'))
@@ -188,10 +197,12 @@ class FlyRouteServer:
 
     def _on_cancel(self, goal: Any) -> CancelResponse:
         """Hold; the goal ends when the vehicle holds, or has refused to."""
-        if self._late is not None and goal in self._late[0]:
-            self._drone.withdraw_start()
+        is_late = self._late is not None and goal in self._late[0]
+        if is_late or any(goal is one for one, _since_s, _withdrawals in self._early):
+            self._drone.session.withdraw_start()
             return CancelResponse.ACCEPT
-        if goal not in self._flying:
+        is_replacing = self._replacing is not None and goal is self._replacing[0]
+        if goal not in self._flying and not is_replacing:
             return CancelResponse.REJECT
         try:
             self._drone.commands.hold(self._now_s)

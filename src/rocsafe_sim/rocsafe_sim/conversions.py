@@ -115,6 +115,8 @@ def places_of(points: list[GeoPoint], frame: LocalFrame) -> tuple[Enu, ...]:
 
 def waiting_text(number: int, waits_s: float) -> str:
     """Return the reason why a vehicle waits before flight `number`; empty if it does not wait."""
+    if math.isinf(waits_s):
+        return 'held on the ground, until it is resumed'
     if waits_s <= 0.0:
         return ''
     why = 'gets a new battery' if number else 'keeps away from others'

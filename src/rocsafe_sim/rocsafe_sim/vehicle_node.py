@@ -12,17 +12,11 @@ from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.command_node import CommandServices
-from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.fly_route_node import FlyRouteServer
 from rocsafe_sim.picture_conversions import mounts_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
-
-# A vehicle that was not stepped for longer, because its process stood still, was cut off: it holds
-# where it was then. In lock-step no step is that long.
-LONGEST_GAP_NS = 5_000_000_000
-_ON_ITS_WAY = (Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
 
 
 class VehicleInterface:
@@ -61,7 +55,6 @@ class VehicleInterface:
         self._rav = rav
         self._log = node.get_logger()
         self._on_busy = on_busy
-        self._has_stepped = False
         self.has_news = False
         self._was_told: tuple[bool, bool] = (False, False)
         frames = VehicleFrames(node, mounts_of(rav.parts.cameras))
@@ -83,12 +76,10 @@ class VehicleInterface:
         if time_ns < vehicle.time_ns:
             self._log.warning('time ran backwards: waiting until it is back', once=True)
             return vehicle.is_idle
-        is_cut_off = self._has_stepped and time_ns - vehicle.time_ns > LONGEST_GAP_NS
-        self._has_stepped = True
-        if is_cut_off and vehicle.mode in _ON_ITS_WAY:
-            gap_s = (time_ns - vehicle.time_ns) / NS_PER_S
-            self._log.warning(f'{self._rav.parts.name}: cut off for {gap_s:.0f} s, holds')
-            vehicle.hold()
+        missed_ns = self._rav.hold_if_cut_off(time_ns)
+        if missed_ns:
+            text = f'cut off for {missed_ns / NS_PER_S:.1f} s, holds'
+            self._log.warning(f'{self._rav.parts.name}: {text}')
         seen, shots = self._rav.step(time_ns)
         told = (vehicle.ends_early, vehicle.stands)
         self.has_news = any(now > before for now, before in zip(told, self._was_told, strict=True))

@@ -20,6 +20,8 @@ _PLASMA = (
 VEHICLE_COLOURS = (
     '#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a',
 )  # fmt: skip
+# Concentrations of gas: from blue-green to white, of one hue, so that nobody takes it for a dose.
+_GAS = ((0, 74, 84), (0, 121, 124), (0, 168, 157), (99, 212, 192), (214, 250, 240))
 _DECADES_SHOWN = 4
 # Beyond it, the numbers of a finer scale do not fit on the page of a phone.
 _DECADES_OF_FINE_TICKS = 2.2
@@ -86,11 +88,12 @@ def scale_of(dose_rates_usvh: Iterable[float], tail: float = 0.0) -> DoseScale:
 
 def ramp_colour(fraction: float) -> str:
     """Return plasma's colour at `fraction`, 0 to 1, as ``#rrggbb``."""
-    place = min(max(fraction, 0.0), 1.0) * (len(_PLASMA) - 1)
-    below = min(int(place), len(_PLASMA) - 2)
-    share = place - below
-    parts = zip(_PLASMA[below], _PLASMA[below + 1], strict=True)
-    return '#' + ''.join(f'{round(a + (b - a) * share):02x}' for a, b in parts)
+    return _between(_PLASMA, fraction)
+
+
+def gas_colour(fraction: float) -> str:
+    """Return the colour of a concentration at `fraction` of its scale, 0 to 1, as ``#rrggbb``."""
+    return _between(_GAS, fraction)
 
 
 def gradient(stops: int = 9) -> str:
@@ -105,6 +108,15 @@ def vehicle_colours(vehicles: Sequence[str]) -> dict[str, str]:
         name: VEHICLE_COLOURS[number % len(VEHICLE_COLOURS)]
         for number, name in enumerate(vehicles)
     }
+
+
+def _between(stops: Sequence[tuple[int, int, int]], fraction: float) -> str:
+    """Return the colour at `fraction` of the way along `stops`, 0 to 1."""
+    place = min(max(fraction, 0.0), 1.0) * (len(stops) - 1)
+    below = min(int(place), len(stops) - 2)
+    share = place - below
+    parts = zip(stops[below], stops[below + 1], strict=True)
+    return '#' + ''.join(f'{round(a + (b - a) * share):02x}' for a, b in parts)
 
 
 def _round_up(value: float) -> float:

@@ -19,6 +19,8 @@ from rocsafe_orchestrator.products.summary import (
 )
 from rocsafe_orchestrator.write_products import write_products
 
+pytestmark = pytest.mark.slow
+
 SECOND = 1_000_000_000
 SIGMA_USVPS = 25.0
 

@@ -12,6 +12,8 @@ import pytest
 
 from rocsafe_orchestrator.write_products import write_products
 
+pytestmark = pytest.mark.slow
+
 LARGEST_BYTES = 3_000_000
 VOID = {'area', 'br', 'hr', 'img', 'input', 'link', 'meta'}
 

@@ -42,6 +42,7 @@ def test_the_true_source_is_found_from_the_readings(run):
     assert (folder / 'sources.geojson').is_file()
 
 
+@pytest.mark.slow
 def test_a_run_without_an_estimate_says_why(run):
     """The report is there all the same."""
     folder, executable = run

@@ -6,9 +6,10 @@ converted.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
+from typing import Any
 from xml.etree import ElementTree as Xml
 
 from rocsafe_console.picture.picture import Picture
@@ -65,13 +66,15 @@ class Event:
 
 
 def events_of(picture: Picture, now_s: float) -> list[Event]:
-    """Return an event of each vehicle that is alive, each source, cordon and mark."""
+    """Return an event of each vehicle that is alive, each source, release, zone and mark."""
     mission = picture.mission.mission_id if picture.mission else 'none'
     prefix = f'rocsafe.{mission}'
     return [
         *_vehicles(picture, prefix, now_s),
         *_sources(picture, prefix),
+        *_releases(picture, prefix),
         *_cordons(picture, prefix),
+        *_zones(picture, prefix),
         *_marks(picture, prefix),
     ]
 
@@ -107,23 +110,50 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
         )
 
 
+def _releases(picture: Picture, prefix: str) -> Iterator[Event]:
+    found = picture.sections.value('releases') or {}
+    for one in found.get('releases', []):
+        rate = formats.figures(one['rate_g_s'], 2)
+        yield Event(
+            uid=f'{prefix}.release.{one["id"]}',
+            kind=SPOT,
+            callsign=f'release {one["id"]}',
+            latitude_deg=one['place'][0],
+            longitude_deg=one['place'][1],
+            circular_error_m=one['radius_95_m'],
+            stale_s=LASTING_STALE_S,
+            remarks=f'{rate} g/s of {found["agent"]}; estimated',
+        )
+
+
 def _cordons(picture: Picture, prefix: str) -> Iterator[Event]:
     for number, one in enumerate(picture.sections.value('cordons') or [], 1):
-        if one['is_mean'] or len(one['ring']) < 3:
-            continue
-        step = math.ceil(len(one['ring']) / MOST_POINTS)
-        ring = tuple((place[0], place[1]) for place in (*one['ring'][::step], one['ring'][-1]))
         level = formats.spaced(formats.dose_rate(one['level_usvh']))
-        yield Event(
-            uid=f'{prefix}.cordon.{number}',
-            kind=SHAPE,
-            callsign=f'cordon {level}',
-            latitude_deg=ring[0][0],
-            longitude_deg=ring[0][1],
-            stale_s=LASTING_STALE_S,
-            remarks='upper 95 % of the dose rate',
-            ring=ring,
-        )
+        remarks = 'upper 95 % of the dose rate'
+        yield from _shape(one, f'{prefix}.cordon.{number}', f'cordon {level}', remarks)
+
+
+def _zones(picture: Picture, prefix: str) -> Iterator[Event]:
+    for number, one in enumerate(picture.sections.value('zones') or [], 1):
+        yield from _shape(one, f'{prefix}.zone.{number}', one['level'], 'outer bound of 95 %')
+
+
+def _shape(line: Mapping[str, Any], uid: str, callsign: str, remarks: str) -> Iterator[Event]:
+    """Yield the event of a line around ground, unless it is that of the mean."""
+    if line['is_mean'] or len(line['ring']) < 3:
+        return
+    step = math.ceil(len(line['ring']) / MOST_POINTS)
+    ring = tuple((place[0], place[1]) for place in (*line['ring'][::step], line['ring'][-1]))
+    yield Event(
+        uid=uid,
+        kind=SHAPE,
+        callsign=callsign,
+        latitude_deg=ring[0][0],
+        longitude_deg=ring[0][1],
+        stale_s=LASTING_STALE_S,
+        remarks=remarks,
+        ring=ring,
+    )
 
 
 def _marks(picture: Picture, prefix: str) -> Iterator[Event]:

@@ -131,6 +131,20 @@ def _sources(picture: Picture, _now_s: float) -> Iterator[Feature]:
         yield _feature('Point', one['place'][::-1], **known)
 
 
+def _releases(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    found = picture.sections.value('releases') or {}
+    for one in found.get('releases', []):
+        known = {key: value for key, value in one.items() if key != 'place'}
+        yield _feature('Point', one['place'][::-1], agent=found['agent'], **known)
+
+
+def _zones(picture: Picture, _now_s: float) -> Iterator[Feature]:
+    for one in picture.sections.value('zones') or []:
+        line = [place[::-1] for place in one['ring']]
+        bound = 'expected' if one['is_mean'] else 'outer 95 %'
+        yield _feature('LineString', line, level=one['level'], confidence=bound)
+
+
 def _marks(picture: Picture, _now_s: float) -> Iterator[Feature]:
     for one in picture.sections.value('marks') or []:
         place = [one['longitude_deg'], one['latitude_deg']]
@@ -145,6 +159,8 @@ COLLECTIONS: Mapping[str, tuple[str, Callable[[Picture, float], Iterator[Feature
     'exclusions': ('Exclusions', _exclusions),
     'cordons': ('Cordons', _cordons),
     'sources': ('Estimated sources', _sources),
+    'releases': ('Estimated releases of gas', _releases),
+    'threat_zones': ('Threat zones of gas', _zones),
     'marks': ('Marks', _marks),
 }
 

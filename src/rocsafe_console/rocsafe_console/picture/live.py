@@ -18,7 +18,7 @@ class Live:
     Attributes
     ----------
     images
-        PNG of ``dose_map`` and ``mosaic``, by name.
+        PNG of ``dose_map``, ``plume`` and ``mosaic``, by name.
     photographs
         Files of stored photographs by shot.
     """

@@ -10,9 +10,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from rocsafe_console.picture.alarms import ERROR, WARN, Alarm, Alarms
-from rocsafe_console.picture.dose_image import colour_scale
 from rocsafe_console.picture.frame_bytes import VehicleFrame
 from rocsafe_console.picture.freshness import MissionClock
+from rocsafe_console.picture.map_image import DOSE, PLUME
 from rocsafe_console.picture.sections import Sections
 from rocsafe_console.picture.vehicle import CRASHED, LOST, Holder, Vehicle, VehicleReport
 
@@ -77,7 +77,8 @@ class Picture:
         self._worst_heard_s = -math.inf
         self._first_revision = first_revision
         self._decisions: list[dict[str, Any]] = []
-        self.sections.put('scale', colour_scale())
+        self.sections.put('scale', DOSE.stops())
+        self.sections.put('gas_scale', PLUME.stops())
 
     def next_one(self) -> 'Picture':
         """Return an empty picture of another mission; numbers of changes and revisions rise on."""

@@ -43,8 +43,8 @@ export class Facts {
   draw() {
     const { sections } = this.link;
     this.drawWorst(sections.dose);
-    this.drawSources(sections.sources);
-    this.drawZones(sections.cordons, sections.wind);
+    this.drawSources(sections.sources, sections.releases);
+    this.drawZones(sections);
     this.drawCoverage(sections.progress, sections.plan);
     this.drawPicture(sections.photograph, sections.mosaic, sections.mission);
     this.drawAlarms(sections.alarms ?? []);
@@ -73,16 +73,20 @@ export class Facts {
       make('h3', { text: t('fact_now') }), now);
   }
 
-  drawSources(value) {
+  drawSources(value, gas) {
     const list = (value?.sources ?? []).map((source) => {
       const size = figures(Math.max(...source.half_axes_m), 2);
       return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, evidence: source.evidence })}${source.nuclide ? `, ${source.nuclide}` : ''}`);
     });
+    for (const one of gas?.releases ?? []) {
+      const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });
+      list.push(make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...one.place), text: t('release_name', { id: one.id }) }), ` ${line}`));
+    }
     const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text }));
-    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note', text: value.verdict }) : '');
+    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note', text: value.verdict }) : '', gas?.verdict ? make('p', { class: 'note', text: t('gas_verdict', { text: gas.verdict }) }) : '');
   }
 
-  drawZones(cordons, wind) {
+  drawZones({ cordons, wind, zones: gas, releases }) {
     const zones = new Map();
     for (const one of cordons ?? []) {
       const key = `${one.level_usvh} ${one.is_mean}`;
@@ -92,6 +96,7 @@ export class Facts {
     }
     const rows = [...zones.values()].filter((one) => !one.is_mean).sort((a, b) => b.level_usvh - a.level_usvh)
       .map((one) => make('li', { text: t('zone_line', { level: doseRate(one.level_usvh), radius: figures(one.radius, 2) }) }));
+    rows.push(...gasZones(gas ?? [], releases?.releases?.[0]?.place));
     const list = rows.length ? make('ul', {}, ...rows, make('li', { class: 'note', text: t('zone_upper') })) : make('p', { class: 'none', text: t('no_zone') });
     let line = make('p', { class: 'none', text: t('no_wind') });
     if (wind) {
@@ -199,6 +204,18 @@ export class Facts {
     const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), `${one.text}${one.reason ? `: ${one.reason}` : ''}`));
     fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions' }, ...rows) : make('p', { class: 'none', text: '–' }));
   }
+}
+
+// How far from the release the outer bound of each level goes.
+function gasZones(zones, place) {
+  const reach = new Map();
+  for (const zone of zones) if (!zone.is_mean && place) reach.set(zone.level, Math.max(reach.get(zone.level) ?? 0, ...zone.ring.map((corner) => metresBetween(corner, place))));
+  return [...reach].map(([level, metres]) => make('li', { text: t('gas_zone_line', { level, radius: figures(metres, 2) }) }));
+}
+
+function metresBetween(a, b) {
+  const [p, q] = [worldOf(...a), worldOf(...b)];
+  return M_PER_WORLD * Math.cos((a[0] * Math.PI) / 180) * Math.hypot(p[0] - q[0], p[1] - q[1]);
 }
 
 function radiusOf(ring) {

@@ -14,7 +14,7 @@ const [HOLDING, RETURNING, LANDING, LOST, CRASHED] = [5, 6, 7, 9, 10];
 const ON_GROUND = new Set([1, 2, 8, 11]);
 const LAYERS = {
   base: true, mosaic: true, dose: true, footprints: false, tracks: true, routes: true, region: true, exclusions: true,
-  cordons: true, sources: true, homes: true, marks: true, grid: true,
+  cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, grid: true,
 };
 
 // A canvas over the map that is drawn by `draw(context, toPixel)` with points in world units.
@@ -104,10 +104,14 @@ export class MissionMap {
 
   drawLegend() {
     const box = document.getElementById('legend');
-    const bar = make('div', { class: 'legend-bar' }, ...this.stops.map(([, colour]) => { const part = make('span'); part.style.background = colour; return part; }));
-    const ticks = make('div', { class: 'legend-ticks' }, ...this.stops.map(([rate]) => make('span', { text: rate >= 1000 ? `${rate / 1000}k` : `${rate}` })));
-    box.setAttribute('aria-label', `${t('legend')}: ${this.stops.map(([rate]) => rate).join(', ')}`);
-    box.replaceChildren(make('b', { text: t('legend') }), bar, ticks);
+    const scales = [['legend', this.stops]];
+    if (this.sections.plume) scales.push(['legend_gas', this.sections.gas_scale ?? this.link.sections.gas_scale ?? []]);
+    box.setAttribute('aria-label', scales.map(([name, stops]) => `${t(name)}: ${stops.map(([value]) => value).join(', ')}`).join('; '));
+    box.replaceChildren(...scales.flatMap(([name, stops]) => {
+      const bar = make('div', { class: 'legend-bar' }, ...stops.map(([, colour]) => { const part = make('span'); part.style.background = colour; return part; }));
+      const ticks = make('div', { class: 'legend-ticks' }, ...stops.map(([value]) => make('span', { text: value >= 1000 ? `${value / 1000}k` : `${value}` })));
+      return [make('b', { text: t(name) }), bar, ticks];
+    }));
   }
 
   // What is shown is live, or a replay with sections and vehicles of its own.
@@ -144,10 +148,12 @@ export class MissionMap {
     if (!names) this.drawBase();
     if (has('region', 'plan')) this.drawPlan(sections);
     if (has('cordons')) this.drawCordons(sections.cordons ?? []);
-    if (has('sources')) this.drawSources(sections.sources?.sources ?? []);
+    if (has('zones')) this.drawZones(sections.zones ?? []);
+    if (has('sources', 'releases')) this.drawSources(sections);
     if (has('marks')) this.drawMarks(sections.marks ?? []);
     if (has('mosaic')) this.drawImage('mosaic', sections.mosaic, 1);
     if (has('dose_map')) this.drawImage('dose', sections.dose_map, 1, 'dose_map');
+    if (has('plume')) { this.drawImage('plume', sections.plume, 1); this.drawLegend(); }
     if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.drawHomes();
     if (!this.isFitted && (sections.region || sections.plan)) this.fit(false);
   }
@@ -193,9 +199,24 @@ export class MissionMap {
     }
   }
 
-  drawSources(sources) {
+  drawZones(zones) {
+    this.groups.zones.clearLayers();
+    for (const zone of zones) {
+      this.groups.zones.addLayer(L.polyline(zone.ring, { color: '#0b100e', weight: 5, opacity: 0.55, interactive: false }));
+      this.groups.zones.addLayer(L.polyline(zone.ring, { color: zone.colour, weight: zone.is_mean ? 3 : 2, dashArray: zone.is_mean ? null : '2 6', interactive: false }));
+      if (!zone.is_mean && zone.ring.length) this.groups.zones.addLayer(label(zone.ring.reduce((a, b) => (b[1] > a[1] ? b : a)), zone.level, 'map-label'));
+    }
+  }
+
+  drawSources({ sources, releases }) {
     this.groups.sources.clearLayers();
-    for (const source of sources) {
+    for (const release of releases?.releases ?? []) {
+      const ring = ellipse(release.place, [release.radius_95_m, release.radius_95_m], 0);
+      this.groups.sources.addLayer(L.polygon(ring, { color: '#63d4c0', weight: 2, fillOpacity: 0.14, interactive: false }));
+      this.groups.sources.addLayer(L.circleMarker(release.place, { radius: 7, color: '#14130a', weight: 1.5, fillColor: '#63d4c0', fillOpacity: 1, interactive: false }));
+      this.groups.sources.addLayer(label(release.place, t('release_name', { id: release.id }), 'map-label map-label-source'));
+    }
+    for (const source of sources?.sources ?? []) {
       const ring = ellipse(source.place, source.half_axes_m, source.angle_deg);
       this.groups.sources.addLayer(L.polygon(ring, { color: '#00e5ff', weight: 2, fillOpacity: 0.14, interactive: false }));
       this.groups.sources.addLayer(L.circleMarker(source.place, { radius: 7, color: '#14130a', weight: 1.5, fillColor: '#ffd400', fillOpacity: 1, interactive: false }));

@@ -196,7 +196,7 @@ async def coordinates(request: web.Request) -> web.Response:
 
 
 async def image(request: web.Request) -> web.Response:
-    """Send the dose map or the mosaic as it is now."""
+    """Send the dose map, the plume or the mosaic as it is now."""
     session_of(request, Action.SEE)
     live = context_of(request).live
     with live.lock:

@@ -12,7 +12,13 @@ from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.checks.check import Check, CheckVerdict, check_that
 from rocsafe_mavlink.checks.setting_checks import setting_checks
-from rocsafe_mavlink.checks.way_checks import fence_check, fence_limits, homeward_checks
+from rocsafe_mavlink.checks.way_checks import (
+    exclusion_checks,
+    fence_check,
+    fence_limits,
+    homeward_checks,
+    start_of,
+)
 from rocsafe_mavlink.checks.wind_checks import wind_checks
 from rocsafe_mavlink.knowledge.fix import fix_fault
 from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
@@ -54,12 +60,14 @@ def preflight(
 def route_checks(
     vehicle: VehicleTelemetry, plan: FlightPlan, limits: FlightLimits, known: VehicleSettings
 ) -> tuple[Check, ...]:
-    """Return the checks of the way of `plan`, from the ground or in the air."""
+    """Return the checks of the way of `plan`, from home, or in the air from where it is."""
     if vehicle.home is None:
         return (Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'),)
     home = vehicle.home.place
+    start = start_of(vehicle, home)
     way = (*_plan_checks(plan, home, limits), *fence_limits(plan, home, known.parameters))
-    return (*way, *homeward_checks(plan, home, known), fence_check(plan, home, known))
+    clear = (*exclusion_checks(plan, start, home), *homeward_checks(plan, home, known))
+    return (*way, *clear, fence_check(plan, home, known, start))
 
 
 def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:

@@ -10,9 +10,10 @@ from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, Paramete
 from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict, check_that
 from rocsafe_mavlink.checks.setting_checks import setting_text
+from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
 from rocsafe_mavlink.plan.flight_limits import VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan
-from rocsafe_mavlink.plan.homeward import ReturnPlaces, holds_exclusions, return_fault
+from rocsafe_mavlink.plan.homeward import ReturnPlaces, holds_exclusions, return_fault, way_fault
 
 # Bits of ArduPilot's FENCE_TYPE.
 FENCE_HEIGHT_BIT, FENCE_CIRCLE_BIT, FENCE_POLYGON_BIT = 1, 2, 4
@@ -29,8 +30,33 @@ _REMEDY = {
 }
 
 
-def fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) -> Check:
-    """Return the check that the way, from home to home, stays within the fence."""
+def start_of(vehicle: VehicleTelemetry, home: GeoPosition) -> GeoPosition | None:
+    """Return where a vehicle begins a route: home, or where it flies; None: not known."""
+    if vehicle.is_on_ground:
+        return home
+    return None if vehicle.motion is None else vehicle.motion.position
+
+
+def exclusion_checks(
+    plan: FlightPlan, start: GeoPosition | None, home: GeoPosition
+) -> list[Check]:
+    """Return the check that the way, from `start` to home, keeps clear of the exclusions."""
+    name, limit = 'way', 'clear of exclusions'
+    if not plan.exclusions:
+        return []
+    if start is None:
+        return [Check(name, CheckVerdict.FAIL, NOT_READ, limit)]
+    fault = way_fault(plan, [start, *(waypoint.position for waypoint in plan.waypoints), home])
+    return [check_that(name, not fault, fault or 'clear', limit)]
+
+
+def fence_check(
+    plan: FlightPlan,
+    home: GeoPosition,
+    known: VehicleSettings,
+    start: GeoPosition | None = None,
+) -> Check:
+    """Return the check that the way, from `start` or home to home, stays within the fence."""
     name, limit = 'within fence', 'none outside'
     if known.fence is None:
         error = f'cannot be read: {known.fence_error}' if known.fence_error else NOT_READ
@@ -39,7 +65,7 @@ def fence_check(plan: FlightPlan, home: GeoPosition, known: VehicleSettings) -> 
     outside = sum(not known.fence.holds(place) for place in places)
     if outside:
         return check_that(name, False, f'{outside} of {len(places)} waypoints outside', limit)
-    legs = list(pairwise([home, *places, home]))
+    legs = list(pairwise([start or home, *places, home]))
     outside = sum(not known.fence.holds_leg(*leg) for leg in legs)
     return check_that(name, not outside, f'{outside} of {len(legs)} legs partly outside', limit)
 

@@ -7,17 +7,19 @@ Nothing here is ever called by the suite itself, but by services and actions.
 from collections.abc import Callable, Sequence
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.checks.check import Check, failures
 from rocsafe_mavlink.checks.preflight import route_checks
+from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
-from rocsafe_mavlink.knowledge.telemetry import Contact
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, rally_items
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.plan.homeward import homeward_plan, leg_fault
+from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -59,7 +61,9 @@ class DroneCommands:
         return f'{sequence.name}: {sequence.error}' if sequence.error else ''
 
     def hold(self, now_s: float) -> None:
-        """Stop where it is, within the mission if one is flown."""
+        """Stop where it is, within the mission if one is flown; on the ground stay there."""
+        if self._stays_down('hold', Verb.HOLD, now_s):
+            return
         self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.hold(self._session.telemetry), now_s, preempts=True)
 
@@ -74,11 +78,21 @@ class DroneCommands:
             is_read = None not in needed
             reason = 'no route is being flown' if is_read else 'it is still being read'
             raise CommandRefusedError(reason)
+        if session.flight is not None and session.flight.is_given_up:
+            raise CommandRefusedError('its route was given up: send a route')
         self._require_verified()
-        self._begin(lambda commands: commands.resume(session.telemetry), now_s)
+        fault = self._fault_ahead(session.telemetry, now_s)
+        if fault:
+            raise CommandRefusedError(fault)
+        self._begin(lambda commands: commands.resume(session.telemetry, self._fault_ahead), now_s)
 
     def return_home(self, now_s: float) -> None:
-        """Give up the route, fly home and land: straight, or around exclusions."""
+        """Give up the route, fly home and land: straight, or around exclusions.
+
+        On the ground it stays there.
+        """
+        if self._stays_down('return home', Verb.RETURN, now_s):
+            return
         self._require_ours(now_s, is_always_taken=True)
         way = self._way_home()
         if way is None:
@@ -91,7 +105,9 @@ class DroneCommands:
             )
 
     def land(self, now_s: float) -> None:
-        """Give up the route and land where it is."""
+        """Give up the route and land where it is; on the ground stay there."""
+        if self._stays_down('land', Verb.LAND, now_s):
+            return
         self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.land(), now_s, preempts=True)
 
@@ -113,6 +129,7 @@ class DroneCommands:
 
     def push_fence(self, fence: Fence, now_s: float) -> None:
         """Replace the polygons of the fence."""
+        self._require_contact(now_s)
         self._require_not_others(now_s)
         self._begin(lambda commands: commands.push_fence(fence), now_s)
         # It is read again as it lies there then: until that is done no flight begins.
@@ -120,6 +137,7 @@ class DroneCommands:
 
     def push_rally(self, points: Sequence[GeoPosition], height_m: float, now_s: float) -> None:
         """Replace the rally points."""
+        self._require_contact(now_s)
         self._require_not_others(now_s)
         try:
             items = rally_items(points, height_m)
@@ -135,8 +153,18 @@ class DroneCommands:
         failed = failures(self.route_checks(plan))
         if failed:
             raise CommandRefusedError(failed)
+
+        def strays(vehicle: VehicleTelemetry, _now_s: float) -> str:
+            # It has stopped a little further on than where it was when the order came.
+            home = None if vehicle.home is None else vehicle.home.place
+            checks = [] if home is None else exclusion_checks(plan, start_of(vehicle, home), home)
+            return failures(tuple(checks))
+
         self._begin(
-            lambda commands: commands.replace_mission(mission_of(plan, commands.autopilot)), now_s
+            lambda commands: commands.replace_mission(
+                mission_of(plan, commands.autopilot), strays
+            ),
+            now_s,
         )
 
     def route_checks(self, plan: FlightPlan) -> tuple[Check, ...]:
@@ -146,11 +174,34 @@ class DroneCommands:
 
     def require_in_air(self, now_s: float) -> None:
         """Refuse a command to a vehicle that is on the ground or not in contact."""
-        contact = self._session.telemetry.contact(now_s)
-        if contact is not Contact.FRESH:
-            raise CommandRefusedError(f'the vehicle is not in contact ({contact.value})')
+        self._require_contact(now_s)
         if self._session.telemetry.is_on_ground:
             raise CommandRefusedError('the vehicle is on the ground')
+
+    def _stays_down(self, name: str, verb: Verb, now_s: float) -> bool:
+        """Withdraw every start; return whether that is all: the vehicle is on the ground.
+
+        Motors that the start of a flight has started, or may have, are stopped; if that is too
+        late the vehicle is switched to the mode for `verb`.
+        """
+        session = self._session
+        was_waiting = session.starts_at_s is not None
+        session.withdraw_start()
+        vehicle, flight = session.telemetry, session.flight
+        if not vehicle.is_on_ground:
+            return False
+        if flight is not None and flight.is_beginning and flight.may_be_armed(vehicle):
+            self._require_not_others(now_s, is_always_taken=True)
+            self._begin(lambda commands: commands.stay_down(name, verb), now_s, preempts=True)
+            return True
+        is_known = was_waiting or vehicle.contact(now_s) is Contact.FRESH
+        if vehicle.is_armed or not is_known:
+            return False
+        if flight is not None and flight.is_beginning:
+            session.flight = flight.called_off(f'told to {name} before it took off')
+        if session.known_autopilot() is not None:
+            self._begin(lambda commands: commands.nothing(name), now_s, preempts=True)
+        return True
 
     def _require_verified(self) -> None:
         """Refuse to fly a mission that is not known to be the one of the plan."""
@@ -162,9 +213,17 @@ class DroneCommands:
             words = 'another mission lies on it' if is_read else 'its mission is still being read'
             raise CommandRefusedError(words)
 
+    def _require_contact(self, now_s: float) -> None:
+        contact = self._session.telemetry.contact(now_s)
+        if contact is not Contact.FRESH:
+            raise CommandRefusedError(f'the vehicle is not in contact ({contact.value})')
+
     def _require_ours(self, now_s: float, *, is_always_taken: bool = False) -> None:
         """Refuse a command to a vehicle on the ground, or one that its pilot or a failsafe has."""
-        self.require_in_air(now_s)
+        if is_always_taken:
+            self._require_contact(now_s)
+        else:
+            self.require_in_air(now_s)
         self._require_not_others(now_s, is_always_taken=is_always_taken)
 
     def _require_not_others(self, now_s: float, *, is_always_taken: bool = False) -> None:
@@ -191,9 +250,19 @@ class DroneCommands:
         flight, motion = self._session.flight, self._session.telemetry.motion
         if flight is None or flight.is_over or motion is None:
             return
-        fault = leg_fault(flight.plan, motion.position, place)
+        fault = way_fault(flight.plan, [motion.position, place])
         if fault:
             raise CommandRefusedError(fault)
+
+    def _fault_ahead(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
+        """Return which exclusion lies between a vehicle and the next place of its mission."""
+        flight = self._session.flight
+        if flight is None or not flight.plan.exclusions:
+            return ''
+        ahead = flight.next_place(vehicle)
+        if ahead is None or vehicle.motion is None:
+            return 'where it is, or its home, is not known'
+        return way_fault(flight.plan, [vehicle.motion.position, ahead])
 
     def _way_home(self) -> FlightPlan | None:
         """Return the way around exclusions; None if the vehicle may return straight."""

@@ -103,7 +103,6 @@ class Drone:
         self.session = session
         self.commands = DroneCommands(session, spec.limits)
         self._record = FlightRecord(journal)
-        self._starts_at_s: float | None = None
         self._wind_return = _WindReturn()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
 
@@ -140,16 +139,11 @@ class Drone:
     @property
     def is_waiting(self) -> bool:
         """Whether a route is to be begun by itself later."""
-        return self._starts_at_s is not None
+        return self.session.starts_at_s is not None
 
     def wait_until(self, starts_at_s: float | None) -> None:
         """Note when a route is to be begun, steady seconds; None: none is."""
-        self._starts_at_s = starts_at_s
-
-    def withdraw_start(self) -> bool:
-        """Let a late start be given up; return whether there was one."""
-        was_waiting, self._starts_at_s = self.is_waiting, None
-        return was_waiting
+        self.session.starts_at_s = starts_at_s
 
     def listen(self, on_message: OnMessage, on_event: OnEvent) -> None:
         """Call these for each message and event of the vehicle from now on."""
@@ -200,9 +194,10 @@ class Drone:
         advice = advice_of(self.session, self.spec.limits, now_s)
         seen = status_of(replace(self._status_inputs(), advice=advice), now_s)
         is_ready = seen.state in (FlightState.DISARMED, FlightState.LANDED)
-        if self._starts_at_s is None or not is_ready:
+        starts_at_s = self.session.starts_at_s
+        if starts_at_s is None or not is_ready:
             return seen
-        text = f'keeps away from others: takes off in {max(0.0, self._starts_at_s - now_s):.0f} s'
+        text = f'keeps away from others: takes off in {max(0.0, starts_at_s - now_s):.0f} s'
         return replace(seen, state=FlightState.WAITING, text=f'{text}; {seen.text}')
 
     def remaining(self) -> RemainingRoute:

@@ -59,6 +59,10 @@ class VehicleSession:
         Who has the vehicle in the air.
     texts
         Joins texts that come in several messages.
+    starts_at_s
+        Steady time at which a route is to be begun by itself; None: none is.
+    withdrawals
+        How often a start that is to come was withdrawn by an order.
     """
 
     us: Target
@@ -71,6 +75,8 @@ class VehicleSession:
     sequence_count: int = 0
     custody: Custody = field(default_factory=Custody)
     texts: TextJoiner = field(default_factory=TextJoiner)
+    starts_at_s: float | None = None
+    withdrawals: int = 0
     _outgoing: list[Message] = field(default_factory=list)
 
     @classmethod
@@ -188,11 +194,18 @@ class VehicleSession:
         """
         if not preempts and self.is_commanded:
             raise ValueError(f'{self._under_way()} is under way')
+        # What a command before it leads to may show only now: that is no takeover.
+        sequence = sequence.after(self._begun(), now_s)
         if self.flight is not None and self.flight.is_beginning:
             self.flight = self.flight.interrupted()
         # What is commanded is what was there when the order was given.
         self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
+
+    def withdraw_start(self) -> None:
+        """Let a start that is to come be given up, if there is one."""
+        self.starts_at_s = None
+        self.withdrawals += 1
 
     def mission_condition(self) -> MissionCondition:
         """Return how well the mission is known; one read in the air is compared with the plan."""
@@ -250,10 +263,13 @@ class VehicleSession:
         if message.name == 'STATUSTEXT':
             self.custody = self.custody.heard(str(message['text']), now_s)
         elif kind is not None:
-            flight = None if self.flight is None else self.flight.sequence
-            begun = [one.expected_modes for one in (flight, self.sequence) if one is not None]
-            expected = frozenset[int]().union(*begun)
+            expected = frozenset[int]().union(*(one.expected_modes for one in self._begun()))
             self.custody = self.custody.seen(self.telemetry, kind, expected, now_s)
+
+    def _begun(self) -> list[CommandSequence]:
+        """Return the sequences of the flight and of the operator."""
+        flight = None if self.flight is None else self.flight.sequence
+        return [one for one in (flight, self.sequence) if one is not None]
 
     def _look_at(self, now_s: float) -> None:
         """Withdraw the commands under way after a takeover of the vehicle."""

@@ -16,7 +16,7 @@ itself.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
@@ -77,8 +77,8 @@ class CommandStep:
         """A command uploads no mission."""
 
     @property
-    def starts_motors(self) -> bool:
-        """Whether it is the command to start the motors."""
+    def switches_motors(self) -> bool:
+        """Whether it is the command to start or stop the motors."""
         return self.call.command['command'] == COMPONENT_ARM_DISARM
 
     def sends_command(self, now_s: float) -> bool:
@@ -158,8 +158,8 @@ class TransferStep:
         """A transfer has no alternative."""
 
     @property
-    def starts_motors(self) -> bool:
-        """A transfer starts no motors."""
+    def switches_motors(self) -> bool:
+        """A transfer starts and stops no motors."""
         return False
 
     def sends_command(self, _now_s: float) -> bool:
@@ -231,6 +231,10 @@ class CommandSequence:
         Custom mode to which a step of the sequence led; -1: none did.
     was_armed
         Whether its motors ran then.
+    late_modes
+        Custom modes to which a command before this sequence may lead yet, during the first step.
+    late_until_s
+        Steady time until which they may show.
     look_after_s
         The next command waits for a heartbeat after this steady time.
     obstructed_s
@@ -249,6 +253,8 @@ class CommandSequence:
     mode: int = -1
     led_to: int = -1
     was_armed: bool = False
+    late_modes: frozenset[int] = frozenset()
+    late_until_s: float = -math.inf
     look_after_s: float = -math.inf
     obstructed_s: float = math.inf
 
@@ -301,8 +307,18 @@ class CommandSequence:
 
     @property
     def expected_modes(self) -> frozenset[int]:
-        """Custom modes to which the step under way may lead."""
-        return frozenset() if self.is_over else self.steps[0].modes
+        """Custom modes to which the step under way may lead, or a command before it."""
+        return frozenset() if self.is_over else self.steps[0].modes | self.late_modes
+
+    @property
+    def coming_modes(self) -> frozenset[int]:
+        """Custom modes to which a command that was sent may lead yet."""
+        return self.expected_modes if self.is_begun else self.late_modes
+
+    def after(self, others: Iterable['CommandSequence'], now_s: float) -> 'CommandSequence':
+        """Return the sequence that takes the place of others: their modes may show late."""
+        modes = frozenset[int]().union(*(other.coming_modes for other in others))
+        return replace(self, late_modes=modes, late_until_s=now_s + MODE_SHOWS_S)
 
     def withdrawn(self, reason: str) -> 'CommandSequence':
         """Return the sequence ended without another command, unless it is over."""
@@ -334,22 +350,29 @@ class CommandSequence:
             mode, is_armed = vehicle.custom_mode, vehicle.is_armed
             looked = replace(self, mode=mode, was_armed=is_armed, look_after_s=after_s)
         reason = looked._taken_over(vehicle, now_s)
-        return looked.withdrawn(reason) if reason else looked
+        if reason:
+            return looked.withdrawn(reason)
+        # A late mode that shows is the present one: who leaves it again takes the vehicle over.
+        is_late = vehicle.custom_mode in looked.late_modes
+        return replace(looked, mode=vehicle.custom_mode) if is_late else looked
 
     def _taken_over(self, vehicle: VehicleTelemetry, now_s: float) -> str:
         """Return why the vehicle is not ours any more; empty if it is."""
         if vehicle.contact(now_s) is Contact.LOST:
             return 'the vehicle is not heard'
-        if self.was_armed and not vehicle.is_armed:
+        step = self.steps[0]
+        is_switching = self.is_begun and step.switches_motors
+        if self.was_armed and not vehicle.is_armed and not is_switching:
             return 'the motors were stopped'
         # On the ground modes change by themselves: a PX4 leaves a mode that it cannot fly in.
         if not vehicle.is_armed:
             return ''
-        step = self.steps[0]
-        if not self.was_armed and not (self.is_begun and step.starts_motors):
+        if not self.was_armed and not is_switching:
             return 'somebody else started the motors'
         mode = self.autopilot.mode_name(vehicle.custom_mode)
-        if vehicle.custom_mode not in {self.mode, *(step.modes if self.is_begun else ())}:
+        own = step.modes if self.is_begun else frozenset[int]()
+        late = self.late_modes if now_s < self.late_until_s else frozenset[int]()
+        if vehicle.custom_mode not in {self.mode, *own, *late}:
             return f'the vehicle was switched to {mode}'
         if vehicle.is_in_failsafe and not self.is_always_taken:
             return f'a failsafe has the vehicle, in {mode}'
@@ -374,6 +397,7 @@ class CommandSequence:
             mode=vehicle.custom_mode,
             led_to=vehicle.custom_mode if vehicle.custom_mode in step.modes else self.led_to,
             was_armed=vehicle.is_armed,
+            late_modes=frozenset(),
             # A transfer takes long: what the vehicle did meanwhile may not show yet.
             look_after_s=now_s if is_transfer else self.look_after_s,
         )

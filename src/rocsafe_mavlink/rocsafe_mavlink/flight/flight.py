@@ -10,6 +10,7 @@ always what the vehicle says of itself.
 from dataclasses import dataclass, replace
 from enum import Enum
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep, Refusal
 from rocsafe_mavlink.flight.custody import is_commanded
@@ -17,10 +18,11 @@ from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_signs import shown_failsafe
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
-from rocsafe_mavlink.plan.flight_plan import FlightPlan, Mission, mission_of
+from rocsafe_mavlink.plan.flight_plan import WAYPOINT, FlightPlan, Mission, mission_of
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.wire.dialect import Message
+from rocsafe_mavlink.wire.units import position_of_e7
 
 GIVE_UP_LOST_S = 600.0
 Answer = tuple['MissionFlight', list[Message]]
@@ -86,6 +88,20 @@ class MissionFlight:
         """Whether commands of the flight's own are under way."""
         return self.stage in (FlightStage.STARTING, FlightStage.DISARMING)
 
+    @property
+    def is_given_up(self) -> bool:
+        """Whether an operator ended it, and its route lies on the vehicle yet."""
+        is_ended = self.cause is FlightOutcome.ABORTED_BY_OPERATOR
+        return is_ended and bool(self.mission.waypoint_items)
+
+    def next_place(self, vehicle: VehicleTelemetry) -> GeoPosition | None:
+        """Return to where the vehicle flies in its mission; home behind it; None: not known."""
+        ahead = self.mission.items[max(vehicle.mission.current, self.mission.first_item) :]
+        for item in ahead:
+            if item.command == WAYPOINT:
+                return position_of_e7(item.x_e7, item.y_e7, 0.0)
+        return None if vehicle.home is None else vehicle.home.place
+
     def on_message(self, message: Message, now_s: float) -> Answer:
         """Take a message; those of other vehicles change nothing."""
         if (message.system, message.component) != self.commands.target or self.is_over:
@@ -120,6 +136,19 @@ class MissionFlight:
     def interrupted(self) -> 'MissionFlight':
         """Return the flight once an operator commands it in the air: it is only watched now."""
         return replace(self, stage=FlightStage.FLYING, sequence=None)
+
+    def may_be_armed(self, vehicle: VehicleTelemetry) -> bool:
+        """Whether the start of the flight has started the motors, or may have."""
+        if self.stage is FlightStage.DISARMING:
+            return True
+        sequence = self.sequence
+        if sequence is None or sequence.is_over:
+            return False
+        return vehicle.is_armed or _may_be_armed(sequence, vehicle)
+
+    def called_off(self, reason: str) -> 'MissionFlight':
+        """Return the flight given up on the ground, before its motors were started."""
+        return self._end(FlightOutcome.ABORTED_BY_OPERATOR, reason)
 
     def stopped(self, homeward: tuple[MissionItem, ...] | None = None) -> 'MissionFlight':
         """Return the flight after an operator's accepted command to return or land.
@@ -274,4 +303,4 @@ def _may_be_armed(failed: CommandSequence, vehicle: VehicleTelemetry) -> bool:
     step = failed.steps[0]
     if not isinstance(step, CommandStep):
         return False
-    return vehicle.is_armed or (failed.is_begun and step.starts_motors)
+    return vehicle.is_armed or (failed.is_begun and step.switches_motors)

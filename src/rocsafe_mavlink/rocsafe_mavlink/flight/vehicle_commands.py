@@ -98,17 +98,26 @@ class VehicleCommands:
         step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
         return self._sequence('disarm', step)
 
+    def stay_down(self, name: str, verb: Verb) -> CommandSequence:
+        """Return the sequence that stops the motors; in the air the mode for `verb` is set."""
+        stop = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
+        return self._urgent(name, replace(stop, otherwise=self._mode(verb)))
+
+    def nothing(self, name: str) -> CommandSequence:
+        """Return the sequence of an order that is fulfilled already."""
+        return self._urgent(name)
+
     def hold(self, vehicle: VehicleTelemetry) -> CommandSequence:
         """Return the sequence that stops the vehicle: within its mission if it flies one."""
         if self.autopilot.is_in(vehicle, Verb.MISSION):
             return self._urgent('hold', self._pause())
         return self._urgent('hold', self._mode(Verb.HOLD))
 
-    def resume(self, vehicle: VehicleTelemetry) -> CommandSequence:
-        """Return the sequence that continues the mission."""
-        if self.autopilot.is_in(vehicle, Verb.MISSION):
-            return self._sequence('resume', self._continue())
-        return self._sequence('resume', self._mode(Verb.MISSION))
+    def resume(self, vehicle: VehicleTelemetry, may_not_go: Refusal) -> CommandSequence:
+        """Return the sequence that continues the mission, unless `may_not_go` names a reason."""
+        is_paused = self.autopilot.is_in(vehicle, Verb.MISSION)
+        step = self._continue() if is_paused else self._mode(Verb.MISSION)
+        return self._sequence('resume', _unless(may_not_go, step))
 
     def return_home(self) -> CommandSequence:
         """Return the sequence that flies home and lands there."""
@@ -116,7 +125,8 @@ class VehicleCommands:
 
     def fly_home(self, mission: Mission) -> CommandSequence:
         """Return the sequence that flies home by a mission, where the straight way is not free."""
-        return replace(self.replace_mission(mission), name='return home', is_always_taken=True)
+        sequence = self.replace_mission(mission, lambda _vehicle, _now_s: '')
+        return replace(sequence, name='return home', is_always_taken=True)
 
     def land(self) -> CommandSequence:
         """Return the sequence that lands where the vehicle is."""
@@ -135,9 +145,11 @@ class VehicleCommands:
 
     def go_to(self, place: GeoPosition, height_m: float, home: Home) -> CommandSequence:
         """Return the sequence that flies to a place, `height_m` above home, and stays there."""
-        steps = [] if self.autopilot.repositions_itself else [self._mode(Verb.GUIDED)]
-        modes = frozenset({self.autopilot.modes[Verb.GUIDED], self.autopilot.modes[Verb.HOLD]})
-        reposition = replace(self._do(self._reposition(place, height_m, home)), modes=modes)
+        by_itself = self.autopilot.repositions_itself
+        steps = [] if by_itself else [self._mode(Verb.GUIDED)]
+        leads_to = self.autopilot.modes[Verb.HOLD if by_itself else Verb.GUIDED]
+        reposition = self._do(self._reposition(place, height_m, home))
+        reposition = replace(reposition, modes=frozenset({leads_to}))
         return self._sequence('go to', *steps, reposition)
 
     def push_fence(self, fence: Fence) -> CommandSequence:
@@ -149,17 +161,19 @@ class VehicleCommands:
         moving = transfer(items, self.target, first_compared=0, mission_type=kind)
         return self._sequence(kind.word, TransferStep(moving=moving))
 
-    def replace_mission(self, mission: Mission) -> CommandSequence:
+    def replace_mission(self, mission: Mission, may_not_go: Refusal) -> CommandSequence:
         """Return the sequence that stops, uploads another mission and flies it from its first leg.
 
         It stops in a mode of its own: an ArduCopter whose mission is only paused flies on by
-        itself as soon as it has another one, before that was read back.
+        itself as soon as it has another one, before that was read back. It does not start if
+        `may_not_go` then names a reason.
         """
+        start = [_unless(may_not_go, step) for step in self._start_in_air(mission)]
         return self._sequence(
             'new route',
             self._mode(Verb.HOLD),
             self._upload(mission, clears_after_failure=False),
-            *self._start_in_air(mission),
+            *start,
         )
 
     def _sequence(self, name: str, *steps: Step) -> CommandSequence:
@@ -262,6 +276,12 @@ def require_reachable(
     away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
     require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
     return home
+
+
+def _unless(may_not_go: Refusal, step: CommandStep) -> CommandStep:
+    """Return a step, and its alternative, that is refused for a further reason."""
+    otherwise = None if step.otherwise is None else _unless(may_not_go, step.otherwise)
+    return replace(step, refusal=may_not_go, otherwise=otherwise)
 
 
 def _unless_armed(may_not_arm: Refusal | None) -> Refusal:

@@ -13,14 +13,12 @@ from itertools import pairwise
 
 from shapely.geometry import MultiPoint, Polygon
 
-from rocsafe_geo.detour import WaysAround
+from rocsafe_geo.detour import LEG_SLACK_M, WaysAround, zone_on_way
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.plan.fence import Fence, Ring
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
-# Legs keep the clearance exactly, but for rounding and the difference of two planes.
-SLACK_M = 1.0
 # A leg is looked at in pieces where the place of the return depends on where the vehicle is.
 PIECE_M = 10.0
 Place = tuple[float, float]
@@ -57,7 +55,7 @@ def return_fault(plan: FlightPlan, places: ReturnPlaces) -> str:
         for piece, goal in _returns(start, end, places, plane):
             area = MultiPoint([*piece, goal]).convex_hull
             for number, zone in enumerate(zones, start=1):
-                if zone.distance(area) < max(plan.clearance_m - SLACK_M, 1e-6):
+                if zone.distance(area) < max(plan.clearance_m - LEG_SLACK_M, 1e-6):
                     return f'exclusion {number} lies between leg {leg} and the place of its return'
     return ''
 
@@ -90,15 +88,18 @@ def homeward_plan(plan: FlightPlan, here: FlightWaypoint, home: GeoPosition) -> 
     )
 
 
-def leg_fault(plan: FlightPlan, start: GeoPosition, end: GeoPosition) -> str:
-    """Return which exclusion of `plan` a straight leg comes too near to; empty if none."""
-    plane = _Plane(end)
-    leg = MultiPoint([plane.of(start), plane.of(end)]).convex_hull
-    for number, ring in enumerate(plan.exclusions, start=1):
-        zone = Polygon([plane.of(corner) for corner in ring])
-        if zone.distance(leg) < max(plan.clearance_m - SLACK_M, 1e-6):
-            return f'exclusion {number} lies on the way'
-    return ''
+def way_fault(plan: FlightPlan, way: Sequence[GeoPosition]) -> str:
+    """Return which exclusion of `plan` a way comes too near to, and on which leg; empty if none.
+
+    The rule is `zone_on_way`.
+    """
+    plane = _Plane(way[-1])
+    zones = [tuple(plane.of(corner) for corner in ring) for ring in plan.exclusions]
+    fault = zone_on_way(zones, plan.clearance_m, [plane.of(place) for place in way])
+    if fault is None:
+        return ''
+    leg, zone = fault
+    return f'exclusion {zone} lies on ' + ('the way' if len(way) == 2 else f'leg {leg} of the way')
 
 
 def holds_exclusions(fence: Fence, exclusions: Sequence[Ring]) -> bool:

@@ -16,6 +16,7 @@ from rocsafe_orchestrator.report.drive_view import drive_view
 from rocsafe_orchestrator.report.events import events, flights, start_ns
 from rocsafe_orchestrator.report.gas_view import gas_view
 from rocsafe_orchestrator.report.map_data import map_view
+from rocsafe_orchestrator.report.people_view import people_rows
 from rocsafe_orchestrator.report.pictures import thumbnails
 from rocsafe_orchestrator.report.run_facts import fact_columns, plan_rows
 from rocsafe_orchestrator.report.run_texts import height_of, lead, limits, verdict
@@ -71,6 +72,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         axes=time_axes(flown) if flown else {},
         events=told,
         plans=plan_rows(record),
+        people=people_rows(record.path),
         phases_s=phases_s(record.log.mission if record.log else ()),
         thumbnails=thumbnails(record.photographs),
         facts=fact_columns(record, summary),

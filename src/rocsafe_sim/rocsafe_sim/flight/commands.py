@@ -61,6 +61,8 @@ class Command:
         Place in the air to fly to, or on the ground to return to instead of home, metres.
     speed_mps
         Speed over ground; 0: that of the vehicle.
+    is_held
+        Whether it stays on the ground, where it waits, until it is resumed.
     """
 
     kind: CommandKind
@@ -75,6 +77,7 @@ class Command:
     ground_up_m: float | None = None
     goal_enu: Enu | None = None
     speed_mps: float = 0.0
+    is_held: bool = False
 
 
 def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Timeline | Fall:

@@ -33,6 +33,8 @@ class Course:
     def __init__(self, command: Command, route: FlightRoute, airframe: Airframe) -> None:
         self.command = command
         self.route = route
+        # A vehicle that is held on the ground never begins.
+        self._begins_ns = math.inf if command.is_held else command.start_ns
         airframe = airframe.at_speed(command.speed_mps)
         self.timeline = timeline_of(command, route, airframe)
         self._capacity_j = airframe.power.capacity_j
@@ -51,7 +53,7 @@ class Course:
         """Return the seconds from the command to `time_ns`; 0 before it takes effect."""
         if time_ns >= self.touch_down_ns:  # rounded to a nanosecond
             return self.timeline.duration_s
-        return max(0, time_ns - self.command.start_ns) / NS_PER_S
+        return max(0, time_ns - self._begins_ns) / NS_PER_S
 
     def pose(self, time_ns: int) -> FlightPose:
         """Return the pose at `time_ns`."""
@@ -61,7 +63,7 @@ class Course:
         """Return the mode at `time_ns`."""
         if time_ns >= self.touch_down_ns:
             return Mode.CRASHED if self.command.kind is CommandKind.FALL else Mode.LANDED
-        if time_ns < self.command.start_ns:
+        if time_ns < self._begins_ns:
             return Mode.WAITING
         return self.timeline.segment(self.elapsed_s(time_ns)).mode
 
@@ -72,7 +74,7 @@ class Course:
 
     def power_w(self, time_ns: int) -> float:
         """Return the power of the motors at `time_ns`; on the ground none."""
-        if not self.command.start_ns <= time_ns < self.touch_down_ns:
+        if not self._begins_ns <= time_ns < self.touch_down_ns:
             return 0.0
         return self.timeline.power_w(self.elapsed_s(time_ns))
 
@@ -88,11 +90,12 @@ class Course:
 
     def shots(self, first_index: int) -> Iterator[tuple[int, ShotTime]]:
         """Yield simulated time and photograph of each viewpoint from `first_index` on."""
-        for shot in self.timeline.shots():
+        shots = () if self.command.is_held else self.timeline.shots()
+        for shot in shots:
             if shot.viewpoint_index >= first_index:
                 yield int(self._after_start_ns(shot.elapsed_s)), shot
 
     def _after_start_ns(self, elapsed_s: float) -> int | float:
-        if math.isinf(elapsed_s):
+        if math.isinf(elapsed_s) or self.command.is_held:
             return math.inf
         return self.command.start_ns + round(elapsed_s * NS_PER_S)

@@ -2,11 +2,12 @@
 """Route of a vehicle: viewpoints, bends, landings, exclusions."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 
-from rocsafe_geo.detour import Place, Ring, WaysAround
+from rocsafe_geo.detour import Place, Ring, WaysAround, zone_on_way
 from rocsafe_geo.limits import require_not_negative
 from rocsafe_geo.motion.state import Enu
 
@@ -198,6 +199,34 @@ class FlightRoute:
         if min(offsets) < ON_WAY_M and is_planned:
             return ahead
         return (*self.around(here_enu, ahead[0] if ahead else after), *ahead)
+
+    def fault(self, here_enu: Enu, index: int = 0, number: int = 0) -> str:
+        """Return which exclusion lies on what is left of the route; empty if none.
+
+        The vehicle is at `here_enu` on flight `number`, and viewpoint `index` is its next one. The
+        rule is `zone_on_way`.
+        """
+        for flight in range(number, len(self.swaps) + 1):
+            begin = index if flight == number else self.begin_of(flight)
+            way = self._way_left(here_enu if flight == number else self.home_enu, begin, flight)
+            fault = self.crossed(way)
+            if fault:
+                return fault
+        return ''
+
+    def crossed(self, way: Sequence[Enu]) -> str:
+        """Return which exclusion lies on a way; empty if none."""
+        fault = zone_on_way(self.exclusions, self.clearance_m, [place[:2] for place in way])
+        return '' if fault is None else f'exclusion {fault[1]} lies on leg {fault[0]} of the way'
+
+    def _way_left(self, here_enu: Enu, index: int, number: int) -> list[Enu]:
+        """Return the corners of what is left of a flight, from where the vehicle is."""
+        way, end = [here_enu], self.end_of(number)
+        for viewpoint in range(index, end):
+            way += self.way_to(viewpoint, way[-1], number)
+            way.append(self.waypoints[viewpoint].position_enu)
+        way += self.way_to(end, way[-1], number)
+        return [*way, self.landing_of(number) or way[-1]]
 
     def around(self, here_enu: Enu, there_enu: Enu) -> tuple[Enu, ...]:
         """Return the bends of the way around the exclusions between two places."""

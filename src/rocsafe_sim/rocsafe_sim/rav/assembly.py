@@ -151,4 +151,4 @@ def make_rav(
     surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
     vehicle = SimulatedVehicle(options.airframe(), (east, north, up), surroundings)
-    return Rav(parts, vehicle, spool)
+    return Rav(parts, vehicle, spool, is_lockstep=options.lock_step)

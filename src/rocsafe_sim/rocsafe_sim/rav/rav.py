@@ -24,6 +24,8 @@ from rocsafe_sim.cameras.mounted_camera import (
     MountedCamera,
     VehiclePose,
 )
+from rocsafe_sim.clock.step_times import StepTimes
+from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.flight_record import VehicleRecord
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
@@ -32,6 +34,8 @@ from rocsafe_sim.vehicle.snapshot import ShotDue, VehicleSnapshot
 from rocsafe_sim.vehicle.surroundings import on_ground
 
 JOURNAL_NAME = 'journal.json'
+STEPS_NAME = 'steps'
+_ON_ITS_WAY = (Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
 # Height of the cameras of a vehicle on the ground.
 LANDED_CAMERA_M = 0.4
 
@@ -86,6 +90,8 @@ class Rav:
         Vehicle after power-up; a journal in `spool` replaces its state.
     spool
         Folder of journal and photographs; None: memory only.
+    is_lockstep
+        Whether simulated time waits for the vehicle.
 
     Attributes
     ----------
@@ -101,13 +107,19 @@ class Rav:
     """
 
     def __init__(
-        self, parts: RavParts, vehicle: SimulatedVehicle, spool: Path | None = None
+        self,
+        parts: RavParts,
+        vehicle: SimulatedVehicle,
+        spool: Path | None = None,
+        *,
+        is_lockstep: bool = False,
     ) -> None:
         self.parts = parts
         self.vehicle = vehicle
         self.shots = ShotStore(spool)
         self.spool = spool
         self._journal = None if spool is None else spool / JOURNAL_NAME
+        self._steps = StepTimes(spool and spool / STEPS_NAME, is_lockstep=is_lockstep)
         self._written: VehicleRecord | None = None
         self.pictures: list[CameraPicture] = []
         if self._journal is not None:
@@ -123,6 +135,23 @@ class Rav:
                 turn = read_gimbal(self.spool, camera.name)
                 camera.gimbal.turn = turn or camera.gimbal.turn
 
+    def hold_if_cut_off(self, time_ns: int) -> int:
+        """Hold where it was when it was stepped last, if it has missed steps before `time_ns`.
+
+        Others may have taken over its work. Returns for how long it was cut off, nanoseconds; 0 if
+        it was not, or does not fly and is not about to.
+        """
+        missed_ns, last_ns = self._steps.missed_ns(time_ns), self._steps.last_ns
+        if not missed_ns or last_ns is None:
+            return 0
+        if last_ns > self.vehicle.time_ns:
+            # A process that was started again continues from its journal.
+            self.vehicle.step(last_ns)
+        if self.vehicle.mode not in _ON_ITS_WAY:
+            return 0
+        self.vehicle.hold()
+        return missed_ns
+
     def step(self, time_ns: int) -> tuple[VehicleSnapshot, list[Shot]]:
         """Advance to `time_ns`; return the state at that time and the photographs since.
 
@@ -135,6 +164,7 @@ class Rav:
         for shot in taken:
             self.shots.add(shot)
         self.keep_journal()
+        self._steps.note(time_ns)
         return snapshot, taken
 
     def pictures_of(self, camera: MountedCamera) -> list[CameraPicture]:

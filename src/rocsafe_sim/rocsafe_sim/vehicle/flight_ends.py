@@ -69,7 +69,7 @@ def cut_short(flight: FlightRecord, ending: FlightOutcome, text: str) -> FlightR
 
 def failure_ns(flight: FlightRecord, course: Course, airframe: Airframe) -> int | float:
     """Return the time at which the battery fails; infinite if it does not, or already did."""
-    if not airframe.fails_after_s or flight.ending in _BROKEN:
+    if not airframe.fails_after_s or flight.ending in _BROKEN or course.command.is_held:
         return math.inf
     fails_ns = flight.take_off_ns + round(airframe.fails_after_s * NS_PER_S)
     return fails_ns if course.command.start_ns <= fails_ns < course.touch_down_ns else math.inf

@@ -88,9 +88,14 @@ class FlyingVehicle:
 
     @property
     def waits_s(self) -> float:
-        """Time on the ground before it takes off by itself, seconds; 0 if it does not wait."""
+        """Time on the ground before it takes off by itself, seconds; 0 if it does not wait.
+
+        Infinite while it is held there.
+        """
         if self.flight is None or self.mode is not Mode.WAITING:
             return 0.0
+        if self.flight.command.is_held:
+            return math.inf
         return (self.flight.command.start_ns - self.time_ns) / NS_PER_S
 
     def restore(self, record: VehicleRecord) -> None:

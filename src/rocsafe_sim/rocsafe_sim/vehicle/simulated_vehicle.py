@@ -25,6 +25,9 @@ from rocsafe_sim.vehicle.flying_vehicle import FlyingVehicle
 from rocsafe_sim.vehicle.snapshot import FlightSummary
 from rocsafe_sim.vehicle.surroundings import grounded, on_ground
 
+# On the ground, with nothing to come.
+_DOWN = frozenset({Mode.DISARMED, Mode.LANDED, Mode.CRASHED})
+_STANDING = _DOWN | {Mode.HOLDING}
 # Command with which a held flight continues, by its ending; all others return home.
 _RESUMED = {
     FlightOutcome.COMPLETED: CommandKind.FLY,
@@ -56,7 +59,10 @@ class SimulatedVehicle(FlyingVehicle):
             route = grounded(route, self.surroundings)
         flight = self.flight
         if flight is not None and flight.route == route:
-            if self.mode is Mode.HOLDING:
+            if self._is_held_down:
+                self._release()
+            elif self.mode is Mode.HOLDING:
+                self._require_clear(route, flight.visited, flight.command.number)
                 self._give(replace(flight, outcome=None, text='', ended_ns=None), CommandKind.FLY)
             return
         mode = self.mode
@@ -76,6 +82,7 @@ class SimulatedVehicle(FlyingVehicle):
             begins = stopped(self.airframe, command.start)[1].position_enu
             route = replace(route, begins_enu=begins)
         self._record.fence.require(route)
+        self._require_clear(route)
         if Course(command, route, self.airframe).low_ns <= command.start_ns:
             raise CommandRefusedError(
                 f'battery {command.charge_fraction:.0%}: must be more, to keep a reserve of '
@@ -108,40 +115,59 @@ class SimulatedVehicle(FlyingVehicle):
             self._give(cancelled, CommandKind.HOLD)
 
     def hold(self) -> None:
-        """Hold in the air until the next command.
+        """Hold until the next command: in the air, or where it waits on the ground.
+
+        Where it stands anyway, nothing changes.
 
         Raises
         ------
         CommandRefusedError
-            If on the ground, landing, or holding already.
+            If landing or falling.
         """
-        flight = self._require_mode('hold', Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
-        self._give(flight, CommandKind.HOLD)
+        if self.mode in _STANDING:
+            return
+        flight = self._require_mode(
+            'hold', Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING
+        )
+        if self.mode is Mode.WAITING:
+            self._follow(replace(flight, command=replace(flight.command, is_held=True)))
+        else:
+            self._give(flight, CommandKind.HOLD)
 
     def resume(self) -> None:
-        """Continue a held flight.
+        """Continue a held flight; one that was held on the ground begins when it was due, or now.
+
+        If it flies its route anyway, nothing changes.
 
         Raises
         ------
         CommandRefusedError
-            If not holding, or if the flight was cancelled.
+            If it does neither, or if the flight was cancelled.
         """
-        modes = (Mode.HOLDING, Mode.FLYING) if self._is_sent_away else (Mode.HOLDING,)
-        flight = self._require_mode('resume', *modes)
+        if self._is_held_down:
+            self._release()
+            return
+        flight = self._require_mode('resume', Mode.HOLDING, Mode.TAKING_OFF, Mode.FLYING)
+        if self.mode is not Mode.HOLDING and not self._is_sent_away:
+            return
         if flight.outcome is not None:
             raise CommandRefusedError('cannot resume: the flight was cancelled, send a route')
+        if flight.ending is FlightOutcome.COMPLETED:
+            self._require_clear(flight.route, flight.visited, flight.command.number)
         self._give(flight, _RESUMED.get(flight.ending, CommandKind.RETURN))
 
     def return_home(self) -> None:
         """End the route, fly home or to the nearest rally point, and land.
 
-        A vehicle that waits on the ground stays there.
+        On the ground it stays there. If it returns anyway, nothing changes.
 
         Raises
         ------
         CommandRefusedError
-            If it has landed, is landing, or is returning already.
+            If it is landing or falling.
         """
+        if self.mode in _DOWN or self.mode is Mode.RETURNING:
+            return
         flight = self._require_mode(
             'return home', Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING
         )
@@ -154,13 +180,15 @@ class SimulatedVehicle(FlyingVehicle):
     def land(self) -> None:
         """Land at the present place.
 
-        A vehicle that waits on the ground stays there.
+        On the ground it stays there. If it lands anyway, nothing changes.
 
         Raises
         ------
         CommandRefusedError
-            If it has landed or is landing already.
+            If it is falling.
         """
+        if self.mode in _DOWN or self.mode is Mode.LANDING:
+            return
         flight = self._require_mode(
             'land', Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING
         )
@@ -185,6 +213,8 @@ class SimulatedVehicle(FlyingVehicle):
         way = (here, *flight.route.around(here, place_enu), place_enu)
         if not self._record.fence.holds(way):
             raise CommandRefusedError('cannot go there: the way leaves the fence')
+        if flight.route.crossed(way):
+            raise CommandRefusedError('cannot go there: no way around the exclusions')
         self._give(flight, CommandKind.GO_TO, goal_enu=place_enu)
 
     def set_speed(self, speed_mps: float) -> None:
@@ -281,6 +311,23 @@ class SimulatedVehicle(FlyingVehicle):
         return replace(command, start=start, start_ns=start_ns, wait_ns=start_ns - self.time_ns)
 
     @property
+    def _is_held_down(self) -> bool:
+        return self.flight is not None and self.flight.command.is_held
+
+    def _release(self) -> None:
+        """Let a flight that was held on the ground begin when it was due, or now."""
+        if self.flight is None:
+            return
+        flight, command = self.flight, self.flight.command
+        start_ns = max(command.start_ns, self.time_ns)
+        wait_ns = start_ns - self.time_ns
+        released = replace(command, is_held=False, start_ns=start_ns, wait_ns=wait_ns)
+        # The time to a failure of the battery counts from the first take-off.
+        is_first = flight.take_off_ns == command.start_ns
+        take_off_ns = start_ns if is_first else flight.take_off_ns
+        self._follow(replace(flight, command=released, take_off_ns=take_off_ns))
+
+    @property
     def _is_sent_away(self) -> bool:
         return self.flight is not None and self.flight.command.kind is CommandKind.GO_TO
 
@@ -295,6 +342,13 @@ class SimulatedVehicle(FlyingVehicle):
         if self.surroundings is None:
             return (*place_enu[:2], self.home_enu[2])
         return on_ground(self.surroundings, place_enu)
+
+    def _require_clear(self, route: FlightRoute, index: int = 0, number: int = 0) -> None:
+        """Refuse to fly what is left of a route from here if an exclusion lies on the way."""
+        here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
+        fault = route.fault(here, index, number)
+        if fault:
+            raise CommandRefusedError(f'cannot fly the route from here: {fault}')
 
     def _require_mode(self, what: str, *modes: Mode) -> FlightRecord:
         if self.flight is None or self.mode not in modes:

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What people decided at the console during a run, from its evidence log."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+EVIDENCE = 'evidence.jsonl'
+Entry = Mapping[str, Any]
+Row = tuple[str, ...]
+
+
+def people_rows(folder: Path) -> list[Row]:
+    """Return time (UTC), user, decision and result of each decision in the log of a run.
+
+    A line that cannot be read has a row that says so: `rocsafe verify` tells what was changed.
+    """
+    try:
+        lines = (folder / EVIDENCE).read_text(encoding='utf-8', errors='replace').splitlines()
+    except OSError:
+        return []
+    entries = list(map(_entry, lines))
+    results = {
+        entry['request_id']: _result(entry)
+        for entry in entries
+        if entry is not None and entry.get('kind') == 'outcome' and 'request_id' in entry
+    }
+    rows: list[Row] = []
+    for number, entry in enumerate(entries, 1):
+        if entry is None:
+            rows.append(('', '', f'line {number} of {EVIDENCE} cannot be read', ''))
+        elif entry['kind'] in _TOLD:
+            result = results.get(str(entry.get('request_id')), '')
+            told = _TOLD[entry['kind']](entry)
+            rows.append((_clock(entry['time_s']), str(entry['by']), told, result))
+    return rows
+
+
+def _entry(line: str) -> Entry | None:
+    try:
+        entry: Entry = json.loads(line)
+        is_whole = isinstance(entry['kind'], str) and math.isfinite(entry['time_s'])
+    except (ValueError, KeyError, TypeError):
+        return None
+    return entry if is_whole and 'by' in entry else None
+
+
+def _clock(time_s: float) -> str:
+    return f'{datetime.fromtimestamp(time_s, tz=timezone.utc):%H:%M:%S}'
+
+
+def _order(entry: Entry) -> str:
+    vehicles = ', '.join(map(str, entry.get('vehicles', ()))) or 'no vehicle'
+    return f'{str(entry.get("verb", "order")).replace("_", " ")}: {vehicles}'
+
+
+def _result(entry: Entry) -> str:
+    found = entry.get('results')
+    if not isinstance(found, list):
+        return ''
+    return '; '.join(
+        ' '.join(str(one[key]) for key in ('vehicle', 'outcome', 'text') if one.get(key))
+        for one in found
+        if isinstance(one, dict)
+    )
+
+
+def _mark(entry: Entry) -> str:
+    return f'marked as evidence at {entry.get("mgrs", "")}: {entry.get("text", "")}'
+
+
+# Log-ins and what nodes told are in the log, too; here is what a person answers for.
+_TOLD: Mapping[str, Callable[[Entry], str]] = {
+    'order': _order,
+    'mark': _mark,
+    'acknowledge': lambda entry: f'alarm seen: {entry.get("alarm", "")}',
+    'launch': lambda entry: f'launched {entry.get("name", "")}',
+    'seal': lambda _: 'sealed the run',
+}
