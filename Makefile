@@ -46,6 +46,13 @@ test-all: ## set up and pass all tests: also those with browsers and autopilots,
 	@sh tools/setup.sh --dev
 	@$(PYTEST) $(ARGS)
 
+.PHONY: coverage
+coverage: ## set up and measure which lines the tests of make test-fast run
+	@sh tools/setup.sh --dev
+	@. ./env.sh && python -m coverage run --source=src --omit='*/setup.py' -m pytest \
+	    -m 'not process and not slow and not all' --hypothesis-profile=fast -q -n 0 $(ARGS) \
+	    && python -m coverage report --skip-covered --sort=cover
+
 .PHONY: check
 check: ## set up and check style and types
 	@sh tools/setup.sh --dev
@@ -60,6 +67,16 @@ bench: ## set up and measure a mission: speed, start-up, memory, size of the fle
 docs: ## write the tables of docs/interfaces.md from the code
 	@sh tools/setup.sh
 	@. ./env.sh && python tools/interface_tables.py
+
+.PHONY: wheels
+wheels: ## set up and make wheels of all packages in dist/, for machines without a compiler
+	@sh tools/setup.sh
+	@. ./env.sh && PYTHONPATH="tools:$$PYTHONPATH" python -m distribution.command
+
+.PHONY: site
+site: ## set up and build the documentation site in site/; warnings are errors
+	@sh tools/setup.sh --dev
+	@. ./env.sh && NO_MKDOCS_2_WARNING=1 python -m mkdocs build --strict $(ARGS)
 
 .PHONY: clean
 clean: ## remove all that set-up, checks and tests made; runs/ stays

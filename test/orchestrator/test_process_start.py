@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from rocsafe_orchestrator.processes import process_start
+
 DEADLINE_S = 60.0
 # The supervisor is a process of its own: one that runs tests has threads, and is not copied.
 SUPERVISOR = """
@@ -157,3 +159,13 @@ def test_fork_that_ended_before_the_next_one_began_is_told(tmp_path: Path) -> No
     command = [sys.executable, '-c', TWO, str(script), str(tmp_path)]
     done = subprocess.run(command, capture_output=True, timeout=DEADLINE_S, check=True, text=True)
     assert done.stdout == 'first ended with exit code 3|second ended with exit code 3\n'
+
+
+def test_launchers_of_wheels_are_forked(tmp_path, monkeypatch):
+    """They start the Python beside them; elsewhere that is another one than this."""
+    script = tmp_path / 'lib/rocsafe_sim/rav'
+    script.parent.mkdir(parents=True)
+    script.write_text('#!/bin/sh\n\'\'\'exec\' "$(dirname -- "$0")/../../bin/python" "$0" "$@"\n')
+    assert not process_start._is_of_this_interpreter(script)
+    monkeypatch.setattr(process_start.sys, 'prefix', str(tmp_path))
+    assert process_start._is_of_this_interpreter(script)

@@ -27,6 +27,9 @@ def build(layout: Layout, environment: Mapping[str, str], ros: SystemRos | None)
     has_tf = any((prefix / 'share' / _TF_PACKAGE).is_dir() for prefix in prefixes)
     command = [python, '-c', _COLCON, 'build', '--symlink-install', '--base-paths', 'src']
     cmake = [f'-DPython3_EXECUTABLE={python}', '-DBUILD_TESTING=OFF', '--no-warn-unused-cli']
+    if ros is None:
+        # Libraries are found by LD_LIBRARY_PATH. Wheels must not name folders of this machine.
+        cmake.append('-DCMAKE_SKIP_RPATH=ON')
     ignored = ['--packages-ignore', _TF_PACKAGE] if has_tf else []
     run_logged(
         [*command, *ignored, '--cmake-args', *cmake],

@@ -1,11 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plan in one line: a region file and a number of drones.
-
-from rocsafe_planner.plan.survey_options import Effort
-from rocsafe_planner.region_plan import plan_region
-plan = plan_region('field.geojson', drones=5, effort=Effort(budget_s=10.0))
-print(plan.makespan_s, plan.gap_fraction)
-"""
+"""A plan in one line: a region file and a number of drones."""
 
 import math
 from pathlib import Path
@@ -28,7 +22,7 @@ CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
 def plan_region(
     path: str | Path, drones: int = 3, height_agl_m: float = 32.0, **options: Any
 ) -> SurveyPlan:
-    """Return the checked plan for the regions of a GeoJSON, KML, KMZ, QGroundControl or CSV file.
+    r"""Return the checked plan for the regions of a GeoJSON, KML, KMZ, QGroundControl or CSV file.
 
     Parameters
     ----------
@@ -47,6 +41,23 @@ def plan_region(
         If the file or an option is wrong, in one line.
     PlannerError
         If there is no plan.
+
+    Examples
+    --------
+    Two drones over a field of 1 ha, whose corners are in a CSV file:
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> corners = 'latitude,longitude\n53.2800,-9.0600\n53.2809,-9.0600\n'
+    >>> corners += '53.2809,-9.0585\n53.2800,-9.0585\n'
+    >>> with TemporaryDirectory() as folder:
+    ...     field = Path(folder, 'field.csv')
+    ...     _ = field.write_text(corners)
+    ...     plan = plan_region(field, drones=2)
+    >>> [route.vehicle.name for route in plan.routes]
+    ['rav1', 'rav2']
+    >>> plan.lower_bound_s <= plan.makespan_s
+    True
     """
     areas = read_areas(Path(path))
     require_count('drones', drones, 1, 1000)

@@ -24,6 +24,24 @@ class SteadyPlume:
         How it spreads.
     wind
         Where it goes; its speed does not count, `travel` has it.
+
+    Examples
+    --------
+    Downwind of a leak of 1 g/s the air gets cleaner with distance; upwind it stays clean:
+
+    >>> from rocsafe_dispersion.plume.spread import similarity_travel
+    >>> from rocsafe_geo.wind.similarity import SurfaceLayer
+    >>> layer = SurfaceLayer(friction_velocity_mps=0.35, roughness_m=0.03)
+    >>> plume = SteadyPlume(
+    ...     release=Release(place_m=(0.0, 0.0), height_m=1.0, rate_g_s=1.0),
+    ...     travel=similarity_travel(layer, 1.0),
+    ...     wind=WindVector(towards_east_mps=5.0, towards_north_mps=0.0),
+    ... )
+    >>> upwind, near, far = plume.concentrations_g_m3(
+    ...     np.array([[-50.0, 0.0, 1.5], [50.0, 0.0, 1.5], [200.0, 0.0, 1.5]])
+    ... )
+    >>> bool(near > far > upwind == 0.0)
+    True
     """
 
     release: Release

@@ -26,6 +26,11 @@ from pathlib import Path
 from typing import IO, Protocol
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+# Groups of entry points with the executables of a package: of colcon's build, and of wheels, whose
+# executables stay out of `bin` (tools/distribution/python_wheel.py writes both).
+_EXECUTABLES = frozenset({'console_scripts', 'ros2_executables'})
+# Second line of an executable that a wheel brings.
+_LAUNCHER = b"'''exec' "
 
 log = logging.getLogger(__name__)
 
@@ -132,12 +137,15 @@ class _Fork:
 
 
 def _is_of_this_interpreter(script: Path) -> bool:
+    """Whether it names this interpreter, or is a launcher that a wheel put beside it."""
     try:
         with script.open('rb') as file:
-            first = file.readline(4096)
+            first, second = file.readline(4096), file.readline(4096)
     except OSError:
         return False
-    return first.rstrip() == b'#!' + os.fsencode(sys.executable)
+    if first.rstrip() == b'#!' + os.fsencode(sys.executable):
+        return True
+    return second.startswith(_LAUNCHER) and script.is_relative_to(sys.prefix)
 
 
 def import_for(script: Path) -> None:
@@ -146,9 +154,9 @@ def import_for(script: Path) -> None:
         return
     try:
         distribution = importlib.metadata.distribution(script.parent.name)
-        points = distribution.entry_points.select(group='console_scripts', name=script.name)
-        for point in points:
-            point.load()
+        for point in distribution.entry_points.select(name=script.name):
+            if point.group in _EXECUTABLES:
+                point.load()
     except Exception as error:  # noqa: BLE001 - whatever a module raises while it is imported
         # The fork fails likewise and writes the reason to its log.
         log.info('%s: nothing imported for it: %s', script, error)

@@ -207,6 +207,25 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     ------
     TooFewReadingsError
         If there are fewer than 8 readings, all of them are at one place, or none has a count.
+
+    Examples
+    --------
+    Counts 10 m above a square of 100 m, of a source at east 20 m, north -10 m:
+
+    >>> import numpy as np
+    >>> from rocsafe_radiation.physics.kernel import Kernel
+    >>> east, north = np.meshgrid(np.arange(-50.0, 51.0, 10.0), np.arange(-50.0, 51.0, 10.0))
+    >>> places = np.column_stack([east.ravel(), north.ravel(), np.full(east.size, 10.0)])
+    >>> squares = ((places - [20.0, -10.0, 0.5]) ** 2).sum(axis=1)
+    >>> counts = np.random.default_rng(1).poisson(100.0 * (0.1 + 5000.0 / squares))
+    >>> survey = RadiationSurvey(
+    ...     positions_enu_m=places,
+    ...     counts=counts.astype(float),
+    ...     exposures=np.full(len(places), 100.0),
+    ... )
+    >>> found = localize(survey, LocalizationOptions(kernel=Kernel(is_lossy=False)))
+    >>> [tuple(float(x) for x in source.position_enu_m[:2].round()) for source in found.sources]
+    [(20.0, -10.0)]
     """
     options = options or LocalizationOptions()
     require_enough(survey)

@@ -50,6 +50,18 @@ class RadiationField:
         One of `MODELS`.
     shielding
         What shields in the model ``shielded``; None: that model is ``air``.
+
+    Examples
+    --------
+    Ten metres above a source of 1 uSv/s at one metre there is 1 / 10^2 uSv/s, or 36 uSv/h:
+
+    >>> from rocsafe_geo.position import GeoPosition
+    >>> source = RadiationSource(
+    ...     name='lost', position=GeoPosition(53.28, -9.06, 0.0), sigma_usvps=1.0
+    ... )
+    >>> field = RadiationField(sources=(source,))
+    >>> field.source_dose_rates_usvh([53.28], [-9.06], [10.0]).round(3)
+    array([[36.]])
     """
 
     sources: tuple[RadiationSource, ...]

@@ -15,12 +15,24 @@ _PLAIN = {'extra_forbidden': 'unknown key', 'missing': 'is missing'}
 
 
 def read_scene(path: Path) -> SceneDescription:
-    """Return the description in the file at `path`; paths in it are relative to its folder.
+    r"""Return the description in the file at `path`; paths in it are relative to its folder.
 
     Raises
     ------
     SceneError
         One line for each mistake: file, key path, value, limit.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'range.yaml')
+    ...     _ = path.write_text('name: range\nhills: {}\n')
+    ...     try:
+    ...         scene = read_scene(path)
+    ...     except SceneError as error:
+    ...         print(error)
+    range.yaml: hills: unknown key
     """
     content = _content(path)
     try:

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bridge to the real vehicles of a scenario, and its real detectors, on the time of the wall.
+
+    ros2 launch rocsafe_bringup hardware_launch.py scenario:=/path/to/scenario.yaml
+
+The bridge arms nothing by itself: a vehicle flies when somebody calls its action `fly_route`. The
+checks and the confirmation of `rocsafe run` are those of a mission and are not made here. Read
+docs/real-drones.md before.
+"""
+
+from pathlib import Path
+
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown
+from launch.substitutions import LaunchConfiguration
+
+from launch import LaunchContext, LaunchDescription
+from rocsafe_orchestrator.processes.bringup import scenario_launches
+
+
+def processes(context: LaunchContext) -> list[ExecuteProcess]:
+    """Return the processes; the end of one ends all."""
+    scenario = Path(LaunchConfiguration('scenario').perform(context))
+    parent = Path(LaunchConfiguration('out').perform(context))
+    starts, environment = scenario_launches(scenario, parent, is_hardware=True)
+    return [
+        ExecuteProcess(
+            cmd=list(start.command), name=start.name, env=dict(environment), output='screen',
+            sigterm_timeout='20',
+            on_exit=Shutdown(reason=f'{start.name} has ended'),
+        )
+        for start in starts
+    ]  # fmt: skip
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Return what `ros2 launch` starts."""
+    return LaunchDescription(
+        [
+            DeclareLaunchArgument('scenario', description='scenario file'),
+            DeclareLaunchArgument('out', default_value='runs', description='where runs are kept'),
+            OpaqueFunction(function=processes),
+        ]
+    )

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every script in examples/ runs and finds what is there to be found."""
+
+import os
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / 'examples'
+LIMIT_S = 240.0
+
+
+def example(name):
+    """Return the main function of an example."""
+    return runpy.run_path(str(EXAMPLES / f'{name}.py'))['main']
+
+
+def test_every_example_has_a_test():
+    """By its name in this file."""
+    text = Path(__file__).read_text()
+    assert [path.stem for path in EXAMPLES.glob('*.py') if path.stem not in text] == []
+
+
+@pytest.mark.slow
+def test_plan_field(tmp_path, capsys):
+    """Two drones share a field, and the bound is below the plan."""
+    corners = 'latitude,longitude\n53.2800,-9.0600\n53.2805,-9.0600\n53.2805,-9.0590\n'
+    (tmp_path / 'field.csv').write_text(corners)
+    example('plan_field')(str(tmp_path / 'field.csv'), 2)
+    text = capsys.readouterr().out
+    assert text.count('photographs') == 2
+    assert 'no plan takes less than' in text
+
+
+@pytest.mark.slow
+def test_localise_readings(tmp_path):
+    """A source at a known place is found there."""
+    east, north = np.meshgrid(np.arange(-50.0, 51.0, 10.0), np.arange(-50.0, 51.0, 10.0))
+    places = np.column_stack([east.ravel(), north.ravel(), np.full(east.size, 10.0)])
+    squares = ((places - [20.0, -10.0, 0.5]) ** 2).sum(axis=1)
+    counts = np.random.default_rng(1).poisson(100.0 * (0.1 + 5000.0 / squares))
+    np.savetxt(tmp_path / 'counts.csv', np.column_stack([places, counts]), delimiter=',')
+    (source,) = example('localise_readings')(str(tmp_path / 'counts.csv'), 100.0).sources
+    assert source.position_enu_m[:2] == pytest.approx([20.0, -10.0], abs=2.0)
+
+
+@pytest.mark.slow
+def test_gymnasium_loop():
+    """The same seed gives the same reward."""
+    pytest.importorskip('gymnasium')
+    main = example('gymnasium_loop')
+    assert main(3) == main(3)
+
+
+@pytest.mark.slow
+def test_train_source_search(monkeypatch, capsys):
+    """Its help works; the training itself takes minutes and is told in docs/learning.md."""
+    monkeypatch.setattr(sys, 'argv', ['train_source_search.py', '--help'])
+    with pytest.raises(SystemExit, match='0'):
+        example('train_source_search')()
+    assert '--rounds' in capsys.readouterr().out
+
+
+@pytest.mark.all
+@pytest.mark.system
+def test_read_run_and_map_folder(tmp_path, own_domain):
+    """A flown run is read without ROS, and its photographs are mapped again."""
+    scenario = ROOT / 'test/system/small.yaml'
+    command = ['rocsafe', 'run', str(scenario), '--out', str(tmp_path), '--quiet']
+    subprocess.run(command, timeout=LIMIT_S, check=True, env=dict(os.environ))
+    (run,) = tmp_path.iterdir()
+    assert example('read_run')(str(run)) > 0
+    width, height = example('map_folder')(str(run / 'images'))
+    assert min(width, height) > 100

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The documentation site: complete, without network, and spelled right."""
+
+import os
+import re
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+from documentation.scenario_keys import _models, _unit, scenario_page
+from rocsafe_scenario.scenario_file import read_scenario
+
+ROOT = Path(__file__).resolve().parents[2]
+LIMIT_S = 240.0
+FOLDERS = ('config', 'docs', 'examples', 'src', 'tools')
+TEXTS = (
+    'README.md',
+    'CONTRIBUTING.md',
+    'CHANGELOG.md',
+    'docs',
+    'examples',
+    'src',
+    'tools',
+    'config',
+)
+
+
+@pytest.fixture(scope='module')
+def site(tmp_path_factory):
+    """The site, built with warnings as errors: a broken link or a page outside the menu fails."""
+    pytest.importorskip('mkdocs', reason='no mkdocs: make setup installs it for development')
+    folder = tmp_path_factory.mktemp('site')
+    command = [sys.executable, '-m', 'mkdocs', 'build', '--strict', '-q', '-d', str(folder)]
+    done = subprocess.run(
+        command, cwd=ROOT, env={**os.environ, 'NO_MKDOCS_2_WARNING': '1'}, capture_output=True,
+        text=True, timeout=LIMIT_S, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+@pytest.mark.slow
+def test_nothing_is_loaded_from_elsewhere(site):
+    """No script, style, font or picture of another host."""
+    for page in site.rglob('*.html'):
+        text = page.read_text()
+        foreign = re.findall(r'<(?:script|img|iframe)[^>]*src="https?:[^"]*"', text)
+        styles = re.findall(r'<link[^>]*rel="(?:stylesheet|preconnect)"[^>]*https?:', text)
+        assert foreign + styles == [], page
+
+
+@pytest.mark.slow
+def test_every_page_of_the_menu_is_there_and_searchable(site):
+    """The index of the search names it."""
+    menu = re.findall(r': ([\w/-]+)\.md$', (ROOT / 'mkdocs.yml').read_text(), re.M)
+    index = (site / 'search/search_index.js').read_text()
+    assert [page for page in menu if not (site / f'{page}.html').exists()] == []
+    assert [page for page in menu if f'"{page}.html' not in index] == []
+
+
+@pytest.mark.slow
+def test_functions_of_users_are_on_the_reference_pages(site):
+    """With their parameters from the docstrings."""
+    page = (site / 'reference/python/planning.html').read_text()
+    assert 'id="rocsafe_planner.region_plan.plan_region"' in page
+    assert 'Height of the camera above the ground' in page
+
+
+def test_every_key_of_a_scenario_is_in_the_reference():
+    """With a limit and a unit where the model has them."""
+    text = scenario_page()
+    for _, model in _models():
+        assert [key for key in model.model_fields if f'| `{key}` |' not in text] == []
+    assert '| `height_agl_m` | number | **required** | m | > 0, ≤ 500 |' in text
+    assert "| `stability` | `A` or `B` or `C` or `D` or `E` or `F` | `'D'` |" in text
+
+
+@pytest.mark.parametrize(
+    ('key', 'unit'),
+    [('acceleration_mps2', 'm/s²'), ('rate_g_s', 'g/s'), ('budget_s', 's'), ('grid', '')],
+)
+def test_the_longest_end_of_a_name_tells_the_unit(key, unit):
+    """An acceleration is not a time."""
+    assert _unit(key) == unit
+
+
+def test_the_mission_of_the_tutorial_is_valid(tmp_path):
+    """Region, scenario and additions of `Your own place`, as a reader copies them."""
+    text = (ROOT / 'docs/tutorials/your-place.md').read_text()
+    blocks = re.findall(r'^( *)```(\w+)\n(.*?)^ *```', text, re.M | re.S)
+    (region,) = (body for _, kind, body in blocks if kind == 'json')
+    first, *more = (textwrap.dedent(body) for _, kind, body in blocks if kind == 'yaml')
+    (tmp_path / 'field.geojson').write_text(region)
+    (tmp_path / 'my.yaml').write_text(first + ''.join(more))
+    scenario = read_scenario(tmp_path / 'my.yaml')
+    assert scenario.vehicle_names == ('rav1', 'rav2')
+    assert scenario.radiation.sources
+
+
+def test_spelling():
+    """No known misspelling in documents; names of the field are in pyproject.toml."""
+    typos = Path(sys.executable).parent / 'typos'
+    if not typos.exists():
+        pytest.skip('no typos: make setup installs it for development')
+    done = subprocess.run(
+        [typos, '--format', 'brief', *TEXTS], cwd=ROOT, capture_output=True, text=True,
+        timeout=LIMIT_S, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
