@@ -17,6 +17,7 @@ from rocsafe_sim.clock.cadence import period_ns
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
+from rocsafe_sim.sensors.sensor_settings import SensorRig
 
 SCENE_GROUND = 'scene'
 FLAT, ENGINE = 'flat', 'engine'
@@ -96,6 +97,9 @@ class VehicleOptions(FlightOptions):
     cameras_file: str = option(
         '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )
+    sensors_file: str = option(
+        '', 'YAML file of further sensors, see docs/sensors.md; empty: none'
+    )
     ground: str = option(SCENE_GROUND, 'scene: its photograph, or path of a GeoTIFF')
     scene: str = option(NO_SCENE, f'on the ground scene: {", ".join(SCENE_NAMES)}')
     seed: int = option(1, 'seed of all random numbers', 0, 2**31 - 1)
@@ -130,6 +134,18 @@ class VehicleOptions(FlightOptions):
     def fix_period_ns(self) -> int:
         """Simulated time between two fixes, nanoseconds."""
         return period_ns(self.fix_rate_hz)
+
+    def sensors(self) -> SensorRig:
+        """Return the sensors of motion, air, field and distance of a vehicle.
+
+        Raises
+        ------
+        ValueFileError
+            If the file cannot be read, naming each mistake.
+        """
+        return (
+            read_values(Path(self.sensors_file), SensorRig) if self.sensors_file else SensorRig()
+        )
 
     def cameras(self) -> tuple[CameraSettings, ...]:
         """Return the cameras of a vehicle; the first takes the photographs of the survey.

@@ -24,6 +24,8 @@ from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
 from rocsafe_sim.options import ENGINE, SCENE_GROUND, VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.rangefinder import above_level_ground_m
+from rocsafe_sim.sensors.sensor_suite import make_suite
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 from rocsafe_sim.vehicle.surroundings import Surroundings
 
@@ -131,24 +133,32 @@ def make_rav(
     JournalError, SpoolError
         If a file in `spool` cannot be read.
     ValueError
-        If the file of the autopilot is wrong, or there is too much wind.
+        If the file of the autopilot or of the sensors is wrong, or there is too much wind.
     """
     frame = options.frame()
     east, north, _ = frame.enu_of(home).tolist()
+    surroundings = shared.surroundings
+    noise = SensorNoise(
+        seed=options.seed,
+        vehicle=name,
+        gps_horizontal_std_m=options.gps_horizontal_std_m,
+        gps_vertical_std_m=options.gps_vertical_std_m,
+        tilt_std_rad=math.radians(options.tilt_std_deg),
+        attitude_std_rad=math.radians(options.attitude_std_deg),
+    )
     parts = RavParts(
         name=name,
         frame=frame,
-        noise=SensorNoise(
-            seed=options.seed,
-            vehicle=name,
-            gps_horizontal_std_m=options.gps_horizontal_std_m,
-            gps_vertical_std_m=options.gps_vertical_std_m,
-            tilt_std_rad=math.radians(options.tilt_std_deg),
-            attitude_std_rad=math.radians(options.attitude_std_deg),
-        ),
+        noise=noise,
         cameras=tuple(map(MountedCamera, shared.cameras)),
+        sensors=make_suite(
+            options.sensors(),
+            noise.draws,
+            frame,
+            above_level_ground_m if surroundings is None else surroundings.first_hit_m,
+            noise.attitude_std_rad,
+        ),
     )
-    surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
     vehicle = SimulatedVehicle(options.airframe(), (east, north, up), surroundings)
     return Rav(parts, vehicle, spool, is_lockstep=options.lock_step)
