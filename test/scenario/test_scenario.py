@@ -257,6 +257,22 @@ def test_number_in_exponent_form_is_a_number(
     assert sources[0].sigma_usvps == 1000.0
 
 
+@pytest.mark.parametrize(
+    ('sensors', 'line'),
+    [
+        ({'lidar': {}}, 'sensors.lidar: unknown key (known: imu, barometer, magnetometer, range)'),
+        ({'imu': {'rate_hz': 1e4}}, 'imu.rate_hz = 10000.0: must be less than or equal to 400'),
+        ({'range': {'min_m': 15.0}}, 'sensors.range: min_m is 15: must be below max_m, 12'),
+    ],
+)
+def test_wrong_sensors_are_refused(
+    sensors: dict[str, Any], line: str, small: Callable[..., Path]
+) -> None:
+    """One line names file, key, value and limit."""
+    with pytest.raises(ScenarioError, match=re.escape(line)):
+        read_scenario(small({'simulation.sensors': sensors}))
+
+
 def test_many_vehicles_share_a_process(small: Callable[..., Path]) -> None:
     """DDS does not find more than some thirty processes on a machine: a fleet flies in one."""
     vehicles = [{'name': f'rav{n}', 'home': [53.2795, -9.061]} for n in range(21)]

@@ -20,7 +20,17 @@ from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, NavSatFix
+from sensor_msgs.msg import (
+    BatteryState,
+    CameraInfo,
+    CompressedImage,
+    FluidPressure,
+    Image,
+    Imu,
+    MagneticField,
+    NavSatFix,
+    Range,
+)
 from std_msgs.msg import Float64, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
@@ -205,6 +215,12 @@ VELOCITY = _vehicle('velocity', TwistStamped, _kept(), 'as fix', 'east, north, u
 ODOM = _vehicle('odom', Odometry, _kept(), 'as fix', 'ENU about the mission origin')
 BATTERY_STATE = _vehicle('battery_state', BatteryState, _kept(), '1 Hz', 'charge left')
 STATE = _vehicle('state', VehicleState, _heartbeat(), '1 Hz and on change', 'state and heartbeat')
+IMU = _vehicle('imu', Imu, _stream(), 'as asked', 'body axes; simulated vehicles, if asked for')
+BAROMETER = _vehicle('barometer', FluidPressure, _stream(), 'as asked', 'as imu: pressure, Pa')
+MAGNETOMETER = _vehicle(
+    'magnetometer', MagneticField, _stream(), 'as asked', 'as imu: field along the body axes, T'
+)
+RANGE = _vehicle('range', Range, _stream(), 'as asked', 'as imu: distance along its beam, m')
 RADIATION = _vehicle('radiation', RadiationReading, _kept(), 'as fix', 'gamma dose rate, uSv/h')
 GAS = _vehicle('gas', GasReading, _kept(), 'each window', 'a reading of each gas sensor')
 BIO = _vehicle('bio', ParticleReading, _kept(), 'each window', 'counts of particles, trigger')

@@ -20,10 +20,10 @@ from rocsafe_scenario.scenario_blocks import (
     LatLon,
     OriginBlock,
     RegionBlock,
-    SimulationBlock,
     SurveyBlock,
     VehicleBlock,
 )
+from rocsafe_scenario.simulation_blocks import SimulationBlock
 
 
 class Scenario(Block):

@@ -189,18 +189,6 @@ class SurveyBlock(Block):
         return CoverageOptions(**self.model_dump(include=set(_COVERAGE)))
 
 
-class SimulationBlock(Block):
-    """How vehicles are simulated: one process each or all in one, and their sensors' noise."""
-
-    processes: Literal['per_vehicle', 'fleet'] = 'per_vehicle'
-    fix_rate_hz: float = Field(default=5.0, gt=0.0, le=100.0)
-    gps_horizontal_std_m: float = Field(default=0.02, ge=0.0, le=100.0)
-    gps_vertical_std_m: float = Field(default=0.04, ge=0.0, le=100.0)
-    tilt_std_deg: float = Field(default=0.5, ge=0.0, le=20.0)
-    attitude_std_deg: float = Field(default=0.1, ge=0.0, le=20.0)
-    collision_radius_m: float = Field(default=0.4, ge=0.0, le=10.0)
-
-
 # Home of a real vehicle where the scenario leaves it out: the vehicle reports it.
 HOME_OF_VEHICLE: LatLon = (0.0, 0.0)
 # Keys of a vehicle that say where it is found, not what it can do.

@@ -17,6 +17,7 @@ from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.origin_options import OriginOptions, option
 from rocsafe_sim.flight.sensing_options import ENGINE, LATEST_S, require_scene
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
+from rocsafe_sim.sensors.sensor_settings import SensorRig
 
 LARGEST_VIEW_ANGLE_DEG = 70.0
 IN_CAMERAS_FILE = 'of a camera in the file that cameras_file names'
@@ -84,6 +85,21 @@ class VehicleOptions(FlightOptions):
     cameras_file: str = option(
         '', 'YAML file of the cameras, see docs/cameras.md; empty: one that looks down'
     )
+    sensors_file: str = option(
+        '', 'YAML file of further sensors, see docs/sensors.md; empty: none'
+    )
+
+    def sensors(self) -> SensorRig:
+        """Return the sensors of motion, air, field and distance of a vehicle.
+
+        Raises
+        ------
+        ValueFileError
+            If the file cannot be read, naming each mistake.
+        """
+        return (
+            read_values(Path(self.sensors_file), SensorRig) if self.sensors_file else SensorRig()
+        )
 
     def cameras(self) -> tuple[CameraSettings, ...]:
         """Return the cameras of a vehicle; the first takes the photographs of the survey.

@@ -15,6 +15,8 @@ from rocsafe_sim.command_node import CommandServices
 from rocsafe_sim.fly_route_node import FlyRouteServer
 from rocsafe_sim.picture_conversions import mounts_of
 from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.sensor_conversions import sensor_mounts
+from rocsafe_sim.sensor_topics_node import SensorTopics
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry
 
@@ -23,8 +25,8 @@ class VehicleInterface:
     """Topics, services and the action of the namespace of a vehicle.
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
-    home, camera/*, control, /tf, /tf_static. Subscribes: shots/receipts. Services: lease, and
-    those of `CommandServices`. Action: fly_route.
+    home, camera/*, control, /tf, /tf_static, and the topics of `SensorTopics`.
+    Subscribes: shots/receipts. Services: lease, and those of `CommandServices`. Action: fly_route.
 
     Parameters
     ----------
@@ -57,7 +59,9 @@ class VehicleInterface:
         self._on_busy = on_busy
         self.has_news = False
         self._was_told: tuple[bool, bool] = (False, False)
-        frames = VehicleFrames(node, mounts_of(rav.parts.cameras))
+        rig = rav.parts.sensors.rig
+        frames = VehicleFrames(node, {**mounts_of(rav.parts.cameras), **sensor_mounts(rig)})
+        self._sensors = SensorTopics(node, rig)
         self._telemetry = Telemetry(node, rav, fix_period_ns, frames)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
         self._cameras = [CameraInterface(node, rav, each, frames) for each in rav.parts.cameras]
@@ -85,6 +89,7 @@ class VehicleInterface:
         self.has_news = any(now > before for now, before in zip(told, self._was_told, strict=True))
         self._was_told = told
         self._telemetry.publish(seen)
+        self._sensors.publish(self._rav.readings)
         self._publish_pictures(shots)
         for camera in self._cameras:
             camera.after_step(seen)

@@ -111,6 +111,24 @@ class Solid:
             inside[number] = _union_m(distance[is_own], cosine[is_own], float(lengths[number]))
         return inside
 
+    def first_hit_m(self, origin: FloatArray, direction: FloatArray, length: FloatArray) -> float:
+        """Return the distance along one ray to the surface, metres; infinite if it misses it.
+
+        Parameters
+        ----------
+        origin, direction : (1, 3)
+            Start of the ray and its unit direction.
+        length : (1,)
+            Length of the ray.
+        """
+        found = np.inf
+        reached = boxes_reached(self.lows, self.highs, origin, direction, length)
+        for index in np.flatnonzero(reached.any(axis=1)).tolist():
+            at, _ = crossings(self.clusters[index], origin, direction)
+            is_ahead = (at >= 0.0) & (at <= length[:, None])
+            found = min(found, float(at[is_ahead].min(initial=np.inf)))
+        return float(found)
+
     def touches(self, place: FloatArray, radius_m: float) -> bool:
         """Return whether a ball about `place` (3,) touches the surface."""
         if not _is_near(self.whole, place, radius_m):

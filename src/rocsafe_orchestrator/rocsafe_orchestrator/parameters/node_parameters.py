@@ -12,6 +12,7 @@ from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.camera_blocks import camera_parameters
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
+from rocsafe_scenario.simulation_blocks import sensor_parameters
 
 Parameters = dict[str, Any]
 
@@ -212,7 +213,7 @@ def _vehicle_participants(scenario: Scenario) -> list[str]:
 def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
     """Return what a vehicle can do and what its sensors are like."""
     own_keys = {'name', 'home', 'autopilot', *PLANNING_KEYS, *LINK_KEYS}
-    simulation = scenario.simulation.model_dump(exclude={'processes'})
+    simulation = scenario.simulation.model_dump(exclude={'processes', 'sensors'})
     return {
         **vehicle.model_dump(exclude=own_keys),
         'autopilot_file': vehicle.autopilot.model_dump(),
@@ -220,6 +221,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         'wind_east_mps': scenario.survey.airspace.wind_mps[0],
         'wind_north_mps': scenario.survey.airspace.wind_mps[1],
         **simulation,
+        **sensor_parameters(scenario.simulation.sensors),
         **camera_parameters(scenario.camera, scenario.other_cameras),
         'scene': scenario.scene,
         'scene_start_s': scenario.clock.start.timestamp(),

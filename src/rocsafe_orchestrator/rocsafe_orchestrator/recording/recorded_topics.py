@@ -13,6 +13,10 @@ LEFT_OUT: dict[str, str] = {
     topics.CAMERA_LABELS.name: 'drawn only while somebody looks',
     topics.SHOT.name: 'the image store has each photograph with its record',
     topics.DOSE_RATE.name: 'the same readings in another unit',
+    **dict.fromkeys(
+        (spec.name for spec in (topics.IMU, topics.BAROMETER, topics.MAGNETOMETER, topics.RANGE)),
+        'many in a second; they follow from seed and flight, and `ros2 bag record` takes them',
+    ),
     topics.STEP_DONE.name: 'the clock tells when a step was done',
 }
 """Topics that are not recorded, each with its reason."""

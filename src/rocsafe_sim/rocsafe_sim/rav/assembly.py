@@ -25,6 +25,8 @@ from rocsafe_sim.flight.sensing_options import ENGINE, SCENE_GROUND, SensingOpti
 from rocsafe_sim.options import VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.rangefinder import above_level_ground_m
+from rocsafe_sim.sensors.sensor_suite import make_suite
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 from rocsafe_sim.vehicle.surroundings import Surroundings
 
@@ -143,17 +145,25 @@ def make_rav(
     JournalError, SpoolError
         If a file in `spool` cannot be read.
     ValueError
-        If the file of the autopilot is wrong, or there is too much wind.
+        If the file of the autopilot or of the sensors is wrong, or there is too much wind.
     """
     frame = options.frame()
     east, north, _ = frame.enu_of(home).tolist()
+    surroundings = shared.surroundings
+    noise = sensor_noise(options, name)
     parts = RavParts(
         name=name,
         frame=frame,
-        noise=sensor_noise(options, name),
+        noise=noise,
         cameras=tuple(map(MountedCamera, shared.cameras)),
+        sensors=make_suite(
+            options.sensors(),
+            noise.draws,
+            frame,
+            above_level_ground_m if surroundings is None else surroundings.first_hit_m,
+            noise.attitude_std_rad,
+        ),
     )
-    surroundings = shared.surroundings
     up = 0.0 if surroundings is None else surroundings.ground_up_m(east, north)
     vehicle = FreeVehicle(options.airframe(), (east, north, up), surroundings)
     return Rav(parts, vehicle, spool, is_lockstep=options.lock_step)

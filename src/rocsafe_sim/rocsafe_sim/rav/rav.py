@@ -5,12 +5,12 @@ It knows nothing of ROS; `rocsafe_sim.vehicle_node` gives it its topics.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
-from rocsafe_geo.pinhole import quaternion_of_rotation
+from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_body
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.storage.shot_store import ShotStore
@@ -27,6 +27,9 @@ from rocsafe_sim.cameras.mounted_camera import (
 from rocsafe_sim.clock.step_times import StepTimes
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.body_motion import BodyState
+from rocsafe_sim.sensors.readings import Reading
+from rocsafe_sim.sensors.sensor_suite import NO_SENSORS, SensorSuite
 from rocsafe_sim.vehicle.flight_record import VehicleRecord
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 from rocsafe_sim.vehicle.journal import read_journal, write_journal
@@ -38,6 +41,8 @@ STEPS_NAME = 'steps'
 _ON_ITS_WAY = (Mode.WAITING, Mode.TAKING_OFF, Mode.FLYING, Mode.RETURNING)
 # Height of the cameras of a vehicle on the ground.
 LANDED_CAMERA_M = 0.4
+# Height from which on the body sways in full; on the ground it stands still.
+FULL_SWAY_M = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,12 +76,15 @@ class RavParts:
         Errors of its sensors.
     cameras
         Cameras; the first takes the photographs of the survey.
+    sensors
+        Sensors of motion, air, field and distance.
     """
 
     name: str
     frame: LocalFrame
     noise: SensorNoise
     cameras: tuple[MountedCamera, ...]
+    sensors: SensorSuite = NO_SENSORS
 
 
 class Rav:
@@ -99,6 +107,8 @@ class Rav:
         As given.
     pictures
         Images of all cameras at the viewpoints of the last step.
+    readings
+        Samples of the sensors in the last step, in order of time.
 
     Raises
     ------
@@ -122,6 +132,7 @@ class Rav:
         self._steps = StepTimes(spool and spool / STEPS_NAME, is_lockstep=is_lockstep)
         self._written: VehicleRecord | None = None
         self.pictures: list[CameraPicture] = []
+        self.readings: list[Reading] = []
         if self._journal is not None:
             record = read_journal(self._journal)
             if record is not None:
@@ -158,7 +169,7 @@ class Rav:
         Photographs are on disk before the journal counts them. `pictures` then holds the images of
         all cameras at the same times.
         """
-        snapshot = self.vehicle.step(time_ns)
+        snapshot = self._step_and_sense(time_ns)
         self.pictures.clear()
         taken = [self._photograph(due) for due in snapshot.shots]
         for shot in taken:
@@ -166,6 +177,30 @@ class Rav:
         self.keep_journal()
         self._steps.note(time_ns)
         return snapshot, taken
+
+    def _step_and_sense(self, time_ns: int) -> VehicleSnapshot:
+        """Step the vehicle through the times of its samples, and on to `time_ns`."""
+        sensors = self.parts.sensors
+        shots: list[ShotDue] = []
+        self.readings.clear()
+        after_ns = max(self.vehicle.time_ns, self._steps.last_ns or 0)
+        for sample_ns in sensors.times(after_ns, time_ns):
+            shots += self.vehicle.step(sample_ns).shots
+            self.readings += sensors.read(sample_ns, self._body_at)
+        snapshot = self.vehicle.step(time_ns)
+        return replace(snapshot, shots=(*shots, *snapshot.shots))
+
+    def _body_at(self, time_ns: int) -> BodyState:
+        """Return the true motion of the body: it sways as the cameras of a stream see it."""
+        pose = self.vehicle.pose_at(time_ns)
+        share = min(1.0, max(0.0, self._height_m(pose.position_enu) / FULL_SWAY_M))
+        roll, pitch = self.parts.noise.sway_at_rad(time_ns)
+        return BodyState(
+            time_ns=time_ns,
+            position_enu=pose.position_enu,
+            velocity_enu=pose.velocity_enu,
+            rotation=rotation_enu_from_body(pose.yaw_rad, share * pitch, share * roll),
+        )
 
     def pictures_of(self, camera: MountedCamera) -> list[CameraPicture]:
         """Return the images of a camera at the viewpoints of the last step."""

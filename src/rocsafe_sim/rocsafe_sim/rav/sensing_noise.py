@@ -7,12 +7,13 @@ a run, and a restarted process repeats them.
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 from zlib import crc32
 
 import numpy as np
 
 from rocsafe_geo.motion.state import Enu
+from rocsafe_sim.sensors.errors_over_time import Draws
+from rocsafe_sim.sensors.streams import Stream
 
 # Interval of the knots between which the error of the receiver varies slowly; a tenth of its
 # variance is new in every fix.
@@ -23,8 +24,6 @@ LARGEST_SWAY_STDS = 3.5
 
 # Interval of the knots between which the sway of a stream varies.
 SWAY_PERIOD_NS = 1_000_000_000
-
-_GPS_WANDER, _GPS_WHITE, _SWAY, _ATTITUDE, _SWAY_WANDER = range(5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +51,11 @@ class SensorNoise:
     tilt_std_rad: float
     attitude_std_rad: float
 
+    @property
+    def draws(self) -> Draws:
+        """Random values of the vehicle."""
+        return Draws(seed=self.seed, vehicle=self.vehicle)
+
     def gps_error_m(self, time_ns: int) -> Enu:
         """Return the error of the receiver (east, north, up) at a simulated time.
 
@@ -62,8 +66,12 @@ class SensorNoise:
         turn = 0.5 * math.pi * rest_ns / KNOT_PERIOD_NS
         wander_share = math.sqrt(1.0 - _WHITE_VARIANCE_SHARE)
         early, late = wander_share * math.cos(turn), wander_share * math.sin(turn)
-        before, after = self._draw(_GPS_WANDER, knot), self._draw(_GPS_WANDER, knot + 1)
-        white = self._fresh(_GPS_WHITE, time_ns)
+        draws = self.draws
+        before, after = (
+            draws.knot(Stream.GPS_WANDER, knot),
+            draws.knot(Stream.GPS_WANDER, knot + 1),
+        )
+        white = draws.white(Stream.GPS_WHITE, time_ns)
         white_share = math.sqrt(_WHITE_VARIANCE_SHARE)
         east, north, up = (
             early * a + late * b + white_share * c
@@ -74,18 +82,12 @@ class SensorNoise:
 
     def sway_rad(self, sequence: int) -> tuple[float, float]:
         """Return true (roll, pitch) at the photograph with this number."""
-        roll, pitch, _ = self._fresh(_SWAY, sequence)
+        roll, pitch, _ = self.draws.white(Stream.SWAY, sequence)
         return self._swayed(roll, pitch)
 
     def sway_at_rad(self, time_ns: int) -> tuple[float, float]:
         """Return true (roll, pitch) at a simulated time, continuous, with the same deviations."""
-        knot, rest_ns = divmod(time_ns, SWAY_PERIOD_NS)
-        turn = 0.5 * math.pi * rest_ns / SWAY_PERIOD_NS
-        before, after = self._draw(_SWAY_WANDER, knot), self._draw(_SWAY_WANDER, knot + 1)
-        roll, pitch = (
-            math.cos(turn) * a + math.sin(turn) * b
-            for a, b in zip(before[:2], after[:2], strict=True)
-        )
+        roll, pitch, _ = self.draws.drift(Stream.SWAY_WANDER, time_ns, SWAY_PERIOD_NS)
         return self._swayed(roll, pitch)
 
     def _swayed(self, roll: float, pitch: float) -> tuple[float, float]:
@@ -96,7 +98,7 @@ class SensorNoise:
 
     def attitude_error_rad(self, sequence: int) -> tuple[float, float, float]:
         """Return the error of measured (roll, pitch, yaw) at the photograph with this number."""
-        roll, pitch, yaw = self._fresh(_ATTITUDE, sequence)
+        roll, pitch, yaw = self.draws.white(Stream.ATTITUDE, sequence)
         std = self.attitude_std_rad
         return std * roll, std * pitch, std * yaw
 
@@ -104,18 +106,3 @@ class SensorNoise:
         """Return the generator of the noise of an image."""
         key = [self.seed, crc32(self.vehicle.encode()), crc32(camera.encode()), time_ns]
         return np.random.default_rng(key)
-
-    def _draw(self, stream: int, index: int) -> tuple[float, ...]:
-        return _kept_normals(self.seed, self.vehicle, stream, index)
-
-    def _fresh(self, stream: int, index: int) -> tuple[float, ...]:
-        return _normals(self.seed, self.vehicle, stream, index)
-
-
-def _normals(seed: int, vehicle: str, stream: int, index: int) -> tuple[float, ...]:
-    """Return three standard normal values that depend on these arguments only."""
-    generator = np.random.default_rng([seed, crc32(vehicle.encode()), stream, index])
-    return tuple(generator.standard_normal(3).tolist())
-
-
-_kept_normals = lru_cache(maxsize=256)(_normals)

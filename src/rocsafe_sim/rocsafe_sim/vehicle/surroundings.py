@@ -24,6 +24,10 @@ class Surroundings(Protocol):
         """Return the name of an object that a ball touches, without the ground; empty: none."""
         ...
 
+    def first_hit_m(self, place_enu: Enu, direction_enu: Enu, limit_m: float) -> float:
+        """Return the distance along a unit direction to ground or object; infinite beyond."""
+        ...
+
 
 def on_ground(surroundings: Surroundings, place_enu: Enu) -> Enu:
     """Return the ground below or above a place."""
