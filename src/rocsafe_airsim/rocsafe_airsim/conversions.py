@@ -2,23 +2,25 @@
 """Messages -> values of this package, and back."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import Point
-from sensor_msgs.msg import Image, NavSatFix
+from sensor_msgs.msg import FluidPressure, Image, Imu, MagneticField, NavSatFix, Range
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
+from rocsafe_airsim import values
 from rocsafe_airsim.errors import AirsimError
-from rocsafe_airsim.ned import Quaternion, Vector
+from rocsafe_airsim.ned import Quaternion, Vector, attitude_ned
 from rocsafe_airsim.vehicle import Picture
 from rocsafe_interfaces.msg import GasReading, RadiationReading
 from rocsafe_interfaces.srv import Look
 from rocsafe_ros.conversions import MAP_FRAME, ns_of_stamp
 
+SEA_LEVEL_PA = 101_325.0
 _DTYPES = {'bgr8': (np.uint8, 3), '32FC1': (np.float32, 1), 'mono16': (np.uint16, 1)}
 
 
@@ -87,6 +89,65 @@ def gas_of(message: GasReading) -> dict[str, Any]:
         'std': message.std,
         'unit': message.unit,
     }
+
+
+def imu_of(message: Imu) -> dict[str, Any]:
+    """Return an ImuData: axes of the body ahead, right, down."""
+    return {
+        'time_stamp': ns_of_stamp(message.header.stamp),
+        'orientation': values.quaternion(attitude_ned(quaternion_of(message.orientation))),
+        'angular_velocity': values.vector(_body(message.angular_velocity)),
+        'linear_acceleration': values.vector(_body(message.linear_acceleration)),
+    }
+
+
+def barometer_of(message: FluidPressure) -> dict[str, Any]:
+    """Return a BarometerData: pressure in pascal, altitude by the standard atmosphere."""
+    ratio = message.fluid_pressure / SEA_LEVEL_PA
+    return {
+        'time_stamp': ns_of_stamp(message.header.stamp),
+        'altitude': 44_330.77 * (1.0 - ratio**0.190263),
+        'pressure': message.fluid_pressure,
+        'qnh': SEA_LEVEL_PA / 100.0,
+    }
+
+
+def magnetometer_of(message: MagneticField) -> dict[str, Any]:
+    """Return a MagnetometerData: gauss along the axes of the body."""
+    gauss = tuple(1e4 * value for value in _body(message.magnetic_field))
+    return {
+        'time_stamp': ns_of_stamp(message.header.stamp),
+        'magnetic_field_body': values.vector(gauss),
+        'magnetic_field_covariance': [1e8 * part for part in message.magnetic_field_covariance],
+    }
+
+
+def distance_of(message: Range) -> dict[str, Any]:
+    """Return a DistanceSensorData, metres."""
+    down = (0.0, math.sin(-math.pi / 4.0), 0.0, math.cos(math.pi / 4.0))
+    return {
+        'time_stamp': ns_of_stamp(message.header.stamp),
+        'distance': message.range,
+        'min_distance': message.min_range,
+        'max_distance': message.max_range,
+        'relative_pose': values.pose((0.0, 0.0, 0.0), down),
+    }
+
+
+# What a vehicle's reading of a topic is made of.
+READINGS: Mapping[str, Callable[[Any], dict[str, Any]]] = {
+    'radiation': radiation_of,
+    'gas': gas_of,
+    'imu': imu_of,
+    'barometer': barometer_of,
+    'magnetometer': magnetometer_of,
+    'range': distance_of,
+}
+
+
+def _body(vector: Any) -> Vector:
+    """Return a vector of the body ahead, left, up as ahead, right, down."""
+    return vector.x, -vector.y, -vector.z
 
 
 def marker_of(

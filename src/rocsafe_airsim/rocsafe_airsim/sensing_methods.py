@@ -65,6 +65,22 @@ class SensingMethods:
     async def _get_rad_sensor_data(self, _sensor: str = '', name: str = '') -> Any:
         return dict(self._at.vehicle(name).reading('radiation'))
 
+    @served('getImuData')
+    async def _get_imu_data(self, _imu: str = '', name: str = '') -> Any:
+        return dict(self._at.vehicle(name).reading('imu'))
+
+    @served('getBarometerData')
+    async def _get_barometer_data(self, _barometer: str = '', name: str = '') -> Any:
+        return dict(self._at.vehicle(name).reading('barometer'))
+
+    @served('getMagnetometerData')
+    async def _get_magnetometer_data(self, _magnetometer: str = '', name: str = '') -> Any:
+        return dict(self._at.vehicle(name).reading('magnetometer'))
+
+    @served('getDistanceSensorData')
+    async def _get_distance_sensor_data(self, _sensor: str = '', name: str = '') -> Any:
+        return dict(self._at.vehicle(name).reading('range'))
+
     @served('getGasData')
     async def _get_gas_data(self, _sensor: str = '', name: str = '') -> Any:
         return dict(self._at.vehicle(name).reading('gas'))

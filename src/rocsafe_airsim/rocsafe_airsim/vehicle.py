@@ -128,7 +128,10 @@ class Vehicle(Protocol):
         """Return number, name, class and colour of each instance."""
 
     def reading(self, kind: str) -> Mapping[str, Any]:
-        """Return the newest ``radiation`` or ``gas`` reading; raises `AirsimError` without one."""
+        """Return the newest reading; raises `AirsimError` without one.
+
+        `kind` is ``radiation``, ``gas``, ``imu``, ``barometer``, ``magnetometer`` or ``range``.
+        """
 
 
 class World(Protocol):

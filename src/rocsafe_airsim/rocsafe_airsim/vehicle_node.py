@@ -57,7 +57,8 @@ class RosVehicle:
         self._tables: dict[str, Sequence[Mapping[str, Any]]] = {}
         self._lease = ''
         own = (topics.STATE, topics.ODOM, topics.FIX, topics.GROUND_TRUTH_FIX)
-        for spec in (*own, topics.RADIATION, topics.GAS):
+        sensors = (topics.IMU, topics.BAROMETER, topics.MAGNETOMETER, topics.RANGE)
+        for spec in (*own, topics.RADIATION, topics.GAS, *sensors):
             topics.create_subscription(node, spec, partial(self._on_message, spec.name), name)
         topics.create_subscription(node, topics.HOME, self._on_home, name)
         calls = (*_PLAIN.values(), topics.LEASE, topics.MOVE, topics.GO_TO, topics.SET_HOME)
@@ -116,8 +117,7 @@ class RosVehicle:
         message = self._heard.get(kind)
         if message is None:
             raise AirsimError(f'{self.name} has no {kind} reading')
-        convert = conversions.radiation_of if kind == 'radiation' else conversions.gas_of
-        return convert(message)
+        return conversions.READINGS[kind](message)
 
     # Orders.
 

@@ -12,13 +12,13 @@ from rclpy.node import Node
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_orchestrator.leases_node import Leases
 from rocsafe_orchestrator.mission.driving import DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal, drive_text
 from rocsafe_ros import topics
+from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_scenario.scenario import Scenario
 
 # How a drive ends on the road.

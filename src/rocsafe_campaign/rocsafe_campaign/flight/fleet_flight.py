@@ -20,7 +20,7 @@ from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.options import WorldOptions
 from rocsafe_sim.rav.rav import Fix, Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
-from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
+from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 from rocsafe_sim.vehicle.snapshot import FlightSummary
 
 # A fleet that is so many times later than its plan never lands.
@@ -132,7 +132,7 @@ def _rav(scenario: Scenario, block: VehicleBlock, frame: LocalFrame) -> Rav:
         ),
         cameras=(),
     )
-    return Rav(parts, SimulatedVehicle(_airframe(scenario, block), (east, north, 0.0)))
+    return Rav(parts, FreeVehicle(_airframe(scenario, block), (east, north, 0.0)))
 
 
 def _airframe(scenario: Scenario, block: VehicleBlock) -> Airframe:

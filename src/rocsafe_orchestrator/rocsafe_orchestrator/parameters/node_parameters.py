@@ -147,7 +147,7 @@ def fleet_verbs_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 def airsim_parameters(scenario: Scenario, host: str, port: int) -> Parameters:
     """Return the parameters of the server of AirSim's API."""
     vehicles = list(scenario.vehicle_names)
-    return {'host': host, 'port': port, 'vehicles': vehicles, **_origin(scenario)}
+    return {'host': host, 'port': port, 'vehicles': vehicles, **origin_parameters(scenario)}
 
 
 def agent_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
