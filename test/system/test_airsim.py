@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A script of AirSim's API flies a simulated vehicle: whole processes, and the real client."""
+
+import os
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgpack
+import pytest
+
+pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+
+pytestmark = [pytest.mark.system, pytest.mark.all]
+
+SMALL = Path(__file__).with_name('small.yaml')
+READY_S, CALL_S, END_S = 90.0, 60.0, 30.0
+# A Python with the package cosysairsim, for the real client.
+CLIENT = os.environ.get('ROCSAFE_AIRSIM_PYTHON', '')
+SCRIPT = """
+import cosysairsim as airsim
+client = airsim.MultirotorClient(port=int(sys.argv[1]))
+client.confirmConnection()
+client.enableApiControl(True)
+client.armDisarm(True)
+client.takeoffAsync().join()
+client.moveToPositionAsync(5, -5, -12, 5).join()
+(image,) = client.simGetImages([airsim.ImageRequest('0', airsim.ImageType.Scene, False, False)])
+assert len(image.image_data_uint8) == image.width * image.height * 3
+place = client.simGetVehiclePose().position
+assert abs(place.x_val - 5) < 0.5 and abs(place.y_val + 5) < 0.5 and abs(place.z_val + 12) < 0.5
+client.landAsync().join()
+assert client.getMultirotorState().landed_state == airsim.LandedState.Landed
+"""
+
+
+class Client:
+    """The least that speaks the protocol."""
+
+    def __init__(self, port: int) -> None:
+        self._socket = socket.create_connection(('127.0.0.1', port), CALL_S)
+        self._unpacker = msgpack.Unpacker(raw=False)
+        self._number = 0
+
+    def call(self, method: str, *arguments):
+        """Return the result of a call; raises `RuntimeError` with the refusal."""
+        self._number += 1
+        self._socket.sendall(msgpack.packb([0, self._number, method, list(arguments)]))
+        while True:
+            for kind, number, error, result in self._unpacker:
+                assert (kind, number) == (1, self._number)
+                if error is not None:
+                    raise RuntimeError(error)
+                return result
+            data = self._socket.recv(65536)
+            assert data, 'the server has closed the connection'
+            self._unpacker.feed(data)
+
+
+@pytest.fixture
+def port(tmp_path, ros_domain_id) -> Iterator[int]:
+    """Return the port at which the vehicles of a small scenario are served."""
+    with socket.create_server(('127.0.0.1', 0)) as free:
+        number = free.getsockname()[1]
+    command = ['rocsafe', 'airsim', str(SMALL), '--out', str(tmp_path), '--port', str(number),
+               '--speed', '5']  # fmt: skip
+    environment = {**os.environ, 'ROS_DOMAIN_ID': str(ros_domain_id)}
+    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+    try:
+        end_s = time.monotonic() + READY_S
+        while True:
+            assert process.poll() is None, process.stdout.read()
+            assert time.monotonic() < end_s, 'not ready'
+            try:
+                socket.create_connection(('127.0.0.1', number), 1.0).close()
+                break
+            except OSError:
+                time.sleep(0.2)
+        yield number
+        process.send_signal(signal.SIGINT)
+        assert process.wait(END_S) == 128 + signal.SIGINT
+        assert 'AirSim clients are served' in process.stdout.read()
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_a_script_flies_photographs_and_lands(port):
+    """By the protocol alone; what is not served is refused by name."""
+    client = Client(port)
+    first = client.call('listVehicles')[0]
+    with pytest.raises(RuntimeError, match='enableApiControl first'):
+        client.call('takeoff', 20.0, '')
+    client.call('enableApiControl', True, '')
+    assert client.call('takeoff', 20.0, '') is True
+    yaw = {'is_rate': True, 'yaw_or_rate': 0.0}
+    assert client.call('moveToPosition', 8.0, 4.0, -10.0, 5.0, 3e38, 0, yaw, -1, 1, '') is True
+    pose = client.call('simGetVehiclePose', first)['position']
+    assert [pose[key] for key in ('x_val', 'y_val', 'z_val')] == pytest.approx(
+        [8.0, 4.0, -10.0], abs=0.5
+    )
+    request = {'camera_name': '0', 'image_type': 0, 'pixels_as_float': False, 'compress': True}
+    (image,) = client.call('simGetImages', [request], '')
+    assert image['image_data_uint8'].startswith(b'\x89PNG')
+    assert client.call('getRadSensorData', '', '')['dose_rate_usvh'] > 0.0
+    with pytest.raises(RuntimeError, match='not served here'):
+        client.call('moveByMotorPWMs', 1, 1, 1, 1, 1, '')
+    assert client.call('land', 60.0, '') is True
+    assert client.call('getMultirotorState', '')['landed_state'] == 0
+
+
+@pytest.mark.skipif(not CLIENT, reason='ROCSAFE_AIRSIM_PYTHON names no Python with cosysairsim')
+def test_the_real_client_flies(port):
+    """Cosys-AirSim's package, unmodified."""
+    done = subprocess.run(
+        [CLIENT, '-c', SCRIPT, str(port)], capture_output=True, text=True, timeout=200, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
