@@ -48,6 +48,13 @@ def add_to(commands: Commands) -> None:
         help='let real vehicles take off by the plan with this hash, as a terminal asks for it; '
         'may be given several times',
     )
+    _add_servers(parser)
+    parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
+    parser.set_defaults(command=_run)
+
+
+def _add_servers(parser: argparse.ArgumentParser) -> None:
+    """Add the options of what is served beside a mission."""
     parser.add_argument(
         '--console', action='store_true', help="serve the operator's page while the mission runs"
     )
@@ -59,8 +66,6 @@ def add_to(commands: Commands) -> None:
         metavar='PORT',
         help="serve AirSim's API on loopback while the mission runs (default port: 41451)",
     )
-    parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
-    parser.set_defaults(command=_run)
 
 
 def _run(arguments: argparse.Namespace) -> int:
