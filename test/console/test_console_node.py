@@ -11,7 +11,7 @@ from geometry_msgs.msg import Point, TransformStamped, Vector3
 from nav_msgs.msg import OccupancyGrid
 from rclpy.node import Node
 from std_msgs.msg import ColorRGBA
-from test.orchestrator.test_fleet_verbs import Stand
+from test.orchestrator.test_fleet_verbs import Stand, Vehicle
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -33,9 +33,14 @@ NAMES = ('rav1', 'rav2')
 class Console:
     """The node under test beside vehicles and the node of the fleet's verbs."""
 
-    def __init__(self, ros, folder) -> None:
+    def __init__(self, ros, folder, *, has_fleet: bool = True) -> None:
         self.ros = ros
-        self.stand = Stand(ros, NAMES)
+        self.has_fleet = has_fleet
+        self.vehicles = (
+            Stand(ros, NAMES).vehicles
+            if has_fleet
+            else {name: Vehicle(ros, name) for name in NAMES}
+        )
         self.live = Live(Picture(7))
         self.desk = Desk(folder)
         self.node = ConsoleNode(self.live, self.desk, context=ros.context)
@@ -51,7 +56,8 @@ class Console:
     def _is_ready(self) -> bool:
         for name, state in self.states.items():
             state.publish(VehicleState(vehicle=name, state=VehicleState.FLYING))
-        clients = [*self.node.orders._fleet.values(), *self.node.orders._calls.values()]
+        fleet = self.node.orders._fleet.values() if self.has_fleet else ()
+        clients = [*fleet, *self.node.orders._calls.values()]
         # go_to is not served by these vehicles.
         ready = sum(client.service_is_ready() for client in clients)
         return len(self.live.picture.vehicles) == 2 and ready == len(clients) - 2
@@ -69,9 +75,9 @@ class Console:
 
 
 @pytest.fixture
-def console(ros, tmp_path) -> Iterator[Console]:
-    """Return the console of two vehicles."""
-    console = Console(ros, tmp_path)
+def console(ros, tmp_path, request) -> Iterator[Console]:
+    """Return the console of two vehicles; without the node of the fleet for `False`."""
+    console = Console(ros, tmp_path, has_fleet=getattr(request, 'param', True))
     yield console
     for node in (console.node, console.speaker):
         ros.executor.remove_node(node)
@@ -81,12 +87,12 @@ def console(ros, tmp_path) -> Iterator[Console]:
 
 def told(console: Console, name: str) -> list[str]:
     """Return what a vehicle was told."""
-    return console.stand.vehicles[name].told
+    return console.vehicles[name].told
 
 
 def test_an_order_to_all_reaches_each_and_tells_who_refuses(console):
     """One result a vehicle, whatever the others answer."""
-    console.stand.vehicles['rav2'].refusal = 'rav2: taken by its pilot'
+    console.vehicles['rav2'].refusal = 'rav2: taken by its pilot'
     results = console.order(Action.HOLD, *NAMES)
     assert results['rav1'].outcome is Outcome.DONE
     assert results['rav2'] == Result(
@@ -95,13 +101,10 @@ def test_an_order_to_all_reaches_each_and_tells_who_refuses(console):
     assert [told(console, name) for name in NAMES] == [['hold'], ['hold']]
 
 
+@pytest.mark.parametrize('console', [False], indirect=True)
 def test_without_the_node_of_the_fleet_the_vehicles_are_asked(console):
     """The hand on the fleet needs neither the orchestrator nor its verbs."""
-    verbs = console.stand.verbs
-    console.ros.executor.remove_node(verbs)
-    verbs.destroy_node()
-    fleet = console.node.orders._fleet[Action.RETURN]
-    console.ros.spin_until(lambda: not fleet.service_is_ready(), DEADLINE_S)
+    assert not console.node.orders._fleet[Action.RETURN].service_is_ready()
     assert console.order(Action.RETURN, 'rav1')['rav1'].outcome is Outcome.DONE
     assert told(console, 'rav1') == ['return_home']
     assert told(console, 'rav2') == []

@@ -162,6 +162,10 @@ class Mast:
         """Return level ground."""
         return 0.0
 
+    def first_hit_m(self, *_beam: object) -> float:
+        """Return that a beam hits nothing."""
+        return math.inf
+
     def touched(self, place_enu: tuple[float, float, float], radius_m: float) -> str:
         """Return whether the mast is touched."""
         return 'mast' if math.dist(place_enu[:2], (4.0, 0.0)) < radius_m else ''
@@ -253,7 +257,7 @@ def test_restarted_vehicle_continues(
     assert ended.result.viewpoints_visited == 4
     operator.ros.spin_until(lambda: states and states[-1].shots_pending == 0, DEADLINE_S)
     assert {s.shot_id for s in shots} == {f'rav1-{number:05d}' for number in range(4)}
-    assert {path.name for path in tmp_path.iterdir()} == {'journal.json', 'lease.json'}
+    assert {path.name for path in tmp_path.iterdir()} == {'journal.json', 'lease.json', 'steps'}
 
 
 def test_fleet_flies_many_in_one_process(
