@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node of the console: hears vehicles, and sends orders by the calls of the command line."""
 
+import math
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -27,6 +29,7 @@ from rocsafe_interfaces.msg import MissionState, VehicleState
 from rocsafe_ros import topics
 
 DEADLINE_S = 60.0
+SPEAK_S = 0.1
 NAMES = ('rav1', 'rav2')
 
 
@@ -36,11 +39,11 @@ class Console:
     def __init__(self, ros, folder, *, has_fleet: bool = True) -> None:
         self.ros = ros
         self.has_fleet = has_fleet
-        self.vehicles = (
-            Stand(ros, NAMES).vehicles
-            if has_fleet
-            else {name: Vehicle(ros, name) for name in NAMES}
-        )
+        self._spoken_s = -math.inf
+        stand = Stand(ros, NAMES) if has_fleet else None
+        self.vehicles = stand.vehicles if stand else {n: Vehicle(ros, n) for n in NAMES}
+        self.others = [stand.verbs, stand.operator] if stand else []
+        self.others += [vehicle.node for vehicle in self.vehicles.values()]
         self.live = Live(Picture(7))
         self.desk = Desk(folder)
         self.node = ConsoleNode(self.live, self.desk, context=ros.context)
@@ -54,8 +57,11 @@ class Console:
         ros.spin_until(lambda: self._is_ready(), DEADLINE_S)
 
     def _is_ready(self) -> bool:
-        for name, state in self.states.items():
-            state.publish(VehicleState(vehicle=name, state=VehicleState.FLYING))
+        # One event is handled a turn: states sent each turn would hold up all else for ever.
+        if time.monotonic() - self._spoken_s > SPEAK_S:
+            self._spoken_s = time.monotonic()
+            for name, state in self.states.items():
+                state.publish(VehicleState(vehicle=name, state=VehicleState.FLYING))
         fleet = self.node.orders._fleet.values() if self.has_fleet else ()
         clients = [*fleet, *self.node.orders._calls.values()]
         # go_to is not served by these vehicles.
@@ -79,7 +85,8 @@ def console(ros, tmp_path, request) -> Iterator[Console]:
     """Return the console of two vehicles; without the node of the fleet for `False`."""
     console = Console(ros, tmp_path, has_fleet=getattr(request, 'param', True))
     yield console
-    for node in (console.node, console.speaker):
+    # All of them: the next test may be in the same domain.
+    for node in (console.node, console.speaker, *console.others):
         ros.executor.remove_node(node)
         node.destroy_node()
     console.desk.close()
