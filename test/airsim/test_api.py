@@ -191,6 +191,7 @@ def position(state):
 LED = (('enableApiControl', True, ''), ('takeoff', 20, ''))
 
 
+@pytest.mark.slow
 def test_a_script_takes_off_flies_and_lands(world):
     """As hello_drone does; places are north, east, down about home."""
     state = ask(world, *LED, ('getMultirotorState', ''))
@@ -203,6 +204,7 @@ def test_a_script_takes_off_flies_and_lands(world):
     assert world.vehicles['rav1'].core.mode is Mode.LANDED
 
 
+@pytest.mark.slow
 def test_path_velocity_and_turns(world):
     """Each ends where it should; forward only faces the way."""
     path = [{'x_val': x, 'y_val': y, 'z_val': -8.0} for x, y in ((0.0, 30.0), (30.0, 30.0))]
@@ -221,6 +223,7 @@ def test_path_velocity_and_turns(world):
     assert ask(world, LED[0], ('rotateByYawRate', 30.0, 9.0, '')) is True
 
 
+@pytest.mark.slow
 def test_another_order_ends_the_wait_for_the_first(world):
     """The first answers false, as AirSim's does."""
     api = Api(world, print)
@@ -240,6 +243,7 @@ def test_another_order_ends_the_wait_for_the_first(world):
     assert world.vehicles['rav1'].core.mode is Mode.HOLDING
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('calls', 'words'),
     [
@@ -308,6 +312,7 @@ def test_time_is_paused_and_goes_on_for_some_seconds(world):
     assert world.paused
 
 
+@pytest.mark.slow
 def test_a_vehicle_is_placed_before_its_first_flight(world):
     """Its origin goes with it, as that of a start pose does."""
     pose = {'position': {'x_val': 5.0, 'y_val': 6.0, 'z_val': 0.0}, 'orientation': {}}

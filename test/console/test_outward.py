@@ -59,6 +59,7 @@ def test_a_vehicle_that_is_silent_is_not_sent(stage):
     assert 'u-d-f' in kinds
 
 
+@pytest.mark.slow
 def test_events_are_sent_as_datagrams(stage):
     """To the address that was given."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:

@@ -30,6 +30,7 @@ def test_mean_over_ten_minutes_is_the_plume():
     assert means == pytest.approx(plume.concentrations_g_m3(PLACES), rel=0.1)
 
 
+@pytest.mark.slow
 def test_gas_comes_and_goes():
     """The largest reading is several times the mean, the least far below it."""
     found = readings(1, np.arange(200.0, 400.0, 0.5))

@@ -133,6 +133,7 @@ def test_a_flight_finds_the_release(assessment):
     assert '1 release, placed within' in assessment.verdict.reason
 
 
+@pytest.mark.slow
 def test_its_plume_and_zones_lie_downwind(assessment):
     """And the gas comes later farther away."""
     plume = assessment.plume

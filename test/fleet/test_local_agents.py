@@ -40,6 +40,7 @@ def begin(tmp_path: Path):
     return start
 
 
+@pytest.mark.slow
 def test_agents_of_two_processes_agree(begin):
     """They hear those of their own process at once, the others by the link."""
     one, two = begin('rav0', 'rav1', folder='a'), begin('rav2', 'rav3', folder='b')

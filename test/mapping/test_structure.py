@@ -139,6 +139,7 @@ def test_oblique_photographs_are_placed():
     assert max(turned) < 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('fix_off_m', 'placed_by'), [(0.0, 'features'), (90.0, 'gps')])
 def test_a_photograph_that_shows_no_ground_nearby_lies_beside_the_others(fix_off_m, placed_by):
     """Its pose of structure from motion, in a frame of its own, is laid on the tied ones."""

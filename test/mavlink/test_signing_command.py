@@ -133,6 +133,7 @@ def test_only_holders_of_the_key_are_greeted_and_few_of_them():
     assert link.stations == ()
 
 
+@pytest.mark.slow
 def test_key_is_sent_to_the_vehicle(key_file, capsys):
     """It waits for the heartbeat, and sends key and time to that vehicle, within this machine."""
     port, got = free_port(), []

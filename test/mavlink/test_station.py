@@ -178,6 +178,7 @@ def may_fly(air):
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('kind', [(0, 2), (3, 1)], ids=['generic autopilot', 'aeroplane'])
 def test_what_is_no_multicopter_of_ours_is_only_heard(kind):
     """It is listened to, and never flown; the others on the link are served on."""

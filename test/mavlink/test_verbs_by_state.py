@@ -84,6 +84,7 @@ def shown(air, state):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('state', STATES)
 @pytest.mark.parametrize('order', VERBS)
 def test_every_order_has_its_answer_in_every_state(state, order):
@@ -102,6 +103,7 @@ def test_every_order_has_its_answer_in_every_state(state, order):
         assert shown(air, state)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ['hold', 'return_home', 'land'])
 @pytest.mark.parametrize('state', ['waiting', 'starting', 'arming'])
 def test_who_is_told_to_stay_before_it_takes_off_stays(state, order):
@@ -176,6 +178,7 @@ def in_progress(air):
 ANSWERED_S = 64.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ['hold', 'return_home', 'land'])
 @pytest.mark.parametrize('state', ['flying', 'holding', 'arming', 'starting'])
 @pytest.mark.parametrize('misfortune', [None, unheard, unanswered, in_progress])

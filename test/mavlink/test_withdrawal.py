@@ -282,6 +282,7 @@ def test_no_command_is_repeated_against_the_pilot(order):
     assert len(ignored) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
 def test_no_command_is_sent_or_repeated_without_a_heartbeat_since_the_last(order):
     """Other messages come, and nobody knows its mode: a pilot may have taken it meanwhile."""
@@ -317,6 +318,7 @@ def test_mode_that_shows_is_not_ordered_again(order, mode):
     assert commands.outcome(commands.count) == ''
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ['hold', 'return home', 'land', 'speed', 'go to'])
 def test_order_to_a_vehicle_that_falls_silent_is_not_given_when_it_is_heard_again(order):
     """Ten seconds later nobody knows what it did meanwhile: the order is withdrawn."""

@@ -127,6 +127,7 @@ def rest_of(plan, *occupied_m, **request_changes):
     return replan(plan, situation)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('by', ['layers', 'delay'])
 def test_rest_keeps_away_from_the_height_of_a_vehicle_that_nobody_hears(by):
     """It goes on along its route by itself, at its height: the others fly in other layers."""
@@ -160,6 +161,7 @@ def test_rest_without_a_free_height_is_refused():
         rest_of(plan, 32.0, airspace=low)
 
 
+@pytest.mark.slow
 def test_rest_of_a_rest_in_another_layer_is_planned():
     """The silent vehicle is heard again: the next plan may use its height."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))

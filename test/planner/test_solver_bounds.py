@@ -23,6 +23,7 @@ def test_no_bound_exceeds_the_optimum(seed):
     assert max(bound.value for bound in bounds) <= best * (1 + 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(12))
 def test_bounds_of_one_depot_hold(seed):
     """The same for plain problems, where every argument applies; Held-Karp too."""

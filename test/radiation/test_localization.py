@@ -175,6 +175,7 @@ def test_a_spectral_window_foretells_an_uneven_background():
     assert localize(foretold, LOSSLESS).sources == ()
 
 
+@pytest.mark.slow
 def test_a_source_that_the_window_above_does_not_see_is_found():
     """Its photons have too little energy for it."""
     flown = survey([(150.0, 150.0, 300.0)], background_usvh=0.1)

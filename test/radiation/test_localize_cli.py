@@ -199,6 +199,7 @@ def test_saturated_readings_are_left_out_and_counted(table):
     assert readings.dropped == {'saturated: the dose rate is only a lower limit': (3,)}
 
 
+@pytest.mark.slow
 def test_a_ground_that_nobody_gave_is_told_in_every_product_and_is_never_enough(
     table, tmp_path, capsys
 ):

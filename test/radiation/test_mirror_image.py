@@ -23,6 +23,7 @@ def along_lines(offsets_m, source, strength_usvh):
     return RadiationSurvey(positions_enu_m=places, counts=counts, exposures=exposures)
 
 
+@pytest.mark.slow
 def test_beside_a_single_line_both_sides_are_within_the_ellipse():
     """Nothing tells them apart; north is as sure as ever."""
     (source,) = localize(along_lines([0.0], (6.0, 10.0), 3.0), LOSSLESS).sources

@@ -99,6 +99,7 @@ def test_sky_has_number_0_and_no_depth(eye):
     assert (frame.classes[is_sky] == class_number('sky')).all()
 
 
+@pytest.mark.slow
 def test_the_same_pose_gives_the_same_bytes_in_any_order(renderer, eye):
     """After other poses, and from another camera, nothing differs."""
     first = eye.expose(*OBLIQUE)

@@ -106,6 +106,7 @@ def turned(vector):
     return np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
 
 
+@pytest.mark.slow
 def test_exact_inertial_samples_add_up_to_the_flight(tmp_path):
     """Summed up from rest they give velocity, place and orientation of the moving vehicle.
 
@@ -190,6 +191,7 @@ def test_the_magnetic_field_is_that_of_the_world_magnetic_model():
     assert magnetic_field_ut(ORIGIN, 2090.0) == last != first
 
 
+@pytest.mark.slow
 def test_the_magnetometer_turns_with_the_vehicle(tmp_path):
     """Turned back by the true orientation, its samples are the field."""
     rav = launched(tmp_path, EXACT)
@@ -290,6 +292,7 @@ def test_a_restart_goes_on_with_the_samples(tmp_path):
     assert before + after == reference
 
 
+@pytest.mark.slow
 def test_sensors_do_not_change_the_flight(tmp_path):
     """With and without them the vehicle is at the same places and takes the same photographs."""
     bare, full = (

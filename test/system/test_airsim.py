@@ -21,6 +21,7 @@ READY_S, CALL_S, END_S = 90.0, 60.0, 30.0
 # A Python with the package cosysairsim, for the real client.
 CLIENT = os.environ.get('ROCSAFE_AIRSIM_PYTHON', '')
 SCRIPT = """
+import sys
 import cosysairsim as airsim
 client = airsim.MultirotorClient(port=int(sys.argv[1]))
 client.confirmConnection()
