@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from test.sim.flights import AIRFRAME, START_NS
 
-from rocsafe_airsim.api import Api
 from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.methods.api import Api
 from rocsafe_airsim.ned import Origin
+from rocsafe_airsim.protocol.wire import Call
 from rocsafe_airsim.vehicle import Picture, VehicleNow
-from rocsafe_airsim.wire import Call
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.errors import CommandRefusedError

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_airsim.errors import ProtocolError
-from rocsafe_airsim.wire import DEEPEST, LARGEST_BYTES, Call, CallReader, answer, refusal
+from rocsafe_airsim.protocol.wire import DEEPEST, LARGEST_BYTES, Call, CallReader, answer, refusal
 
 FRAMES = 20_000
 

@@ -21,8 +21,8 @@ from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
+from rocsafe_sim.messages.picture_conversions import depth_message, labels_message, picture_header
 from rocsafe_sim.options import RavOptions
-from rocsafe_sim.picture_conversions import depth_message, labels_message, picture_header
 from rocsafe_sim.rav.rav import Rav, RavParts
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 

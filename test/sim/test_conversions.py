@@ -18,7 +18,8 @@ from rocsafe_geo.motion.battery import VOLTAGE_V, PowerModel
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Flight, GeoPolygon
 from rocsafe_scene.cameras.camera import Truth
-from rocsafe_sim.conversions import (
+from rocsafe_sim.flight.segment import Mode, standing
+from rocsafe_sim.messages.conversions import (
     OUTCOMES,
     STATES,
     battery_message,
@@ -26,8 +27,7 @@ from rocsafe_sim.conversions import (
     route_of,
     waiting_text,
 )
-from rocsafe_sim.flight.segment import Mode, standing
-from rocsafe_sim.picture_conversions import depth_message, labels_message
+from rocsafe_sim.messages.picture_conversions import depth_message, labels_message
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.snapshot import FlightSummary, VehicleSnapshot
 

@@ -17,8 +17,8 @@ from rocsafe_planner.conversions import message_of_plan
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.planning import plan_survey
-from rocsafe_sim.conversions import route_of
 from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.messages.conversions import route_of
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 

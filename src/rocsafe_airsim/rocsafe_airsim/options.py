@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, field
 
-from rocsafe_airsim.server import PORT
+from rocsafe_airsim.protocol.server import PORT
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_count
 from rocsafe_geo.position import GeoPosition

@@ -12,12 +12,12 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rocsafe_airsim.api import Api
 from rocsafe_airsim.conversions import marker_of
 from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.methods.api import Api
 from rocsafe_airsim.ned import Vector
 from rocsafe_airsim.options import AirsimOptions
-from rocsafe_airsim.server import AirsimServer
+from rocsafe_airsim.protocol.server import AirsimServer
 from rocsafe_airsim.vehicle_node import RENEW_S, RosVehicle
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ros import topics

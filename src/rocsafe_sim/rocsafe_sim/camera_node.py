@@ -15,7 +15,7 @@ from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.cameras.mounted_camera import CameraPicture, MountedCamera
 from rocsafe_sim.clock.cadence import Cadence, period_ns
-from rocsafe_sim.picture_conversions import (
+from rocsafe_sim.messages.picture_conversions import (
     depth_message,
     direction_of,
     gimbal_message,

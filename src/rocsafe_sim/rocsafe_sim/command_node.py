@@ -11,8 +11,8 @@ from rocsafe_interfaces.srv import GoTo, Move, PushRally
 from rocsafe_ros import topics
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.conversions import fence_of, places_of
 from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.messages.conversions import fence_of, places_of
 from rocsafe_sim.rav.rav import Rav
 
 

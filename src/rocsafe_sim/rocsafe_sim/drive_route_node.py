@@ -12,14 +12,14 @@ from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
-from rocsafe_sim.drive_conversions import (
+from rocsafe_sim.driving.rgv import Rgv
+from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.messages.drive_conversions import (
     drive_feedback,
     drive_refusal,
     drive_result,
     drive_route_of,
 )
-from rocsafe_sim.driving.rgv import Rgv
-from rocsafe_sim.errors import CommandRefusedError
 
 FEEDBACK_PERIOD_NS = 1_000_000_000
 

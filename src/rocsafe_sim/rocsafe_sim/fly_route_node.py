@@ -12,8 +12,8 @@ from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
-from rocsafe_sim.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.errors import CommandRefusedError
+from rocsafe_sim.messages.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 

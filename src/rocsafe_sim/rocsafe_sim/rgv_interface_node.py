@@ -28,11 +28,11 @@ from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.shot_delivery_node import ShotDelivery
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
-from rocsafe_sim.drive_conversions import drive_battery, drive_state_message
 from rocsafe_sim.drive_route_node import DriveRouteServer
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.errors import CommandRefusedError
-from rocsafe_sim.picture_conversions import mounts_of
+from rocsafe_sim.messages.drive_conversions import drive_battery, drive_state_message
+from rocsafe_sim.messages.picture_conversions import mounts_of
 
 SLOW_PERIOD_NS = 1_000_000_000
 EXACT_M = (0.0, 0.0)

@@ -8,7 +8,7 @@ from rclpy.publisher import Publisher
 
 from rocsafe_ros import topics
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.sensor_conversions import (
+from rocsafe_sim.messages.sensor_conversions import (
     imu_message,
     magnetic_message,
     pressure_message,

@@ -23,9 +23,9 @@ from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
-from rocsafe_sim.conversions import STATES, battery_message, ending_of, waiting_text
 from rocsafe_sim.flight.route import FlightRoute
-from rocsafe_sim.marker_conversions import route_markers
+from rocsafe_sim.messages.conversions import STATES, battery_message, ending_of, waiting_text
+from rocsafe_sim.messages.marker_conversions import route_markers
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 

@@ -13,9 +13,9 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.command_node import CommandServices
 from rocsafe_sim.fly_route_node import FlyRouteServer
-from rocsafe_sim.picture_conversions import mounts_of
+from rocsafe_sim.messages.picture_conversions import mounts_of
+from rocsafe_sim.messages.sensor_conversions import sensor_mounts
 from rocsafe_sim.rav.rav import Rav
-from rocsafe_sim.sensor_conversions import sensor_mounts
 from rocsafe_sim.sensor_topics_node import SensorTopics
 from rocsafe_sim.shot_sender_node import make_shot_delivery
 from rocsafe_sim.telemetry_node import Telemetry

@@ -17,7 +17,7 @@ from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_scene.flat_ground.ground_photograph import read_boxes
 from rocsafe_sim.clock.clockwork import Clockwork, Pace
-from rocsafe_sim.marker_conversions import scene_markers
+from rocsafe_sim.messages.marker_conversions import scene_markers
 from rocsafe_sim.options import WorldOptions
 
 # Wall period of the check whether the next time is due.

@@ -10,7 +10,7 @@ import pytest
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products import agent_advice
 from rocsafe_orchestrator.products.agent_advice import advise
-from rocsafe_orchestrator.report.advice_view import advice_view
+from rocsafe_orchestrator.report.sections.advice_view import advice_view
 
 REPORT = {
     'observation': 'smell_chlorine',

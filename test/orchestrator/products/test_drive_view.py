@@ -17,7 +17,7 @@ from rocsafe_orchestrator.products.run_record import (
     Track,
     VehicleSample,
 )
-from rocsafe_orchestrator.report.drive_view import drive_view
+from rocsafe_orchestrator.report.sections.drive_view import drive_view
 from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_view.pages import render
 

@@ -10,7 +10,7 @@ import pytest
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products import release_estimates
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
-from rocsafe_orchestrator.report.gas_view import gas_view
+from rocsafe_orchestrator.report.sections.gas_view import gas_view
 
 CONTENT: dict[str, Any] = {
     'releases': [

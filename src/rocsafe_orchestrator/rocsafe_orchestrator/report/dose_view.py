@@ -16,10 +16,10 @@ from rasterio.errors import RasterioError
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
-from rocsafe_orchestrator.report.cordons import SAFE, EstimatedCordon, read_cordons
 from rocsafe_orchestrator.report.map_data import estimate_points
 from rocsafe_orchestrator.report.pictures import map_xy
-from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
+from rocsafe_orchestrator.report.sections.cordons import SAFE, EstimatedCordon, read_cordons
+from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_view import formats
 from rocsafe_view.map_view import Box, EstimatePoint
 from rocsafe_view.palette import DoseScale, ramp_colour, scale_of

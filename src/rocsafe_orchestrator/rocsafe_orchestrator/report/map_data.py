@@ -15,7 +15,6 @@ from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
-from rocsafe_orchestrator.report.cordons import safe_cordons
 from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
     exclusion_rings,
@@ -25,6 +24,7 @@ from rocsafe_orchestrator.report.plan_data import (
     region_rings,
     route_lines,
 )
+from rocsafe_orchestrator.report.sections.cordons import safe_cordons
 from rocsafe_view.map_view import (
     DosePoint,
     EstimatePoint,

@@ -11,17 +11,17 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.readings_table import COLUMNS
 from rocsafe_orchestrator.products.run_record import MissionSample, RunRecord
 from rocsafe_orchestrator.products.summary import RunSummary
-from rocsafe_orchestrator.report.advice_view import advice_view
 from rocsafe_orchestrator.report.dose_view import READINGS_BELOW, dose_view
-from rocsafe_orchestrator.report.drive_view import drive_view
 from rocsafe_orchestrator.report.events import events, flights, start_ns
-from rocsafe_orchestrator.report.gas_view import gas_view
 from rocsafe_orchestrator.report.map_data import map_view
-from rocsafe_orchestrator.report.people_view import people_rows
 from rocsafe_orchestrator.report.pictures import thumbnails
 from rocsafe_orchestrator.report.run_facts import fact_columns, plan_rows
 from rocsafe_orchestrator.report.run_texts import height_of, lead, limits, verdict
-from rocsafe_orchestrator.report.source_texts import dose_rate_of, strongest
+from rocsafe_orchestrator.report.sections.advice_view import advice_view
+from rocsafe_orchestrator.report.sections.drive_view import drive_view
+from rocsafe_orchestrator.report.sections.gas_view import gas_view
+from rocsafe_orchestrator.report.sections.people_view import people_rows
+from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, strongest
 from rocsafe_orchestrator.report.timeline import deviations
 from rocsafe_view import formats
 from rocsafe_view.charts import time_axes

@@ -10,7 +10,7 @@ from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report.map_facts import map_facts
-from rocsafe_orchestrator.report.source_texts import dose_rate_of, half_axes_of, place_of
+from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_scenario.radiation_blocks import SourceBlock
 from rocsafe_scenario.scenario import Scenario

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.summary import HighestReading, RunSummary
-from rocsafe_orchestrator.report.source_texts import strongest
+from rocsafe_orchestrator.report.sections.source_texts import strongest
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view import formats
 from rocsafe_view.map_view import MapView

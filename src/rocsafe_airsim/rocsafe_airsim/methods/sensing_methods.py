@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rocsafe_airsim import images, values
-from rocsafe_airsim.access import Access, matches, served
 from rocsafe_airsim.errors import AirsimError
-from rocsafe_airsim.moving import vector_of
+from rocsafe_airsim.methods.access import Access, matches, served
+from rocsafe_airsim.methods.moving import vector_of
 from rocsafe_airsim.ned import Origin, Quaternion, attitude_ned
 from rocsafe_airsim.vehicle import DISARMED, Picture
 

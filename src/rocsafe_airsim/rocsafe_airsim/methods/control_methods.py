@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from rocsafe_airsim import values
-from rocsafe_airsim.access import Access, at_least, parameters, served
-from rocsafe_airsim.moving import vector_of
+from rocsafe_airsim.methods.access import Access, at_least, parameters, served
+from rocsafe_airsim.methods.moving import vector_of
 from rocsafe_airsim.ned import yaw_of
 from rocsafe_airsim.vehicle import AIRBORNE, Vehicle
 

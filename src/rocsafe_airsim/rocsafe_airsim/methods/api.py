@@ -4,13 +4,13 @@
 from collections.abc import Callable
 from typing import Any
 
-from rocsafe_airsim.access import Access, methods_of
-from rocsafe_airsim.control_methods import ControlMethods
 from rocsafe_airsim.errors import AirsimError
-from rocsafe_airsim.sensing_methods import SensingMethods
+from rocsafe_airsim.methods.access import Access, methods_of
+from rocsafe_airsim.methods.control_methods import ControlMethods
+from rocsafe_airsim.methods.sensing_methods import SensingMethods
+from rocsafe_airsim.methods.world_methods import WorldMethods
+from rocsafe_airsim.protocol.wire import Call
 from rocsafe_airsim.vehicle import World
-from rocsafe_airsim.wire import Call
-from rocsafe_airsim.world_methods import WorldMethods
 
 
 class Api:

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 from rocsafe_airsim.errors import AirsimError, ProtocolError
-from rocsafe_airsim.wire import Call, CallReader, answer, refusal
+from rocsafe_airsim.protocol.wire import Call, CallReader, answer, refusal
 
 PORT = 41451
 MOST_CLIENTS = 64

@@ -9,7 +9,7 @@ from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.run_record import RunRecord
-from rocsafe_orchestrator.report.driven_view import (
+from rocsafe_orchestrator.report.sections.driven_view import (
     CHART_HEIGHT,
     CHART_WIDTH,
     DrivenView,

@@ -4,8 +4,8 @@
 import asyncio
 from typing import Any
 
-from rocsafe_airsim.access import Access, parameters, served
-from rocsafe_airsim.moving import NS_PER_S, POLL_S, vector_of
+from rocsafe_airsim.methods.access import Access, parameters, served
+from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S, vector_of
 
 
 class WorldMethods:

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from rocsafe_airsim.errors import AirsimError
-from rocsafe_airsim.moving import Mover
+from rocsafe_airsim.methods.moving import Mover
 from rocsafe_airsim.ned import Vector
 from rocsafe_airsim.vehicle import Vehicle, World
 
