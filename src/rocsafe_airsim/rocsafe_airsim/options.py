@@ -11,7 +11,7 @@ from rocsafe_geo.position import GeoPosition
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AirsimOptions:
-    """Where to listen, and the origin of the mission's frame; one ROS parameter a field."""
+    """ROS parameters of the node: its address, and the origin of the mission's frame."""
 
     host: str = field(
         default='127.0.0.1',

@@ -90,7 +90,7 @@ class Orders:
         led = {name for name in names if self._is_held(name, order.user)}
         fleet = self._fleet.get(order.verb)
         if fleet is not None and fleet.service_is_ready():
-            # Who leads a vehicle resumes it with its own lease.
+            # The holder of the lease resumes the vehicle with it.
             own = led if order.verb is Action.RESUME else set()
             self._send_to_fleet(fleet, [name for name in names if name not in own], waiting)
             names = tuple(own)

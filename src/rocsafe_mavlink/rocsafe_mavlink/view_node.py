@@ -25,7 +25,7 @@ REACH = (
     'ROS_DISCOVERY_SERVER', 'ROS_LOCALHOST_ONLY',
 )  # fmt: skip
 LOOK_PERIOD_S, ANSWER_PERIOD_S, SHOW_PERIOD_S = 1.0, 0.02, 0.2
-# Of the fast messages, one in so many comes with the slow ones.
+# Every so many fast messages, the slow ones are sent, too.
 SLOW_EVERY = 5
 
 

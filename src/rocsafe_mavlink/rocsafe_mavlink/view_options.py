@@ -23,7 +23,7 @@ class ViewOptions:
 
     @property
     def address(self) -> Endpoint:
-        """Where the station listens.
+        """Address at which the station listens.
 
         Raises
         ------

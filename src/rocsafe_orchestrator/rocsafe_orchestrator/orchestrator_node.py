@@ -139,7 +139,7 @@ class OrchestratorNode(Node):
         message.header.stamp = self.get_clock().now().to_msg()
         self._decisions.publish(message)
 
-    # Who holds up simulated time.
+    # Participants that hold up simulated time.
 
     def watch_steps(self, is_wanted: bool) -> None:
         """Listen to the steps that the participants report, or stop listening."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a request to a plan: cover the regions, share out the viewpoints, bound the makespan."""
+"""Planning of a request: cover the regions, share out the viewpoints, bound the makespan."""
 
 import dataclasses
 import math

@@ -16,7 +16,7 @@ from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Vehicle
 
 CAMERA = PinholeCamera(math.radians(60.0), 640, 480)
-"""Of a request that names none."""
+"""Value of a request that names none."""
 
 
 def plan_region(

@@ -16,7 +16,7 @@ Nuclide = Literal[
 
 
 class StopBlock(Block):
-    """Where a moving source is `time_s` after the start of the mission; in between it moves on."""
+    """Place of a moving source `time_s` after the start; it moves on between such places."""
 
     time_s: float = Field(ge=0.0, le=LARGEST_TIME_S)
     position: LatLon
@@ -54,7 +54,7 @@ class SourceBlock(Block):
 
     @property
     def place(self) -> LatLon:
-        """Where it is, or begins, or its middle."""
+        """Its place, its begin, or its middle."""
         if self.position is not None:
             return self.position
         if self.track:

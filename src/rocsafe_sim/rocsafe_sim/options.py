@@ -154,7 +154,7 @@ class FleetVehicle:
 
     @property
     def home_position(self) -> GeoPosition:
-        """Where it stands, on the ground of the mission's origin."""
+        """Place at which it stands, on the ground of the mission's origin."""
         return GeoPosition(*self.home, 0.0)
 
 

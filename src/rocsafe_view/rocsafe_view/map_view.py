@@ -46,7 +46,7 @@ class DosePoint:
 
 @dataclass(frozen=True, slots=True)
 class PhotoPoint:
-    """Where a photograph was taken, and the corners of the ground that it shows, if known."""
+    """Place of a photograph, and the corners of the ground that it shows, if known."""
 
     x: float
     y: float

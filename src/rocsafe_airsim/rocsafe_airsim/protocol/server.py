@@ -85,7 +85,7 @@ class AirsimServer:
         except AirsimError as error:
             told = refusal(call.call_id or 0, f'{call.method}: {error}')
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError) as error:
-            # Of values that a client sent: wrong types within its parameters.
+            # A parameter of the client has a wrong type.
             told = refusal(call.call_id or 0, f'{call.method}: wrong parameters: {error}')
         if call.call_id is not None and not writer.is_closing():
             writer.write(told)

@@ -11,7 +11,7 @@ from shapely.geometry import Polygon
 
 from rocsafe_scenario.scenario_blocks import Block
 
-# Of points drawn in the bounds of a polygon, at least one in so many lies within.
+# Points drawn in the bounds of a polygon until one lies within it; more fail.
 MOST_TRIES = 10_000
 
 

@@ -15,7 +15,7 @@ from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_scenario.scenario import Scenario
 
-# Of the mission's own orderly end.
+# Time in which an interrupted mission can end in order before it is killed, seconds.
 PATIENCE_S = 60.0
 LARGEST_DOMAIN = 101
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where what happens is written down: in the log of the running mission, else of the console."""
+"""Writer of the evidence logs: that of the running mission, else that of the console."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -32,7 +32,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """Where a vehicle is sent: degrees, and metres above its home."""
+    """Place to which a vehicle is sent: degrees, and metres above its home."""
 
     latitude_deg: float
     longitude_deg: float

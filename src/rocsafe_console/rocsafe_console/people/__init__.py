@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may do what: users, roles, passwords and sessions."""
+"""Users, roles, passwords and sessions."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who may do what: three roles, and one table."""
+"""Three roles, and the table of what each may do."""
 
 from enum import Enum
 

@@ -47,7 +47,7 @@ class VehicleReport:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Holder:
-    """Who leads a vehicle, as it tells by its topic `control`."""
+    """Holder of the control lease of a vehicle, as its topic `control` tells."""
 
     holder: str = ''
     mission: str = ''

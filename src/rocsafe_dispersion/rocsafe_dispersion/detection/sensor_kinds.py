@@ -123,7 +123,7 @@ _KINDS = (
             'sulphur_dioxide': 0.7,
             'hydrogen_cyanide': 0.7,
             'phosgene': 0.7,
-            # Not toxic at these levels, but alarms all the same: cleaners and solvents.
+            # Cleaners and solvents are not toxic at these levels, but raise alarms.
             'ammonia': 0.3,
             'acetone': 0.01,
         },

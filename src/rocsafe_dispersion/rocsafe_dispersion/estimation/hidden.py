@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a release may still be that nobody has found."""
+"""Ground on which a release may still be that nobody has found."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where gas is released and how much: number, places, rates, and regions that hold them."""
+"""Estimation of releases of gas: number, places, rates, and regions that hold the places."""
 
 import math
 from collections.abc import Iterator

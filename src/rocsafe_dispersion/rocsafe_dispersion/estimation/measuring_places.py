@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where to measure next: the places where possible releases predict the most different readings.
+"""Next places to measure: those where possible releases predict the most different readings.
 
 Releases drawn from the posterior predict a reading at each place. The information of a reading is
 that of a Gaussian signal in Gaussian noise, 1/2 log(1 + variance of the predictions / variance of

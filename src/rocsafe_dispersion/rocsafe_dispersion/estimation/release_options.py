@@ -8,7 +8,7 @@ from rocsafe_geo.limits import require_between, require_count, require_positive
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchArea:
-    """Where releases may be.
+    """Ground on which releases may be.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a response level is exceeded: the expected area and the outer bound of 95 %."""
+"""Ground above a response level: the expected area and the outer bound of 95 %."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -21,7 +21,7 @@ Numbers = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FleetPlan:
-    """Who visits what in an epoch.
+    """Viewpoints of each vehicle in an epoch.
 
     Attributes
     ----------

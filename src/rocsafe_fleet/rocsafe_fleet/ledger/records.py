@@ -59,7 +59,7 @@ def set_of(value: bytes) -> frozenset[int]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Place:
-    """Where a vehicle is: 1e-7 degrees and centimetres, so that all compute with equal numbers.
+    """Place of a vehicle in 1e-7 degrees and centimetres: all compute with equal numbers.
 
     Attributes
     ----------

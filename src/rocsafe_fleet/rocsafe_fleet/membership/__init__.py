@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who is heard."""
+"""Vehicles that are heard."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who is heard: heartbeats, passed on by those who heard them.
+"""Vehicles that are heard: heartbeats, passed on by the vehicles that heard them.
 
 Each agent counts its heartbeats and tells the newest of every agent that it knows of (van Renesse,
 Minsky, Hayden 1998, "A gossip-style failure detection service"). A vehicle that one member still

@@ -21,7 +21,7 @@ from rocsafe_planner.replanning import remaining_request
 SHARES = (0.25, 0.5, 0.75)
 """Parts of the makespan after which one vehicle is lost."""
 CUT_S = 60.0
-"""For so long the two halves of the fleet do not hear each other."""
+"""Time for which the two halves of the fleet do not hear each other."""
 
 Event = tuple[float, Callable[[Trial], None]]
 

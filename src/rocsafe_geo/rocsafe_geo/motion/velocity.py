@@ -74,7 +74,7 @@ class VelocityMotion:
         """Return the motion at a time."""
         if elapsed_s < self._flown_s:
             return self._moving(max(0.0, elapsed_s))
-        # At the end exactly still, whatever the rounding of the difference.
+        # The end is exactly still, whatever the rounding of the difference.
         is_over = elapsed_s >= self.duration_s
         return self._stop.state(math.inf if is_over else elapsed_s - self._flown_s)
 

@@ -21,7 +21,7 @@ MAX_EXTENT_M = 500_000.0
 """No corner is further than this from the first one: a local plane would be no map."""
 
 MOST_CORNERS = 10_000
-"""Of a ring; one with more is no region drawn by hand, and grids over it take minutes."""
+"""Most corners of a ring: grids over one with more take minutes, and nobody draws it by hand."""
 
 MIN_AREA_M2 = 0.01
 """What encloses less is a line or a point."""

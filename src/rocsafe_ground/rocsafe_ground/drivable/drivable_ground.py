@@ -71,7 +71,7 @@ class GroundRules:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class DrivableGround:
-    """Where a vehicle can drive.
+    """Ground on which a vehicle can drive.
 
     Attributes
     ----------

@@ -158,11 +158,11 @@ class DrivePlan:
 
     @property
     def length_m(self) -> float:
-        """Of the way."""
+        """Length of the way."""
         steps = self.track[1:, :2] - self.track[:-1, :2]
         return float(np.hypot(steps[:, 0], steps[:, 1]).sum())
 
     @property
     def gap_fraction(self) -> float:
-        """By how much of its time the trip over cells may be above the optimum."""
+        """Bound of the share by which the time of the trip over cells is above the optimum."""
         return max(0.0, 1.0 - self.bound_s / self.grid_time_s)

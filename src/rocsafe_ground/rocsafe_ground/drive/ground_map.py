@@ -29,7 +29,7 @@ DOSE_BANDS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapFiles:
-    """Where the products of a survey lie.
+    """Files of the products of a survey.
 
     Attributes
     ----------

@@ -91,7 +91,7 @@ class BoundedPath:
 
     @property
     def gap_fraction(self) -> float:
-        """By how much of its time the path may be above the optimum."""
+        """Bound of the share by which the time of the path is above the optimum."""
         if self.path.time_s <= 0.0:
             return 0.0
         return max(0.0, 1.0 - self.bound_s / self.path.time_s)

@@ -92,7 +92,7 @@ class Tour:
 
     @property
     def gap_fraction(self) -> float:
-        """By how much of its time the trip may be above the optimum."""
+        """Bound of the share by which the time of the trip is above the optimum."""
         return max(0.0, 1.0 - self.bound_s / self.time_s) if self.time_s > 0.0 else 0.0
 
 

@@ -135,7 +135,7 @@ class Block:
         return lost
 
     def _find_tilts(self) -> bool:
-        """Where too few photographs are tied as if they looked down, find how they look.
+        """Find how photographs look where too few are tied as if they looked down.
 
         Returns whether that was necessary and possible.
         """

@@ -26,7 +26,7 @@ Shares = NDArray[np.float32]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PixelMap:
-    """Where in a photograph the pixels of a window are seen, (height, width) each.
+    """Places in a photograph at which the pixels of a window are seen, (height, width) each.
 
     Attributes
     ----------

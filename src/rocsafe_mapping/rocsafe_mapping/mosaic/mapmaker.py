@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From photographs to a map: takes them in, aligns them and has them drawn."""
+"""Maker of a map: takes photographs in, aligns them and has them drawn."""
 
 import dataclasses
 import math
@@ -106,7 +106,7 @@ class Shot:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Alignment:
-    """Where all photographs are, and how sure that is.
+    """Places of all photographs, with their uncertainty.
 
     Attributes
     ----------

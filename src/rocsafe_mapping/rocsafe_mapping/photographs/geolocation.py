@@ -20,7 +20,7 @@ LEAST_ACCURACY_M, LARGEST_ACCURACY_M = 1e-4, 1e5
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Geolocation:
-    """Where a photograph was taken.
+    """Place at which a photograph was taken.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ SAME_PLACE_DEG = 1e-7
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sighting:
-    """Where a photograph shows a point.
+    """Pixel at which a photograph shows a point.
 
     Attributes
     ----------

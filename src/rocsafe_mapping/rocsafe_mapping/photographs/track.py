@@ -33,7 +33,7 @@ Point = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
-    """Where a vehicle was, in the order of time.
+    """Places of a vehicle, in the order of time.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ def read_track(path: Path) -> Track:
     if len(points) < LEAST_POINTS:
         raise MappingError(f'{path}: {len(points)} points with a time are no track')
     values = np.array(sorted(points))
-    # Of points of one time, the first.
+    # The first of several points of one time is taken.
     _, first = np.unique(values[:, 0], return_index=True)
     times, latitudes, longitudes, altitudes = values[first].T
     return Track(

@@ -26,7 +26,7 @@ Step = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProductOptions:
-    """Where a map shall go.
+    """Files to which a map is written.
 
     Attributes
     ----------

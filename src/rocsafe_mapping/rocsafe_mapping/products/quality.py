@@ -30,9 +30,9 @@ FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
 # What a map must keep to be called georeferenced.
 LARGEST_FIX_FACTOR = 4.0
-# Of a fix, where no photograph has one.
+# Error of a fix, where no photograph has one.
 HORIZONTAL_STD_M = 2.5
-# Of the image's width.
+# A share of the image's width.
 LARGEST_TIE_SHARE = 0.002
 LARGEST_SCALE_OFF = 0.15
 LARGEST_TILT_RAD = math.radians(12.0)

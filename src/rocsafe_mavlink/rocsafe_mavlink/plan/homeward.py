@@ -26,7 +26,7 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReturnPlaces:
-    """Where a vehicle returns to by itself.
+    """Place to which a vehicle returns by itself.
 
     Attributes
     ----------

@@ -8,7 +8,7 @@ from rocsafe_mavlink.view.sight import Sight
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import e7_of_deg
 
-# Of a quadrotor with no autopilot that a station could expect commands of.
+# A quadrotor without an autopilot: stations expect it to take no commands.
 QUADROTOR, GENERIC_AUTOPILOT, MAVLINK = 2, 0, 3
 ARMED, CUSTOM_MODE = 128, 1
 STANDBY, ACTIVE, EMERGENCY = 3, 4, 6

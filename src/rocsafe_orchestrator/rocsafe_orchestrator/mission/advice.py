@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where to measure in a further round: what all that look for sources say, as one answer."""
+"""Places of a further round: the answers of all who look for sources, as one."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

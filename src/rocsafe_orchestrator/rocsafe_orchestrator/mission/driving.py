@@ -17,7 +17,7 @@ MOST_PLANS = 5
 
 
 class DriveEnd(Enum):
-    """Where a drive has ended, and what is left to do."""
+    """Place at which a drive has ended, and what is left to do."""
 
     AT_HOME = 'at home'
     OUT_WITH_EVIDENCE_LEFT = 'out, evidence left'

@@ -24,7 +24,7 @@ class Release:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Zone:
-    """Where a response level is exceeded: as expected, and the outer bound of 95 %."""
+    """Ground above a response level: as expected, and the outer bound of 95 %."""
 
     level: str
     ppm: float

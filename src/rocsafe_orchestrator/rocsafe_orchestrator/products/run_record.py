@@ -46,7 +46,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
-    """Where a vehicle was.
+    """Places of a vehicle over time.
 
     Attributes
     ----------

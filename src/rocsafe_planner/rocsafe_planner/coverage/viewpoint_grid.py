@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From an area and a camera to viewpoints: the waypoint generator of the ROCSAFE paper.
+"""Viewpoints of an area for a camera: the waypoint generator of the ROCSAFE paper.
 
 A rectangle around the polygon is divided into tiles, one photograph each. The paper then drops
 every tile whose centre fails a ray-casting test, which leaves slivers of the area unseen; here

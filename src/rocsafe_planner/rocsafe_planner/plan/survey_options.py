@@ -23,7 +23,7 @@ MAX_CLEARANCE_M = 1000.0
 USUAL_VIEWPOINTS_LIMIT = 100_000
 """A survey that needs more is refused unless its limit is raised: a slip of the pen."""
 MAX_VIEWPOINTS_LIMIT = 1_000_000
-"""To which the limit can be raised."""
+"""Height to which the limit can be raised."""
 Grid = Literal['best', 'rotated', 'axis_aligned']
 Objective = Literal['longest_time', 'longest_distance', 'total_time', 'total_distance', 'energy']
 Separation = Literal['delay', 'layers', 'reserved']
@@ -45,7 +45,7 @@ SPACING_RULES: dict[str, Callable[[float], float]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoverageOptions:
-    """Where photographs are taken.
+    """Places at which photographs are taken.
 
     Attributes
     ----------

@@ -123,7 +123,7 @@ class Vehicle:
 
     @property
     def start(self) -> GeoPosition:
-        """Where its route begins."""
+        """Place at which its route begins."""
         return self.home if self.aloft is None else self.aloft.position
 
     @property

@@ -42,7 +42,7 @@ class RgvOptions(SensingOptions):
 
     @property
     def home(self) -> GeoPosition:
-        """Where it stands, on the ground of the mission's origin."""
+        """Place at which it stands, on the ground of the mission's origin."""
         return GeoPosition(self.home_latitude_deg, self.home_longitude_deg, 0.0)
 
     def chassis(self) -> Chassis:

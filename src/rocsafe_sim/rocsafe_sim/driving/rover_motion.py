@@ -77,7 +77,7 @@ class RoverMotion:
 
     @property
     def home(self) -> Place:
-        """Where it comes back to."""
+        """Place to which it comes back."""
         return self._way.marks[0].place
 
     @property

@@ -30,7 +30,7 @@ class Line:
 
     @property
     def length_m(self) -> float:
-        """Of the line."""
+        """Length of the line."""
         return math.dist(self.begin, self.end)
 
     @property
@@ -52,7 +52,7 @@ def speed_mps(
     a = motion.acceleration_mps2
     braking = math.sqrt(line.end_mps**2 + 2.0 * a * max(left_m, 0.0))
     wanted = min(line.limit_mps, braking)
-    # At no speed it would never arrive.
+    # A vehicle without speed would never arrive.
     wanted = max(wanted, min(CREEP_MPS, line.limit_mps))
     return min(max(wanted, now_mps - 2.0 * a * tick_s), now_mps + a * tick_s)
 

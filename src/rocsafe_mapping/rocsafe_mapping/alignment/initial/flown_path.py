@@ -24,7 +24,7 @@ from rocsafe_mapping.errors import PlacementError
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FlownPath:
-    """Where a vehicle was.
+    """Places of a vehicle over time.
 
     Attributes
     ----------

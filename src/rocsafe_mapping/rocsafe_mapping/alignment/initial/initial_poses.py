@@ -36,7 +36,7 @@ NORMAL_MEDIAN_RADIUS = 1.1774
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InitialPoses:
-    """Where the adjustment begins.
+    """Poses with which the adjustment begins.
 
     Attributes
     ----------

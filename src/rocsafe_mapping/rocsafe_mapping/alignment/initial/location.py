@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where photographs without a fix were taken: beside those that have one, or on a local map.
+"""Places of photographs without a fix: beside those that have one, or on a local map.
 
 Ties put them beside each other. Fixes of others and surveyed marks put them on the earth; without
 any, two photographs become the base line of a local map, which has neither scale nor north.

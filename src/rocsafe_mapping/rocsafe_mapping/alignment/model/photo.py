@@ -27,7 +27,7 @@ PLACEHOLDER_HEIGHT_M = 100.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pose:
-    """Where a camera is and how it looks.
+    """Place and attitude of a camera.
 
     Attributes
     ----------
