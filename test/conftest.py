@@ -179,7 +179,11 @@ def ros(ros_domain_id: int) -> Iterator[RosSession]:
     rclpy.init(context=context, domain_id=ros_domain_id)
     executor = SingleThreadedExecutor(context=context)
     yield RosSession(context=context, executor=executor)
+    nodes = executor.get_nodes()
     executor.shutdown(timeout_sec=2.0)
+    # Nodes of a context that is shut down stay in the domain as long as something refers to them.
+    for node in nodes:
+        node.destroy_node()
     rclpy.shutdown(context=context)
 
 
