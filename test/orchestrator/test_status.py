@@ -57,6 +57,19 @@ def test_flight_time_counts_from_the_first_take_off() -> None:
     assert monitor.flight_time_s == 15.0
 
 
+def test_a_drive_counts_as_time_under_way() -> None:
+    """Or the mission would seem to stand still while the ground vehicle drives."""
+    monitor = Monitor(('rav1',), driver='rgv1')
+    for second, state in ((100.0, FlightState.TAKING_OFF), (160.0, FlightState.LANDED)):
+        monitor.on_vehicle(VehicleStatus(name='rav1', state=state, time_s=second))
+    monitor.on_vehicle(VehicleStatus(name='rgv1', state=FlightState.DISARMED, time_s=200.0))
+    assert monitor.flight_time_s == 60.0
+    monitor.on_vehicle(VehicleStatus(name='rgv1', state=FlightState.FLYING, time_s=230.0))
+    monitor.on_vehicle(VehicleStatus(name='rgv1', state=FlightState.LANDED, time_s=250.0))
+    monitor.on_vehicle(VehicleStatus(name='rgv1', state=FlightState.LANDED, time_s=300.0))
+    assert (monitor.flight_time_s, monitor.time_s) == (150.0, 300.0)
+
+
 def test_time_after_the_last_landing_is_not_flown() -> None:
     """Real vehicles stand on the ground, or are switched off, while the mosaic is made."""
     monitor = Monitor(('rav1',))

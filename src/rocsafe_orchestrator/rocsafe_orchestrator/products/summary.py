@@ -61,6 +61,8 @@ class VehicleFigures:
 
     Attributes
     ----------
+    is_ground_vehicle
+        Whether it drives; what is said of flights holds for its drive.
     flown_duration_s
         Take-off to touch-down, or to the last message.
     planned_duration_s, planned_length_m
@@ -72,6 +74,7 @@ class VehicleFigures:
     """
 
     name: str
+    is_ground_vehicle: bool
     planned_duration_s: float | None
     flown_duration_s: float | None
     planned_length_m: float | None
@@ -95,7 +98,7 @@ class RunSummary:
     outcome
         ``complete``, ``failed``, ``cancelled`` or ``unknown``.
     mission_duration_s
-        First take-off to last touch-down, simulated.
+        First take-off to the end of the last flight or drive, simulated.
     wall_time_s
         Seconds from the command to the report.
     start_up_s
@@ -274,6 +277,7 @@ def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
     visited, planned = viewpoints_of(samples, route)
     return VehicleFigures(
         name=name,
+        is_ground_vehicle=name == record.driver,
         planned_duration_s=route.duration_s if route and not is_replanned else None,
         flown_duration_s=(flight[1] - flight[0]) / NS_PER_S if flight else None,
         planned_length_m=route.length_m if route and not is_replanned else None,

@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from rocsafe_orchestrator.products.run_record import RunRecord
-from rocsafe_orchestrator.products.summary import HighestReading, RunSummary
+from rocsafe_orchestrator.products.summary import HighestReading, RunSummary, VehicleFigures
 from rocsafe_orchestrator.report.sections.source_texts import strongest
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view import formats
@@ -67,19 +67,39 @@ def _lacks(summary: RunSummary) -> str:
 
 def lead(summary: RunSummary) -> str:
     """Return the run in a few sentences, as far as it is known."""
-    count = len(summary.vehicles)
-    text = f'{count} vehicle{"s" if count != 1 else ""}'
+    fliers = [vehicle for vehicle in summary.vehicles if not vehicle.is_ground_vehicle]
+    text = f'{len(fliers)} vehicle{"s" if len(fliers) != 1 else ""}'
     if summary.mission_duration_s is not None:
-        text += f' flew {formats.duration(summary.mission_duration_s)}'
+        text += f' flew {_flown(summary)}'
     if summary.plan:
         text += f' over a region of {formats.area(summary.plan.region_area_m2)}'
-    stored = formats.whole(summary.images_stored)
+    drivers = [vehicle for vehicle in summary.vehicles if vehicle.is_ground_vehicle]
+    stored = formats.whole(summary.images_stored - sum(one.images_stored for one in drivers))
     text += f'{" and" if summary.mission_duration_s else ""} stored {stored} photographs'
     if summary.images_expected is not None:
         seen, expected = summary.viewpoints_photographed, summary.images_expected
         part = 'all' if seen == expected else f'{formats.whole(seen)} of'
         text += f' of {part} {formats.whole(expected)} viewpoints'
+    text += ''.join(f'. {_driven(one)}' for one in drivers if one.flown_duration_s is not None)
     return f'{text}.{_highest(summary)}{_at_one_metre(summary)}'
+
+
+def _flown(summary: RunSummary) -> str:
+    """Return how long the vehicles of the air flew."""
+    if any(vehicle.is_ground_vehicle for vehicle in summary.vehicles):
+        fliers = [vehicle for vehicle in summary.vehicles if not vehicle.is_ground_vehicle]
+        longest_s = max((one.flown_duration_s or 0.0 for one in fliers), default=0.0)
+        return f'up to {formats.duration(longest_s)}'
+    return formats.duration(summary.mission_duration_s)
+
+
+def _driven(driver: VehicleFigures) -> str:
+    """Return how far a ground vehicle drove."""
+    shots = formats.whole(driver.images_stored)
+    return (
+        f'{driver.name} drove {formats.length(driver.flown_length_m)} in '
+        f'{formats.duration(driver.flown_duration_s)} and stored {shots} photographs'
+    )
 
 
 def _highest(summary: RunSummary) -> str:
