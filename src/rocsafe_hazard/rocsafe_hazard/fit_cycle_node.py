@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits of all readings so far, one after the other, beside the event loop of a node."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, Protocol, TypeVar
@@ -9,6 +8,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_hazard.pending_request import PendingRequest
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_ros.background_job import BackgroundJob
@@ -75,12 +75,13 @@ class FitCycle(Generic[AssessmentT]):
         self._job: BackgroundJob[AssessmentT, None] | None = None
         self._request = PendingRequest()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._fitted = self._fitted_ns = self._evaluated = self._looks_to_wait = 0
+        self._fitted = self._fitted_ns = self._evaluated = 0
+        self._next_ns = 0
         node.create_timer(LOOK_PERIOD_S, self._on_look, clock=self._steady)
 
     def note_reading(self) -> None:
         """Note that a reading came from a vehicle."""
-        self._request.news(self._steady.now().nanoseconds)
+        self._request.news(self._now_ns)
 
     def answer(
         self,
@@ -89,8 +90,7 @@ class FitCycle(Generic[AssessmentT]):
     ) -> Any:
         """Return the answer to a request for viewpoints; `fill` makes it from the assessment."""
         self._begin()
-        now_ns = self._steady.now().nanoseconds
-        if not self._request.is_answerable(now_ns, len(self._log), self._evaluated):
+        if not self._request.is_answerable(self._now_ns, len(self._log), self._evaluated):
             response.status = SuggestViewpoints.Response.NOT_YET
             return response
         if self._assessment is None:
@@ -99,18 +99,21 @@ class FitCycle(Generic[AssessmentT]):
             return response
         return fill(self._assessment)
 
+    @property
+    def _now_ns(self) -> int:
+        return int(self._steady.now().nanoseconds)
+
     def _on_look(self) -> None:
         if self._job is not None and self._job.is_done:
             ended, self._job = self._job, None
             self._end(ended)
-        self._looks_to_wait -= 1
-        if self._looks_to_wait < 0:
+        if self._now_ns >= self._next_ns:
             self._begin()
 
     def _begin(self) -> None:
         if self._job is not None or len(self._log) <= self._fitted:
             return
-        self._looks_to_wait = math.ceil(self._steps.period_s / LOOK_PERIOD_S)
+        self._next_ns = self._now_ns + int(self._steps.period_s * NS_PER_S)
         self._fitted, self._fitted_ns = len(self._log), self._log.newest_ns
         try:
             fit = self._steps.prepare()
