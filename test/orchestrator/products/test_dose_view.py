@@ -118,7 +118,7 @@ def test_tables_say_how_long_one_may_stay_and_what_was_found(folder):
 def test_facts_and_table_tell_a_source_alike(folder):
     """Its place, its ellipse and its strength are the same words in both."""
     (_, chances), (name, fact) = estimate_facts(estimates())
-    assert (name, plain(chances)) == ('Source 1', '0: below 0.1 %, 1: 99 %, 2: 1 %')
+    assert (name, plain(chances)) == ('Source 1', '0: below 0.1 %, 1: 99.0 %, 2: 1 %')
     page = section(folder)
     words = '5.00 mSv/h (4.00 mSv/h to 6.00 mSv/h)', '3 × 2 m'
     assert all(part in plain(fact) and part in plain(page) for part in words)

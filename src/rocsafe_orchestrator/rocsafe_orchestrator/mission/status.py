@@ -290,7 +290,7 @@ class Monitor:
             flown.append((position, dose_rate_usvh))
         if 0.0 < self._contamination_usvh <= dose_rate_usvh and vehicle not in self.contaminated:
             self.contaminated[vehicle] = f'it read {dose_rate_usvh:.3g} uSv/h'
-        if self.peak is None or dose_rate_usvh > self.peak.dose_rate_usvh:
+        if dose_rate_usvh > (self.peak.dose_rate_usvh if self.peak else 0.0):
             self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
 
     def flown(self, vehicle: str) -> tuple[tuple[GeoPosition, float], ...]:

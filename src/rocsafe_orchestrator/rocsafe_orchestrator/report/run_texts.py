@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass
 
+from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.summary import HighestReading, RunSummary, VehicleFigures
 from rocsafe_orchestrator.report.sections.source_texts import strongest
@@ -57,10 +58,11 @@ def verdict(summary: RunSummary) -> Verdict:
 
 def _lacks(summary: RunSummary) -> str:
     """Return what a mission that was flown to its end still lacks; empty if nothing."""
-    found, expected = summary.estimates, summary.images_expected
+    found, gas, expected = summary.estimates, summary.releases, summary.images_expected
     if expected is not None and summary.viewpoints_photographed < expected:
         return 'photographs missing'
-    if found is not None and found.verdict and not found.is_enough:
+    is_doubtful = found is not None and found.verdict and not found.is_enough
+    if is_doubtful or (gas is not None and not gas.is_enough):
         return 'evidence not enough yet'
     return ''
 
@@ -81,7 +83,7 @@ def lead(summary: RunSummary) -> str:
         part = 'all' if seen == expected else f'{formats.whole(seen)} of'
         text += f' of {part} {formats.whole(expected)} viewpoints'
     text += ''.join(f'. {_driven(one)}' for one in drivers if one.flown_duration_s is not None)
-    return f'{text}.{_highest(summary)}{_at_one_metre(summary)}'
+    return f'{text}.{_highest(summary)}{_at_one_metre(summary)}{_gas(summary.releases)}'
 
 
 def _flown(summary: RunSummary) -> str:
@@ -117,6 +119,26 @@ def _at_one_metre(summary: RunSummary) -> str:
         return ''
     dose_rate = formats.spaced(formats.dose_rate(source.dose_rate_at_1m_usvh))
     return f' At 1{formats.GAP}m from the strongest source it is about {dose_rate}, as estimated.'
+
+
+def _gas(found: ReleaseEstimates | None) -> str:
+    """Return the highest reading of gas, and what is said of releases."""
+    if found is None:
+        return ''
+    top = found.highest_reading
+    place = formats.latitude_longitude(top.latitude_deg, top.longitude_deg)
+    height = formats.length(top.height_agl_m)
+    return (
+        f' The highest reading of {found.sensor_name} was {gas_reading(found)}, measured {height} '
+        f'above the ground at {place}. {found.agent.capitalize()}: {found.verdict}.'
+    )
+
+
+def gas_reading(found: ReleaseEstimates) -> str:
+    """Return the highest reading; a saturated sensor tells only a lower bound."""
+    top = found.highest_reading
+    bound = 'over ' if top.is_saturated else ''
+    return f'{bound}{formats.figures(top.ppm)}{formats.GAP}ppm'
 
 
 def height_of(top: HighestReading) -> str:
