@@ -15,7 +15,7 @@ from std_srvs.srv import SetBool
 from rocsafe_fleet.agreement.agent import Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan
 from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_of
-from rocsafe_fleet.fleet_start import FleetStart, fleet_start
+from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
 from rocsafe_interfaces.msg import FleetPacket, StepDone, SurveyPlan
@@ -35,6 +35,8 @@ LOOK_S = 0.05
 REPORT_S = 1.0
 # Without an orchestrator the agents end so long after the last landing.
 LINGER_S = 10.0
+# Nor do they wait longer for the take-off of vehicles that all stand, although points are left.
+IDLE_S = 300.0
 _NS = 1e-9
 
 
@@ -54,7 +56,8 @@ class AgentsNode(Node):
         self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, (0, 0))
         self._is_paused = False
-        self._step_s = self._report_s = self._active_s = time.monotonic()
+        self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
+        self._needed_s = 0.0
         self._has_flown = False
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
@@ -81,6 +84,9 @@ class AgentsNode(Node):
         else:
             self.create_timer(STEP_S, lambda: self._on_step(self.get_clock().now().nanoseconds))
         self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        if has_started(options.state_directory):
+            # The planner, which told the plan, may be gone.
+            self._begin()
 
     def destroy_node(self) -> None:
         """Destroy the node and the clients that it made."""
@@ -92,7 +98,12 @@ class AgentsNode(Node):
     def is_needed(self) -> bool:
         """Whether an orchestrator lives, or something is left to fly."""
         now_s = time.monotonic()
-        is_flying = self._has_flown and not self._is_done()
+        if now_s < self._needed_s:
+            return True
+        self._needed_s = now_s + LOOK_S
+        if not all(link.is_down for link in self._links.values()):
+            self._aloft_s = now_s
+        is_flying = self._has_flown and not self._is_done() and now_s - self._aloft_s < IDLE_S
         if is_flying or not is_orphan():
             self._active_s = now_s
         return now_s - self._active_s < (LINGER_S if self._has_flown else LOOK_S)
@@ -103,18 +114,20 @@ class AgentsNode(Node):
     # What the agents hear.
 
     def _on_plan(self, message: SurveyPlan) -> None:
-        if self._fleet is not None:
-            return
+        if self._fleet is None:
+            self._begin(message.plan_id)
+
+    def _begin(self, plan_id: str = '') -> None:
+        """Begin with the plan of the survey; no id: with the plan of an earlier start."""
+        token = os.environ.get(MISSION_VARIABLE, '')
         try:
-            self._fleet = fleet_start(
-                self._options, message.plan_id, os.environ.get(MISSION_VARIABLE, ''), self._now_s()
-            )
-        except ValueError as error:
+            self._fleet = fleet_start(self._options, plan_id, token, self._now_s())
+        except (ValueError, OSError) as error:
             self.get_logger().error(f'no agents: {error}')
             return
         known = self._fleet.load()
         for name, link in self._links.items():
-            link.routes[message.plan_id] = self._fleet.first_route(name)
+            link.routes[self._fleet.plan_id] = self._fleet.first_route(name)
             link.routes.update((k, tuple(route)) for k, route in known.get(name, {}).items())
 
     def _on_packet(self, message: FleetPacket) -> None:

@@ -13,9 +13,8 @@ from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import MissionIdentity
-from rocsafe_ros.run import FLEET_LOCK_VARIABLE
+from rocsafe_ros.run import FLEET_LOCK_VARIABLE, SUPERVISOR_LOCK_VARIABLE
 
-_FLEET_LOCK = 'agents.lock'
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
@@ -59,9 +58,13 @@ def child_environment(run: RunDirectory, *, has_agents: bool = False) -> Mapping
 
     With agents, the processes go on without their supervisor as long as the agents do.
     """
+    locks = {
+        FLEET_LOCK_VARIABLE: str(run.agents_lock),
+        SUPERVISOR_LOCK_VARIABLE: str(run.lock),
+    }
     return {
         **os.environ,
-        **({FLEET_LOCK_VARIABLE: str(run.path / _FLEET_LOCK)} if has_agents else {}),
+        **(locks if has_agents else {}),
         SUPERVISOR_VARIABLE: str(os.getpid()),
         # ROS writes one log file for each process, by default in the user's home.
         'ROS_LOG_DIR': str(run.logs / 'ros'),
