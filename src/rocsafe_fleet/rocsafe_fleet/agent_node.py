@@ -35,7 +35,7 @@ LOOK_S = 0.05
 REPORT_S = 1.0
 # Without an orchestrator the agents end so long after the last landing.
 LINGER_S = 10.0
-# Nor do they wait longer for the take-off of vehicles that all stand, although points are left.
+# Nor do they wait longer where all vehicles stand although points are left, or time stands still.
 IDLE_S = 300.0
 _NS = 1e-9
 
@@ -58,6 +58,7 @@ class AgentsNode(Node):
         self._is_paused = False
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
+        self._plan_id = ''
         self._has_flown = False
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
@@ -80,7 +81,8 @@ class AgentsNode(Node):
         topics.create_subscription(self, topics.PLAN, self._on_plan)
         topics.create_subscription(self, topics.FLEET_DELTA, self._on_packet)
         if options.lock_step:
-            self._participant = Participant(self, NAME, self._on_step)
+            # The agents of each host have a name of their own.
+            self._participant = Participant(self, self.get_name(), self._on_step)
         else:
             self.create_timer(STEP_S, lambda: self._on_step(self.get_clock().now().nanoseconds))
         self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -103,7 +105,8 @@ class AgentsNode(Node):
         self._needed_s = now_s + LOOK_S
         if not all(link.is_down for link in self._links.values()):
             self._aloft_s = now_s
-        is_flying = self._has_flown and not self._is_done() and now_s - self._aloft_s < IDLE_S
+        still_s = now_s - min(self._aloft_s, self._step_s)
+        is_flying = self._has_flown and not self._is_done() and still_s < IDLE_S
         if is_flying or not is_orphan():
             self._active_s = now_s
         return now_s - self._active_s < (LINGER_S if self._has_flown else LOOK_S)
@@ -114,8 +117,7 @@ class AgentsNode(Node):
     # What the agents hear.
 
     def _on_plan(self, message: SurveyPlan) -> None:
-        if self._fleet is None:
-            self._begin(message.plan_id)
+        self._plan_id = message.plan_id
 
     def _begin(self, plan_id: str = '') -> None:
         """Begin with the plan of the survey; no id: with the plan of an earlier start."""
@@ -124,6 +126,7 @@ class AgentsNode(Node):
             self._fleet = fleet_start(self._options, plan_id, token, self._now_s())
         except (ValueError, OSError) as error:
             self.get_logger().error(f'no agents: {error}')
+            self._plan_id = ''
             return
         known = self._fleet.load()
         for name, link in self._links.items():
@@ -179,6 +182,9 @@ class AgentsNode(Node):
         for link in self._links.values():
             link.look()
         if self._fleet is None:
+            # On another host than the planner's the file comes later than the message.
+            if self._plan_id and Path(self._options.plan_file).is_file():
+                self._begin(self._plan_id)
             return
         if self._job is not None and self._job[1].is_done:
             (wanted, job), self._job = self._job, None
@@ -229,12 +235,17 @@ class AgentsNode(Node):
             self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_done)
         elif stalled_s > limit_s and self._steps:
             newest = max(self._steps.values())
-            for name in self._options.participants:
-                if self._steps.get(name, -1) < newest and name in self._links:
-                    self._warn(f'{name}: its process is silent, simulated time goes on without')
-                    self._done.publish(StepDone(participant=name, has_left=True))
-                    fleet.silent.add(name)
-                    fleet.agent(name).disable('its process is silent')
+            for name in (*self._options.participants, *self._options.others):
+                if self._steps.get(name, -1) < newest:
+                    self._do_without(fleet, name)
+
+    def _do_without(self, fleet: FleetStart, name: str) -> None:
+        """Let time go on without a participant; its vehicle, if it is one of these, is lost."""
+        self._warn(f'{name}: its process is silent, simulated time goes on without')
+        self._done.publish(StepDone(participant=name, has_left=True))
+        if name in self._links:
+            fleet.silent.add(name)
+            fleet.agent(name).disable('its process is silent')
 
     def _on_done(self, message: StepDone) -> None:
         self._steps[message.participant] = ns_of_stamp(message.step)
@@ -248,7 +259,7 @@ class AgentsNode(Node):
         now_s = self._now_s()
         gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent
         is_down = all(link.is_down or link.name in gone for link in links)
-        return is_down and fleet.is_done
+        return is_down and fleet.is_done and not fleet.others_aloft
 
     def _report(self, fleet: FleetStart) -> None:
         fleet.save({name: link.routes for name, link in self._links.items()})

@@ -88,6 +88,12 @@ class FleetStart:
         return self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
 
     @property
+    def others_aloft(self) -> bool:
+        """Whether a vehicle whose agent is heard, and runs elsewhere, is in the air."""
+        own = self.local.agents
+        return any(not agent.aloft.issubset(own) for agent in own.values())
+
+    @property
     def plan_id(self) -> str:
         """Id of the plan with which the survey begins."""
         return self._survey.plan_id

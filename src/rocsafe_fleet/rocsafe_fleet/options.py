@@ -24,7 +24,10 @@ class AgentOptions:
     )
     lock_step: bool = field(default=False, metadata={'doc': 'take part in simulated time'})
     participants: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'vehicles that simulated time waits for'}
+        default=(), metadata={'doc': 'vehicles here that simulated time waits for'}
+    )
+    others: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'who takes part in simulated time on other hosts'}
     )
     lost_after_s: float = field(
         default=12.0,

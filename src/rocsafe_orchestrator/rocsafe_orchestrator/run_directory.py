@@ -110,6 +110,11 @@ class RunDirectory:
         """File that the agents of the vehicles keep locked."""
         return self.path / 'agents.lock'
 
+    @property
+    def photographs_token(self) -> Path:
+        """File with the token by which other hosts hand over photographs."""
+        return self.path / 'photographs.token'
+
     def log_of(self, process: str) -> Path:
         """Return the log file of `process`."""
         return self.logs / f'{process}.log'

@@ -31,6 +31,12 @@ from rocsafe_orchestrator.mission_commands.terminal import Terminal
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.console_process import operators_page, seal
 from rocsafe_orchestrator.processes.domain_lock import file_lock
+from rocsafe_orchestrator.processes.hosts import (
+    JOIN_PORT,
+    HostServer,
+    Welcome,
+    write_photographs_token,
+)
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.launches import child_environment, launches
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
@@ -116,6 +122,8 @@ class MissionRun:
         self.monitor = Monitor(
             self.scenario.vehicle_names, levels.contamination_usvh, self.scenario.driver_name
         )
+        if self.scenario.hosts:
+            write_photographs_token(self.directory, self.identity.token)
         if self.extras.airsim_port is not None:
             server = airsim_process(self.scenario, LOOPBACK, self.extras.airsim_port)
             self.table = (*self.table, server)
@@ -133,7 +141,7 @@ class MissionRun:
 
     def run(self, console: Console) -> int:
         """Fly, and return the exit code."""
-        _log_to(self.directory)
+        log_to(self.directory)
         plain = make_display(console, self.directory.name, is_quiet=self.extras.is_quiet)
         display = SteadyDisplay(plain, self.terminal.close)
         display.say(f'run directory: {self.directory.path}')
@@ -141,6 +149,7 @@ class MissionRun:
         with self.processes(), page, display:
             phase = self.fly(display)
         self.directory.session.unlink(missing_ok=True)
+        self.directory.photographs_token.unlink(missing_ok=True)
         seal(self.directory)
         if not self.extras.is_quiet:
             closing = _closing(self.directory, self.monitor, self.text, phase)
@@ -166,7 +175,8 @@ class MissionRun:
                 self.supervisor.adopt(name, process)
                 self.session = self.session.with_process(name, process.pid)
             for spec in self.table:
-                self.supervisor.start(spec.name, begin_as_fork)
+                if spec.is_here:
+                    self.supervisor.start(spec.name, begin_as_fork)
             yield
         finally:
             self.supervisor.stop(must_hurry=lambda: self.interrupt.is_urgent)
@@ -176,7 +186,7 @@ class MissionRun:
         # Imported late: `rocsafe check` works without ROS.
         from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 
-        with ros_session(self.identity, self.extras.config):
+        with ros_session(self.identity, self.extras.config), self._hosts() as hosts:
             node = OrchestratorNode(self.scenario, self.monitor, self.identity)
             self.claim.close()
             mission = self._mission(node)
@@ -197,6 +207,7 @@ class MissionRun:
                 run_info=self.run_info,
                 crew_watch=CrewWatch(self.scenario, self.monitor),
                 real=frozenset(vehicle.name for vehicle in self.scenario.linked),
+                hosts=hosts,
             )
             try:
                 run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)
@@ -204,6 +215,25 @@ class MissionRun:
             finally:
                 self.text = mission.text
                 parts.spinner.close()
+
+    @contextmanager
+    def _hosts(self) -> Iterator[HostServer | None]:
+        """Welcome the other hosts of the mission, if it has any; they end with it."""
+        if not self.scenario.hosts:
+            yield None
+            return
+        head, *others = self.scenario.hosts
+        welcome = Welcome(
+            mission=self.identity.mission,
+            token=self.identity.token,
+            scenario=self.scenario.to_yaml(),
+        )
+        addresses = {host.name: host.address for host in others}
+        server = HostServer((head.address, JOIN_PORT), addresses, welcome, self.directory.plan)
+        try:
+            yield server
+        finally:
+            server.close()
 
     def _mission(self, node: Any) -> Mission:
         """Return the mission; of a resumed one, what was done is known."""
@@ -251,14 +281,14 @@ def locked(run: RunDirectory) -> Iterator[None]:
 
 def _found_text(found: Found, monitor: Monitor, table: tuple[ProcessSpec, ...]) -> str:
     """Return what a resumed run has found, for people."""
-    started = [spec.name for spec in table if spec.name not in found.living]
+    started = [spec.name for spec in table if spec.is_here and spec.name not in found.living]
     names = f', started again: {", ".join(started)}' if started else ''
     lost = f', lost: {", ".join(found.lost)}' if found.lost else ''
     count = f'{monitor.images_stored} of {monitor.images_expected} photographs are stored'
     return f'resumed: {count}, {len(found.living)} processes run{names}{lost}'
 
 
-def _log_to(directory: RunDirectory) -> None:
+def log_to(directory: RunDirectory) -> None:
     """Write the log of the orchestrator to a file beside those of the processes."""
     handler = logging.FileHandler(directory.log_of('orchestrator'), encoding='utf-8')
     handler.setFormatter(logging.Formatter('%(asctime)s %(levelname)s %(message)s'))

@@ -21,7 +21,7 @@ from rocsafe_orchestrator.processes.company import needed_names
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.launches import require_executables
 from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
-from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
+from rocsafe_orchestrator.processes.ros_reach import reach
 from rocsafe_orchestrator.processes.session import Adopted, read_session
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.scenario import Scenario
@@ -50,7 +50,7 @@ def resume_run(path: Path, extras: Extras, console: Console) -> int:
         living = {name: one for name, one in session.living().items() if name in names}
         found, table = _found(scenario, table, living)
         extras = replace(extras, config=Path(session.config) if session.config else None)
-        stay_on_this_machine()
+        reach(scenario)
         require_executables(table)
         holder = f'{session.mission}, process {os.getpid()}'
         with (
@@ -86,14 +86,17 @@ def _found(
 ) -> tuple[Found, tuple[ProcessSpec, ...]]:
     """Return what there is of a mission, and the processes that it needs from now on."""
     vehicles = crew_of(scenario, table).vehicle_processes
+    # Whether vehicles of other hosts fly is not known: they are waited for.
+    is_known = all(spec.is_here for spec in table)
     flies = AGENTS in living or any(process in living for process in vehicles.values())
-    if not flies:
+    if is_known and not flies:
         needed = tuple(spec for spec in table if spec.name == MOSAIC or spec.name in living)
         return Found(first=Phase.MAPPING, living=living), needed
-    simulated = {vehicle.name for vehicle in scenario.simulated}
+    elsewhere = {spec.name for spec in table if not spec.is_here}
+    simulated = {v.name for v in scenario.simulated} - elsewhere
     lost = tuple(n for n, p in vehicles.items() if n in simulated and p not in living)
     gone = {vehicles[name] for name in lost}
-    needed = tuple(spec for spec in table if spec.name not in gone)
+    needed = tuple(spec for spec in table if spec.is_here and spec.name not in gone)
     return Found(first=Phase.FLYING, living=living, lost=lost), needed
 
 

@@ -20,7 +20,7 @@ from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.launches import require_executables
 from rocsafe_orchestrator.processes.process_start import import_for
 from rocsafe_orchestrator.processes.process_table import process_table
-from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
+from rocsafe_orchestrator.processes.ros_reach import reach
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
@@ -59,7 +59,7 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         raise ScenarioError('\n'.join(f'{request.scenario.name}: {line}' for line in lines))
     if request.extras.config is not None:
         require_parameter_file(request.extras.config)
-    stay_on_this_machine()
+    reach(scenario)
     require_space(request.parent, scenario)
     table = process_table(scenario, RunDirectory(request.parent))
     executables = require_executables(table)

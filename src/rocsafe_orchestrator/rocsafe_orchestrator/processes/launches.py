@@ -20,14 +20,14 @@ SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
 
 def require_executables(table: Iterable[ProcessSpec]) -> list[Path]:
-    """Return the executable of every process of `table`.
+    """Return the executable of every process of `table` on this host.
 
     Raises
     ------
     SetupError
         If an executable is missing.
     """
-    return [find_executable(spec.package, spec.executable) for spec in table]
+    return [find_executable(spec.package, spec.executable) for spec in table if spec.is_here]
 
 
 def launches(
@@ -36,7 +36,7 @@ def launches(
     identity: MissionIdentity,
     config: Path | None = None,
 ) -> tuple[Launch, ...]:
-    """Write the parameter file of every process and return how to start each, and the report.
+    """Write the parameter files of this host and return how to start each, and the report.
 
     Parameters
     ----------
@@ -50,7 +50,8 @@ def launches(
     SetupError
         If an executable is missing.
     """
-    return (*(_launch(spec, run, identity, config) for spec in table), _report_launch(run))
+    here = (_launch(spec, run, identity, config) for spec in table if spec.is_here)
+    return (*here, _report_launch(run))
 
 
 def child_environment(run: RunDirectory, *, has_agents: bool = False) -> Mapping[str, str]:
@@ -84,6 +85,8 @@ def _launch(
     # Every process uses simulated time.
     arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
     arguments += identity.ros_arguments
+    for remapping in spec.remappings:
+        arguments += ['-r', remapping]
     for file in files:
         arguments += ['--params-file', file]
     return Launch(

@@ -4,9 +4,10 @@
 import os
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_ros.domain.network import bind_interfaces
+from rocsafe_ros.domain.network import INTERFACES, PEERS, bind_interfaces
 from rocsafe_ros.domain.shared_memory import remove_torn_ports
 from rocsafe_ros.parameters import ParameterError
+from rocsafe_scenario.scenario import Scenario
 
 # Variables that limit it; one that is set is respected.
 REACH_VARIABLES = (
@@ -16,6 +17,29 @@ REACH_VARIABLES = (
     'ROS_DISCOVERY_SERVER',
     'ROS_LOCALHOST_ONLY',
 )
+
+
+def reach(scenario: Scenario, host: str = '') -> None:
+    """Limit ROS discovery to the hosts of a scenario unless the user has set a range.
+
+    Hosts ask each other by address, without multicast. A scenario without hosts stays on this
+    machine.
+
+    Parameters
+    ----------
+    host
+        Name of this host; empty: the head.
+
+    Raises
+    ------
+    SetupError
+        If the address of this host is none of this machine.
+    """
+    if scenario.hosts and not any(os.environ.get(name) for name in REACH_VARIABLES):
+        addresses = {one.name: one.address for one in scenario.hosts}
+        os.environ[INTERFACES] = addresses[host or scenario.head]
+        os.environ[PEERS] = ','.join(addresses.values())
+    stay_on_this_machine()
 
 
 def stay_on_this_machine() -> None:
