@@ -91,14 +91,17 @@ class Network:
                 env={**kept, 'ROS_DOMAIN_ID': str(self._domain), 'TMPDIR': str(folder / 'tmp')},
             )
 
-    def start_all(self) -> None:
-        """Start the mission on all hosts."""
+    def start_all(self, link: str = 'dds') -> None:
+        """Start the mission on all hosts, whose agents meet over `link`."""
+        scenario = self._folder / 'hosts.yaml'
+        text = SCENARIO.read_text()
+        scenario.write_text(text.replace('agents: true', f'agents: true\n  link: {link}'))
         for name in HOSTS[1:]:
             self.start(
-                name, 'join', SCENARIO, '--host', name, '--out', self._folder / name / 'runs'
+                name, 'join', scenario, '--host', name, '--out', self._folder / name / 'runs'
             )
         runs = self._folder / 'base' / 'runs'
-        self.start('base', 'run', SCENARIO, '--out', runs, '--speed', '8')
+        self.start('base', 'run', scenario, '--out', runs, '--speed', '8')
 
     def output(self, name: str) -> str:
         """Return what a host has printed."""
@@ -189,9 +192,12 @@ def test_mission_over_three_hosts_on_a_lossy_network_is_complete(network: Networ
     assert network.run('base').report.is_file()
 
 
-def test_mission_goes_on_when_the_head_is_cut_off_for_good(network: Network) -> None:
+@pytest.mark.parametrize('link', ['dds', 'zenoh'])
+def test_mission_goes_on_when_the_head_is_cut_off_for_good(network: Network, link: str) -> None:
     """After the take-off: the other hosts photograph everything, land, and end by themselves."""
-    network.start_all()
+    if link == 'zenoh':
+        pytest.importorskip('zenoh', reason='needs pip install eclipse-zenoh')
+    network.start_all(link)
     network.wait_for_images(2)
     network.cut('base')
     for name in HOSTS[1:]:

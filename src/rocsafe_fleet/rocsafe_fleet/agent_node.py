@@ -3,6 +3,7 @@
 
 import fcntl
 import os
+import re
 import time
 from functools import partial
 from pathlib import Path
@@ -15,10 +16,14 @@ from std_srvs.srv import SetBool
 from rocsafe_fleet.agreement.agent import Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan
 from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_of
+from rocsafe_fleet.dds_link_node import DdsLink
+from rocsafe_fleet.errors import LinkError
 from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
+from rocsafe_fleet.link.fleet_link import FleetLink
+from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
-from rocsafe_interfaces.msg import FleetPacket, StepDone, SurveyPlan
+from rocsafe_interfaces.msg import StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
 from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
@@ -63,7 +68,7 @@ class AgentsNode(Node):
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
         self._lock = _locked()
-        self._packets = topics.create_publisher(self, topics.FLEET_DELTA)
+        self._link = self._linked(options)
         self._states = topics.create_publisher(self, topics.AGENTS)
         self._done = topics.create_publisher(self, topics.STEP_DONE)
         self._world = self.create_client(SetBool, topics.WORLD_RUN.name)
@@ -79,7 +84,6 @@ class AgentsNode(Node):
         # While the other nodes start: the first loss need not wait for it.
         BackgroundJob(lambda _report: load_kernels(), 'loading', None)
         topics.create_subscription(self, topics.PLAN, self._on_plan)
-        topics.create_subscription(self, topics.FLEET_DELTA, self._on_packet)
         if options.lock_step:
             # The agents of each host have a name of their own.
             self._participant = Participant(self, self.get_name(), self._on_step)
@@ -94,7 +98,20 @@ class AgentsNode(Node):
         """Destroy the node and the clients that it made."""
         for link in self._links.values():
             link.close()
+        self._link.close()
+        sent, received = self._link.bytes_sent, self._link.bytes_received
+        self.get_logger().info(f'link: {sent} bytes sent, {received} bytes received')
         super().destroy_node()
+
+    def _linked(self, options: AgentOptions) -> FleetLink:
+        """Return the way of packets to the agents of other processes."""
+        if options.link == 'dds':
+            return DdsLink(self)
+        fleet = re.sub('[^A-Za-z0-9_-]', '_', options.mission) or 'fleet'
+        try:
+            return ZenohLink(fleet, options.link_listen, options.link_peers)
+        except LinkError as error:
+            raise ParameterError(f'agents: {error}') from error
 
     @property
     def is_needed(self) -> bool:
@@ -133,9 +150,9 @@ class AgentsNode(Node):
             link.routes[self._fleet.plan_id] = self._fleet.first_route(name)
             link.routes.update((k, tuple(route)) for k, route in known.get(name, {}).items())
 
-    def _on_packet(self, message: FleetPacket) -> None:
-        if self._fleet is not None:
-            self._fleet.local.receive(bytes(message.data), self._now_s())
+    def _receive(self, fleet: FleetStart) -> None:
+        for data in self._link.receive():
+            fleet.local.receive(data, self._now_s())
 
     def _on_step(self, time_ns: int) -> bool:
         """Let the agents think at one time; return whether they have nothing to do."""
@@ -143,10 +160,11 @@ class AgentsNode(Node):
         if self._fleet is None:
             return True
         fleet = self._fleet
+        self._receive(fleet)
         for name, link in self._links.items():
             self._tell_agent(fleet, name, link, time_ns * _NS)
         for data in fleet.local.advance(time_ns * _NS):
-            self._packets.publish(FleetPacket(data=data))
+            self._link.send(data)
         self._plan(fleet)
         return self._is_done()
 

@@ -39,6 +39,8 @@ def host_mistakes(scenario: 'Scenario') -> Iterator[str]:
     """Yield one line for each mistake of the hosts of a scenario."""
     hosts, processes = scenario.hosts, scenario.simulation.processes
     if not hosts:
+        if scenario.fleet.link != 'dds':
+            yield f'fleet.link = {scenario.fleet.link}: must be dds without hosts'
         return
     if len(hosts) == 1:
         yield 'hosts = 1 of them: must be none, or at least 2'

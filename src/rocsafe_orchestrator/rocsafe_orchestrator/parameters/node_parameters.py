@@ -21,6 +21,8 @@ LOCALIZER, AIR, AGENTS = 'localizer', 'air', 'agents'
 LOCK_STEP = {'lock_step': True}
 # Where the head of several hosts takes photographs from the others.
 PHOTOGRAPHS_PORT = 47612
+# Where agents listen with Zenoh.
+AGENTS_PORT = 47613
 
 
 def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
@@ -187,6 +189,26 @@ def agent_parameters(scenario: Scenario, run: RunDirectory, host: str = '') -> P
         'lock_step': not scenario.linked,
         'participants': simulated if is_apart else [],
         'others': _participants_elsewhere(scenario, own),
+        **_link_parameters(scenario, own),
+    }
+
+
+def _link_parameters(scenario: Scenario, own: str) -> Parameters:
+    """Return how agents of different hosts reach each other."""
+    if scenario.fleet.link == 'dds':
+        return {}
+    # A host without vehicles has no agents.
+    with_agents = {scenario.host_of(name) for name in scenario.vehicle_names}
+    addresses = {
+        host.name: f'{host.address}:{AGENTS_PORT}'
+        for host in scenario.hosts
+        if host.name in with_agents
+    }
+    listen = addresses.pop(own, '')
+    return {
+        'link': scenario.fleet.link,
+        'link_listen': listen,
+        'link_peers': list(addresses.values()),
     }
 
 

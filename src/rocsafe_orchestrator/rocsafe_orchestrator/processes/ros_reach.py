@@ -22,8 +22,8 @@ REACH_VARIABLES = (
 def reach(scenario: Scenario, host: str = '') -> None:
     """Limit ROS discovery to the hosts of a scenario unless the user has set a range.
 
-    Hosts ask each other by address, without multicast. A scenario without hosts stays on this
-    machine.
+    Each host asks those before it in the scenario by address, without multicast. A scenario without
+    hosts stays on this machine.
 
     Parameters
     ----------
@@ -36,9 +36,10 @@ def reach(scenario: Scenario, host: str = '') -> None:
         If the address of this host is none of this machine.
     """
     if scenario.hosts and not any(os.environ.get(name) for name in REACH_VARIABLES):
-        addresses = {one.name: one.address for one in scenario.hosts}
-        os.environ[INTERFACES] = addresses[host or scenario.head]
-        os.environ[PEERS] = ','.join(addresses.values())
+        names = [one.name for one in scenario.hosts]
+        asked = scenario.hosts[: names.index(host or scenario.head) + 1]
+        os.environ[INTERFACES] = asked[-1].address
+        os.environ[PEERS] = ','.join(one.address for one in asked)
     stay_on_this_machine()
 
 

@@ -19,7 +19,8 @@ from rocsafe_ros.parameters import ParameterError
 
 # Addresses or names of interfaces, separated by commas.
 INTERFACES = 'ROCSAFE_INTERFACES'
-# IPv4 addresses of all hosts of a mission, separated by commas: they are asked one by one.
+# IPv4 addresses of hosts, separated by commas, that are asked for participants one by one. Of two
+# hosts one must ask.
 PEERS = 'ROCSAFE_PEERS'
 RANGE, LOOPBACK_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST'
 LOOPBACK = '127.0.0.1'
@@ -55,9 +56,14 @@ _PROFILE = """\
   </profiles>
 </dds>
 """
-# A unicast address for discovery in place of the multicast group.
+# A unicast address for discovery in place of the multicast group. A participant announces itself
+# to each port of each peer: by default every 3 s, which fills a radio.
 _PEERS = """
         <builtin>
+          <discovery_config>
+            <leaseDuration><sec>30</sec></leaseDuration>
+            <leaseAnnouncement><sec>8</sec></leaseAnnouncement>
+          </discovery_config>
           <metatrafficUnicastLocatorList><locator><udpv4/></locator></metatrafficUnicastLocatorList>
           <initialPeersList>{peers}</initialPeersList>
         </builtin>"""
@@ -69,7 +75,7 @@ _WRITERS = """
     </data_writer>"""
 _PEER = '<locator><udpv4><address>{address}</address></udpv4></locator>'
 # Participants of a host that are found: each is a process, and has ports of its own.
-MOST_PARTICIPANTS = 40
+MOST_PARTICIPANTS = 32
 
 
 def bind_interfaces(environment: MutableMapping[str, str]) -> None:
