@@ -15,6 +15,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from rocsafe_fleet.link.fleet_link import FleetLink
+
 HOSTS = 3
 # A heartbeat of an agent of ten; see `python benchmarks/fleet.py bytes`.
 PACKET_BYTES = 67
@@ -27,6 +29,7 @@ def talk(link: str, number: int, agents: int, seconds: float) -> None:
     addresses = [f'10.92.0.{k + 1}' for k in range(HOSTS)]
     os.environ['ROCSAFE_INTERFACES'] = addresses[number]
     os.environ['ROCSAFE_PEERS'] = ','.join(addresses[: number + 1])
+    way: FleetLink
     if link == 'dds':
         import rclpy
         from rclpy.node import Node

@@ -22,8 +22,8 @@ REACH_VARIABLES = (
 def reach(scenario: Scenario, host: str = '') -> None:
     """Limit ROS discovery to the hosts of a scenario unless the user has set a range.
 
-    Each host asks those before it in the scenario by address, without multicast. A scenario without
-    hosts stays on this machine.
+    Each host asks those before it in the scenario by address, without multicast. A scenario
+    without hosts stays on this machine.
 
     Parameters
     ----------
