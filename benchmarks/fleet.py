@@ -12,8 +12,8 @@ All parts fly whole missions in simulated time over a simulated radio. Times are
 * `thin`: 9.6 kbit/s a vehicle and 50 % loss: time until all agree, and bytes.
 * `half`: half of the drones are lost.
 * `peers`: CBBA, PI and an auction by insertion share what a lost drone leaves, with the same
-  places and the same losses of messages (`fleet_peers.py`): longest way over that of a search of three
-  seconds that knows everything, messages, and points that nobody or more than one has.
+  places and the same losses of messages (`fleet_peers.py`): longest way over that of a search of
+  three seconds that knows everything, messages, and points that nobody or more than one has.
 """
 
 import argparse

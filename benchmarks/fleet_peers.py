@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ PATIENCE = 10
 Loses = Callable[[int, int], bool]
 Link = Callable[[float, np.random.Generator], Loses]
 Paths = list[list[int]]
+Told = tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]
 
 
 @dataclass(frozen=True)
@@ -110,7 +112,7 @@ class Bidder:
         self.winners = np.full(self.points, -1)
         self.heard = np.full(self.count, -1)
 
-    def told(self) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    def told(self) -> Told:
         """Return what it sends."""
         return self.bids.copy(), self.winners.copy(), self.heard.copy()
 
@@ -128,7 +130,7 @@ def cbba(work: Work, loses: Loses) -> Result:
         _build(work, agent, size)
 
     def hear(agent: Bidder, sender: int, message: object, now: int) -> None:
-        _agree(agent, sender, message, now)  # type: ignore[arg-type]
+        _agree(agent, sender, cast(Told, message), now)
         _release(agent)
 
     return _rounds(work, agents, think, hear, loses)
@@ -164,7 +166,7 @@ def _build(work: Work, agent: Bidder, size: int) -> None:
 def _agree(  # noqa: C901 - a table of rules, as published
     agent: Bidder,
     sender: int,
-    message: tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]],
+    message: Told,
     now: int,
 ) -> None:
     """Apply the decision rules of CBBA, table 1, to each point."""
@@ -231,7 +233,7 @@ def pi(work: Work, loses: Loses) -> Result:
         _include(work, agent, size)
 
     def hear(agent: Bidder, sender: int, message: object, now: int) -> None:
-        _agree(agent, sender, message, now)  # type: ignore[arg-type]
+        _agree(agent, sender, cast(Told, message), now)
         agent.bids[agent.winners == -1] = -1e9
         _remove(work, agent)
 
@@ -289,7 +291,7 @@ def auction(work: Work, loses: Loses) -> Result:
         agent.bids[agent.bundle[0]] = -(whole + prices[best])
 
     def hear(agent: Bidder, sender: int, message: object, now: int) -> None:
-        bids, winners, _ = message  # type: ignore[misc]
+        bids, winners, _ = cast(Told, message)
         taken = (winners == sender) & (agent.winners == -1)
         agent.winners[taken] = sender
         # Of two that have a point the one with the lower number keeps it.

@@ -75,7 +75,7 @@ def test_resumed_mission_is_joined_and_brought_to_its_end(fly: Fly) -> None:
     summary = json.loads(run.summary.read_text())
     assert summary['outcome'] == 'complete', summary
     assert run.mosaic.is_file()
-    assert run.report.is_file()
+    assert '<h2>Agents</h2>' in run.report.read_text()
     assert len(flight.info()['resumed']) == 1
     assert not run.session.exists()
 
