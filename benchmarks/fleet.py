@@ -124,7 +124,7 @@ def loss(seeds: int) -> bool:
         random = np.random.default_rng(seed)
         lost, time_s = int(random.integers(5)), float(random.uniform(50.0, 500.0))
         for kind, found in excess.items():
-            trial = place.trial(seed)
+            trial = place.trial(seed, step_s=0.05)
             trial.at(time_s, partial(_lose, number=lost, announced=kind == 'announced'))
             outcome = trial.run()
             missing += outcome.missing

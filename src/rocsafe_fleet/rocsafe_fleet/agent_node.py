@@ -35,7 +35,7 @@ from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import FLEET_LOCK_VARIABLE, is_orphan, run
 
 NAME = 'agents'
-STEP_S = 0.1
+STEP_S = 0.05
 LOOK_S = 0.05
 REPORT_S = 1.0
 # Without an orchestrator the agents end so long after the last landing.
