@@ -45,6 +45,8 @@ from rocsafe_scenario.scenario import Scenario
 NAME = 'orchestrator'
 # Requests are few, and their answers may wait so long.
 ANSWER_PERIOD_S = 0.02
+# Agents that have told nothing for so long are not waited for, seconds of wall time.
+AGENT_SILENCE_S = 60.0
 
 
 class OrchestratorNode(Node):
@@ -67,7 +69,7 @@ class OrchestratorNode(Node):
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
-        self._agents: dict[str, bool] = {}
+        self._agents: dict[str, tuple[bool, float]] = {}
         self._steps_watch: Any = None
         self.requester = Node(
             f'{NAME}_requests',
@@ -165,12 +167,18 @@ class OrchestratorNode(Node):
         self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
 
     def _on_agent(self, message: AgentState) -> None:
-        self._agents[message.vehicle] = message.is_done
+        self._agents[message.vehicle] = message.is_done, time.monotonic()
 
     @property
     def agents_are_done(self) -> bool:
-        """Whether all agents that were heard have nothing left to fly."""
-        return bool(self._agents) and all(self._agents.values())
+        """Whether all agents that are heard have nothing left to fly.
+
+        Agents of a host that is cut off are not waited for.
+        """
+        heard_s = time.monotonic() - AGENT_SILENCE_S
+        return bool(self._agents) and all(
+            is_done or told_s < heard_s for is_done, told_s in self._agents.values()
+        )
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)

@@ -43,6 +43,8 @@ class Mission(PhaseRecord):
         Whether the other vehicles take over the viewpoints of a lost one.
     has_agents
         Whether agents of the vehicles do that by themselves.
+    first
+        Phase that follows the start of the processes: a resumed mission is beyond its plan.
 
     Attributes
     ----------
@@ -60,8 +62,10 @@ class Mission(PhaseRecord):
         extra_rounds: int = 0,
         replans: bool = False,
         has_agents: bool = False,
+        first: Phase = Phase.PLANNING,
     ) -> None:
         super().__init__()
+        self._first = first
         self._crew = crew
         self._deadlines = deadlines
         self._plan_timeout_s = deadlines.plan_s + planning_budget_s
@@ -326,11 +330,21 @@ class Mission(PhaseRecord):
     def _start(self, now_s: float, situation: Situation) -> None:
         missing = sorted(self._crew.processes - situation.ready)
         if not missing:
-            self.enter(Phase.PLANNING)
-            self._requests.add(OrderKind.PLAN, PLANNER)
+            self._begin(situation)
         elif self.passed_s(now_s) > self._deadlines.start_timeout_s:
             limit = self._deadlines.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
+
+    def _begin(self, situation: Situation) -> None:
+        """Enter the phase that follows the start of the processes."""
+        self.enter(self._first)
+        if self._first is Phase.PLANNING:
+            self._requests.add(OrderKind.PLAN, PLANNER)
+        elif self._first is Phase.FLYING:
+            self._requests.add(OrderKind.RUN_CLOCK, WORLD)
+        elif situation.images_stored < situation.images_expected:
+            count = f'{situation.images_stored} of {situation.images_expected}'
+            self.fault(f'only {count} photographs are stored')
 
     def _plan(self, now_s: float, situation: Situation) -> None:
         if self.fleet.is_gathering:
