@@ -32,7 +32,9 @@ def attitude_ned(body_flu_in_enu: Quaternion) -> Quaternion:
     body_flu_in_enu
         Attitude of the body (forward, left, up) in ENU.
     """
-    return _product(_product(_ENU_IN_NED, body_flu_in_enu), _FRD_IN_FLU)
+    x, y, z, w = _product(_product(_ENU_IN_NED, body_flu_in_enu), _FRD_IN_FLU)
+    # Of the two that are the same attitude, the one that AirSim gives.
+    return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
 def heading(yaw_enu_rad: float) -> Quaternion:

@@ -15,12 +15,12 @@ from std_srvs.srv import Trigger
 from rocsafe_airsim import conversions
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.ned import Origin, Vector
-from rocsafe_airsim.vehicle import Picture, VehicleNow
+from rocsafe_airsim.vehicle import Light, Picture, Turn, VehicleNow
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import GeoPoint, VehicleState
-from rocsafe_interfaces.srv import GoTo, Lease, Look, Move, SetHome
+from rocsafe_interfaces.srv import GoTo, Lease, Look, Move, SetHome, SetLight, SetWind
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 
 HOLDER = 'airsim'
 # A client whose script ends without a word leads for no longer.
@@ -62,6 +62,7 @@ class RosVehicle:
             topics.create_subscription(node, spec, partial(self._on_message, spec.name), name)
         topics.create_subscription(node, topics.HOME, self._on_home, name)
         calls = (*_PLAIN.values(), topics.LEASE, topics.MOVE, topics.GO_TO, topics.SET_HOME)
+        calls = (*calls, topics.SET_WIND, topics.SET_LIGHT)
         self._clients = {spec.name: self._client(spec) for spec in calls}
 
     def add_camera(self, camera: str) -> None:
@@ -78,6 +79,11 @@ class RosVehicle:
     def is_heard(self) -> bool:
         """Whether its state and its place are known."""
         return {'state', 'odom', 'fix'} <= self._heard.keys()
+
+    @property
+    def smells(self) -> bool:
+        """Whether it has told of gas."""
+        return 'gas' in self._heard
 
     def now(self) -> VehicleNow:
         """Return what was last heard; raises `AirsimError` before anything was."""
@@ -157,11 +163,11 @@ class RosVehicle:
             speed_mps=speed_mps,
         )  # fmt: skip
 
-    async def at_velocity(
-        self, velocity_enu: Vector, duration_s: float, turn_rate_radps: float
-    ) -> None:
+    async def at_velocity(self, velocity_enu: Vector, duration_s: float, turn: Turn) -> None:
         """Fly at a velocity."""
-        request = {'duration_s': duration_s, 'turn_rate_radps': turn_rate_radps}
+        request: dict[str, Any] = {'duration_s': duration_s, 'turn_rate_radps': turn.rate_radps}
+        if turn.yaw_enu_rad is not None:
+            request |= {'to_yaw': True, 'yaw_rad': turn.yaw_enu_rad}
         move = Move.Request(kind=Move.Request.AT_VELOCITY, lease=self._lease, **request)
         move.velocity.x, move.velocity.y, move.velocity.z = velocity_enu
         await self._order_move(move)
@@ -173,6 +179,22 @@ class RosVehicle:
     async def plain(self, verb: str) -> None:
         """Give an order that every holder may give."""
         await self._order(verb, Trigger.Request())
+
+    async def set_wind(self, east_mps: float, north_mps: float) -> None:
+        """Fly in another wind."""
+        await self._order('set_wind', SetWind.Request(east_mps=east_mps, north_mps=north_mps))
+
+    async def set_light(self, light: Light) -> None:
+        """Let its cameras see the scene in another light."""
+        request = SetLight.Request(
+            sun_as_scenario=light.sun_ns is None,
+            sun_time=stamp_of_ns(light.sun_ns or 0),
+            sun_speed=light.sun_speed,
+            sun_step_s=light.sun_step_s,
+            fog=light.fog,
+            wetness=light.wetness,
+        )
+        await self._order('set_light', request)
 
     async def set_home(self, position: Vector) -> None:
         """Stand elsewhere."""

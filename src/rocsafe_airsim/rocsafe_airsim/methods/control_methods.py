@@ -50,8 +50,9 @@ class ControlMethods:
 
     @served('armDisarm')
     async def _arm_disarm(self, arm: bool, name: str = '') -> bool:
-        vehicle = self._at.led(name)
-        # Vehicles of this suite arm for a flight and disarm after the landing by themselves.
+        vehicle = self._at.vehicle(name)
+        # Nothing is moved, so no control is needed: vehicles of this suite arm for a flight and
+        # disarm after the landing by themselves.
         return arm or vehicle.now().state not in AIRBORNE
 
     @served('reset')
