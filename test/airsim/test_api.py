@@ -353,6 +353,21 @@ def test_a_velocity_upwards_takes_off(world):
         ask(on_ground, LED[0], ('moveByVelocity', 1.0, 0.0, 0.0, 1.0, 0, ANY_YAW, ''))
 
 
+def test_reset_answers_when_the_vehicles_stand_at_home(world):
+    """Also one that is landing already; what takes off then takes off from the ground."""
+    core = world.vehicles['rav1'].core
+    ask(world, *LED, ('reset',))
+    assert (core.mode, world.vehicles['rav1'].leads) == (Mode.LANDED, False)
+    ask(world, *LED)
+    core.land()
+    ask(world, LED[0], ('reset',))
+    assert core.mode is Mode.LANDED
+    ask(world, *LED)
+    core.land()
+    assert ask(world, *LED) is True
+    assert core.mode is Mode.HOLDING
+
+
 def test_disarming_needs_no_control(world):
     """As hello_drone ends: after its reset."""
     assert ask(world, LED[0], ('reset',), ('armDisarm', False, '')) is True

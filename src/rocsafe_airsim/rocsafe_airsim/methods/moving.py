@@ -14,6 +14,7 @@ from rocsafe_airsim.vehicle import (
     AIRBORNE,
     HOLDING,
     LANDED,
+    LANDING,
     Turn,
     Vehicle,
     VehicleNow,
@@ -52,11 +53,15 @@ class Mover:
 
     async def take_off(self, vehicle: Vehicle, timeout_s: float) -> bool:
         """Climb above home, if on the ground."""
+        task = self._begin(vehicle)
+        if vehicle.now().state == LANDING and not await self._until(
+            vehicle, task, lambda now: now.state != LANDING, timeout_s
+        ):
+            return False
         now = vehicle.now()
         if now.state in AIRBORNE:
             return True
         latitude, longitude, _ = self._world.to_geodetic(now.true_enu)
-        task = self._begin(vehicle)
         height_m = max(now.true_enu[2] - vehicle.origin.home_enu[2], 0.0) + TAKE_OFF_M
         place = (latitude, longitude, height_m)
         if not await self._give(vehicle, task, lambda: vehicle.along([place], 0.0)):
@@ -171,9 +176,11 @@ class Mover:
 
     async def _down(self, vehicle: Vehicle, verb: str, timeout_s: float) -> bool:
         task = self._begin(vehicle)
-        if vehicle.now().state not in AIRBORNE:
+        state = vehicle.now().state
+        if state not in AIRBORNE:
             return True
-        if not await self._give(vehicle, task, lambda: vehicle.plain(verb)):
+        # One that lands already is on its way down.
+        if state != LANDING and not await self._give(vehicle, task, lambda: vehicle.plain(verb)):
             return False
         return await self._until(vehicle, task, lambda now: now.state == LANDED, timeout_s)
 
