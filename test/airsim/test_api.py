@@ -4,7 +4,7 @@
 import asyncio
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -138,6 +138,7 @@ class Vehicle:
     async def set_home(self, position):
         """Stand elsewhere."""
         self._do(lambda: self.core.set_home(self.world.to_enu(position)))
+        self.origin = Origin(self.core.home_enu)
 
     async def set_wind(self, east_mps, north_mps):
         """Fly in another wind."""
@@ -296,7 +297,7 @@ def test_images_have_what_clients_read(world):
     scene, depth, segments, packed = ask(world, ('simGetImages', requests, ''))
     assert (scene['width'], scene['height']) == (4, 3)
     assert scene['image_data_uint8'] == PIXELS.tobytes()
-    assert depth['image_data_float'][1:] == DEPTH.ravel().tolist()[1:]
+    assert depth['image_data_float'].tolist()[1:] == DEPTH.ravel().tolist()[1:]
     assert depth['image_data_float'][0] == 65_504.0
     colours = np.frombuffer(segments['image_data_uint8'], np.uint8).reshape(12, 3)
     assert len({tuple(colour) for colour in colours.tolist()}) == 12
@@ -366,6 +367,15 @@ def test_reset_answers_when_the_vehicles_stand_at_home(world):
     core.land()
     assert ask(world, *LED) is True
     assert core.mode is Mode.HOLDING
+
+
+def test_a_wait_ends_with_the_flight(world):
+    """A battery that runs low brings the vehicle home: the movement answers false."""
+    core = world.vehicles['rav1'].core
+    core.airframe = replace(core.airframe, endurance_s=120.0)
+    far = ('moveByVelocity', 0.05, 0.0, 0.0, 3000.0, 0, ANY_YAW, '')
+    assert ask(world, *LED, far) is False
+    assert core.mode is Mode.LANDED
 
 
 def test_disarming_needs_no_control(world):
@@ -450,8 +460,11 @@ def test_time_is_paused_and_goes_on_for_some_seconds(world):
 @pytest.mark.slow
 def test_a_vehicle_is_placed_before_its_first_flight(world):
     """Its origin goes with it, as that of a start pose does."""
-    pose = {'position': {'x_val': 5.0, 'y_val': 6.0, 'z_val': 0.0}, 'orientation': {}}
-    ask(world, ('simSetVehiclePose', pose, True, ''))
+    pose = {'position': {'x_val': 5.0, 'y_val': 6.0, 'z_val': -4.0}, 'orientation': {}}
+    with pytest.raises(AirsimError, match='enableApiControl first'):
+        ask(world, ('simSetVehiclePose', pose, True, ''))
+    ask(world, LED[0], ('simSetVehiclePose', pose, True, ''))
+    assert world.vehicles['rav1'].origin.home_enu == world.vehicles['rav1'].core.home_enu
     assert world.vehicles['rav1'].core.home_enu[:2] == pytest.approx((-34.0, 30.0), abs=1e-6)
     with pytest.raises(AirsimError, match='has flown'):
         ask(world, *LED, ('simSetVehiclePose', pose, True, ''))

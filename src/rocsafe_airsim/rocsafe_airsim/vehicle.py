@@ -156,7 +156,10 @@ class Vehicle(Protocol):
         """Give one of the orders ``hold``, ``land``, ``return_home``."""
 
     async def set_home(self, position: Vector) -> None:
-        """Stand elsewhere: latitude and longitude in degrees, altitude in metres."""
+        """Stand on the ground elsewhere; home and origin are then there.
+
+        `position` is latitude and longitude in degrees, and altitude in metres.
+        """
 
     async def set_wind(self, east_mps: float, north_mps: float) -> None:
         """Fly in another wind."""

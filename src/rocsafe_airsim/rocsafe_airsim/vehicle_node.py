@@ -3,6 +3,7 @@
 
 import asyncio
 import json
+import math
 import threading
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -28,6 +29,8 @@ LEASE_S = 60.0
 RENEW_S = 15.0
 # A vehicle answers orders at once; a picture is drawn first.
 ANSWER_S, PICTURE_S = 5.0, 30.0
+# A home is heard by its topic.
+HEARD_S, SAME_PLACE_M = 0.02, 0.5
 _PLAIN = {'hold': topics.HOLD, 'land': topics.LAND, 'return_home': topics.RETURN_HOME}
 _NAN3 = (float('nan'),) * 3
 
@@ -197,10 +200,16 @@ class RosVehicle:
         await self._order('set_light', request)
 
     async def set_home(self, position: Vector) -> None:
-        """Stand elsewhere."""
+        """Stand on the ground elsewhere, and hear that home and origin are there."""
         latitude, longitude, altitude = position
         point = GeoPoint(latitude=latitude, longitude=longitude, altitude=altitude)
         await self._order('set_home', SetHome.Request(lease=self._lease, position=point))
+        wanted = self.to_enu(position)[:2]
+        end_s = asyncio.get_running_loop().time() + ANSWER_S
+        while math.dist(self.origin.home_enu[:2], wanted) > SAME_PLACE_M:
+            if asyncio.get_running_loop().time() > end_s:
+                raise AirsimError(f'{self.name}: was not heard at its new home')
+            await asyncio.sleep(HEARD_S)
 
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""

@@ -12,6 +12,7 @@ from rocsafe_airsim.ned import Vector, swapped, yaw_ned, yaw_of
 from rocsafe_airsim.values import vector
 from rocsafe_airsim.vehicle import (
     AIRBORNE,
+    CRASHED,
     HOLDING,
     LANDED,
     LANDING,
@@ -209,15 +210,22 @@ class Mover:
         is_done: Callable[[VehicleNow], bool],
         timeout_s: float,
     ) -> bool:
-        """Wait by the time of the mission; false at its end, or if another order came."""
+        """Wait by the time of the mission; false at its end, or if another order came.
+
+        Also if the flight has ended otherwise: a failsafe landed the vehicle, or it crashed.
+        """
         limit_s = float(timeout_s)
         end_ns = math.inf
         if math.isfinite(limit_s) and limit_s < 1e9:
             end_ns = self._world.time_ns() + max(limit_s, 0.0) * NS_PER_S
+        has_flown = False
         while self._tasks[vehicle.name] == task:
-            if is_done(vehicle.now()):
+            now = vehicle.now()
+            if is_done(now):
                 return True
-            if self._world.time_ns() > end_ns:
+            has_flown |= now.state in AIRBORNE
+            is_down = now.state == CRASHED or (has_flown and now.state not in AIRBORNE)
+            if is_down or self._world.time_ns() > end_ns:
                 return False
             await asyncio.sleep(POLL_S)
         return False

@@ -10,7 +10,7 @@ from rocsafe_airsim import images, values
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, matches, served
 from rocsafe_airsim.methods.moving import vector_of
-from rocsafe_airsim.ned import Origin, Quaternion, attitude_ned
+from rocsafe_airsim.ned import Quaternion, attitude_ned
 from rocsafe_airsim.vehicle import DISARMED, Picture
 
 
@@ -39,12 +39,11 @@ class SensingMethods:
     async def _sim_set_vehicle_pose(
         self, pose: Any, _ignore_collision: Any = True, name: str = ''
     ) -> None:
-        vehicle = self._at.simulated(name)
+        vehicle = self._at.led(self._at.simulated(name).name)
         if vehicle.now().state != DISARMED:
             raise AirsimError(f'{vehicle.name} has flown: can be placed before its first flight')
         place = vehicle.origin.to_enu(vector_of(pose['position']))
         await vehicle.set_home(self._at.world.to_geodetic(place))
-        vehicle.origin = Origin(place)
 
     @served('simGetGroundTruthKinematics')
     async def _sim_get_ground_truth_kinematics(self, name: str = '') -> values.Plain:
