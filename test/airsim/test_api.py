@@ -148,6 +148,10 @@ class Vehicle:
         """Keep it."""
         self.light = light
 
+    async def point(self, camera, pitch_rad, yaw_rad):
+        """Keep it."""
+        self.pointed = (camera, pitch_rad, yaw_rad)
+
     async def look(self, camera, *, with_truth):
         """Return a picture."""
         down = (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0)
@@ -306,6 +310,28 @@ def test_images_have_what_clients_read(world):
     w, y = scene['camera_orientation']['w_val'], scene['camera_orientation']['y_val']
     x, z = scene['camera_orientation']['x_val'], scene['camera_orientation']['z_val']
     assert math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))) == pytest.approx(-math.pi / 2)
+
+
+def test_a_camera_is_turned_by_its_gimbal(world):
+    """30 degrees down and 90 to the right; neither moved nor rolled."""
+
+    def pose(roll, pitch, yaw, x=0.0):
+        cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+        cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+        cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+        orientation = {
+            'w_val': cr * cp * cy + sr * sp * sy, 'x_val': sr * cp * cy - cr * sp * sy,
+            'y_val': cr * sp * cy + sr * cp * sy, 'z_val': cr * cp * sy - sr * sp * cy,
+        }  # fmt: skip
+        return {'position': {'x_val': x, 'y_val': 0.0, 'z_val': 0.0}, 'orientation': orientation}
+
+    ask(world, ('simSetCameraPose', '0', pose(0.0, math.radians(-30.0), math.pi / 2), ''))
+    camera, pitch_rad, yaw_rad = world.vehicles['rav1'].pointed
+    assert camera == 'camera'
+    assert (pitch_rad, yaw_rad) == pytest.approx((math.radians(-30.0), -math.pi / 2))
+    for wrong, words in ((pose(0.3, 0, 0), 'roll is 17.2 deg'), (pose(0, 0, 0, 1.0), 'position')):
+        with pytest.raises(AirsimError, match=words):
+            ask(world, ('simSetCameraPose', '0', wrong, ''))
 
 
 def test_segmentation_ids_are_chosen_by_name(world):

@@ -167,6 +167,9 @@ class Vehicle(Protocol):
     async def set_light(self, light: Light) -> None:
         """Let its cameras see the scene in another light."""
 
+    async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:
+        """Point a camera in a gimbal: above the horizon, and from the nose, anticlockwise."""
+
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""
 

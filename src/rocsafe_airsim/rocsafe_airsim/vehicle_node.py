@@ -15,6 +15,7 @@ from std_srvs.srv import Trigger
 
 from rocsafe_airsim import conversions
 from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.gimbals_node import Gimbals
 from rocsafe_airsim.ned import Origin, Vector
 from rocsafe_airsim.vehicle import Light, Picture, Turn, VehicleNow
 from rocsafe_geo.frame import LocalFrame
@@ -57,6 +58,7 @@ class RosVehicle:
         self._node, self._frame = node, frame
         self._lock = threading.Lock()
         self._heard: dict[str, Any] = {}
+        self._gimbals = Gimbals(node, name)
         self._tables: dict[str, Sequence[Mapping[str, Any]]] = {}
         self._lease = ''
         own = (topics.STATE, topics.ODOM, topics.FIX, topics.GROUND_TRUTH_FIX)
@@ -76,6 +78,7 @@ class RosVehicle:
         self._clients[spec.name] = self._client(spec)
         table = topics.of_camera(topics.CAMERA_LABEL_TABLE, camera)
         topics.create_subscription(self._node, table, partial(self._on_table, camera), self.name)
+        self._gimbals.add(camera)
         self.cameras = sorted([*self.cameras, camera], key=lambda c: (c != 'camera', c))
 
     @property
@@ -210,6 +213,10 @@ class RosVehicle:
             if asyncio.get_running_loop().time() > end_s:
                 raise AirsimError(f'{self.name}: was not heard at its new home')
             await asyncio.sleep(HEARD_S)
+
+    async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:
+        """Turn the gimbal of a camera."""
+        await self._gimbals.point(camera, pitch_rad, yaw_rad)
 
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""
