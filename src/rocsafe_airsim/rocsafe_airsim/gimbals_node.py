@@ -2,7 +2,6 @@
 """The gimbals of a vehicle's cameras: pointed by a topic, heard by another."""
 
 import asyncio
-import math
 
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -63,7 +62,8 @@ class Gimbals:
         """Return whether it rests at a new target; limits may keep it from what was wanted."""
         state = self._states[camera]
         target = _target(state)
-        is_new = target != before or math.dist(target, wanted) <= SAME_RAD
+        is_wanted = all(abs(a - b) <= SAME_RAD for a, b in zip(target, wanted, strict=True))
+        is_new = is_wanted or target != before
         return bool(state.is_settled) and is_new
 
     def _on_state(self, message: GimbalState) -> None:

@@ -60,6 +60,10 @@ class Origin:
         a, b = place_enu, self.home_enu
         return swapped((a[0] - b[0], a[1] - b[1], a[2] - b[2]))
 
+    def is_over(self, place_enu: Vector, nearest_m: float) -> bool:
+        """Return whether a place is above or below home, to within a distance over ground."""
+        return math.dist(self.home_enu[:2], place_enu[:2]) <= nearest_m
+
     def to_enu(self, place_ned: Vector) -> Vector:
         """Return a place in the mission's frame."""
         a, b = swapped(place_ned), self.home_enu

@@ -3,7 +3,6 @@
 
 import asyncio
 import json
-import math
 import threading
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -207,9 +206,9 @@ class RosVehicle:
         latitude, longitude, altitude = position
         point = GeoPoint(latitude=latitude, longitude=longitude, altitude=altitude)
         await self._order('set_home', SetHome.Request(lease=self._lease, position=point))
-        wanted = self.to_enu(position)[:2]
+        wanted = self.to_enu(position)
         end_s = asyncio.get_running_loop().time() + ANSWER_S
-        while math.dist(self.origin.home_enu[:2], wanted) > SAME_PLACE_M:
+        while not self.origin.is_over(wanted, SAME_PLACE_M):
             if asyncio.get_running_loop().time() > end_s:
                 raise AirsimError(f'{self.name}: was not heard at its new home')
             await asyncio.sleep(HEARD_S)
