@@ -97,7 +97,9 @@ export class MissionMap {
     const base = this.link.sections.base_map;
     this.groups.base.clearLayers();
     if (!base) return;
-    this.groups.base.addLayer(L.tileLayer('/api/base/{z}/{x}/{y}', { pane: 'base', minZoom: 2, maxZoom: 24, minNativeZoom: base.zooms[0], maxNativeZoom: base.zooms[1] }));
+    this.groups.base.addLayer(L.tileLayer('/api/base/{z}/{x}/{y}', {
+      pane: 'base', minZoom: base.zooms[0], maxZoom: 24, maxNativeZoom: base.zooms[1], bounds: base.bounds ? [base.bounds.slice(0, 2), base.bounds.slice(2)] : undefined,
+    }));
     this.attribution ??= L.control.attribution({ prefix: false, position: 'bottomleft' }).addTo(this.map);
     if (base.attribution && this.credit !== base.attribution) this.attribution.addAttribution(this.credit = base.attribution.replace(/[<>&]/g, ' '));
   }

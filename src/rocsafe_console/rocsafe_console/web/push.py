@@ -104,7 +104,7 @@ class Pusher:
         may = sorted(action.value for action in MAY[session.role])
         base = self._context.base_map
         texts['base_map'] = json.dumps(
-            base and {'zooms': base.zooms, 'attribution': base.attribution}
+            base and {'zooms': base.zooms, 'attribution': base.attribution, 'bounds': base.bounds}
         )
         texts['session'] = json.dumps(
             {'user': session.user, 'role': session.role.value, 'may': may}
