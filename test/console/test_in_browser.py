@@ -171,6 +171,40 @@ def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     view.page.close()
 
 
+def test_a_ground_vehicle_is_sent_by_clicks(browser, tmp_path):
+    """Its drive is shown with time and dose before it is confirmed; it is drawn on the map."""
+    stage = Stage(tmp_path, has_rover=True)
+    stage.begin()
+    with served(stage) as address:
+        pilot = Pilot(stage)
+        view = View(browser, address)
+        view.wait('document.querySelectorAll(".vehicle").length === 4')
+        assert 'driving' in view.page.inner_text('.vehicles')
+        latitude, longitude = place_of(-60.0, -40.0)
+        point = view.page.evaluate(
+            f'rocsafe.map.map.latLngToContainerPoint([{latitude}, {longitude}])'
+        )
+        view.page.click('#map', position={'x': point['x'], 'y': point['y']})
+        view.page.click('[data-send="rgv1"]')
+        view.page.wait_for_selector('.order-confirm')
+        assert '95 of 100 cases below 61' in view.page.inner_text('.order-offer')
+        assert view.page.evaluate('rocsafe.map.offered.vehicle') == 'rgv1'
+        assert not stage.crew.sent
+        view.page.click('.order-confirm')
+        view.page.wait_for_selector('.results li.done')
+        ((order, names),) = stage.crew.sent
+        assert (order.verb, names) == (Action.SEND, ('rgv1',))
+        assert order.target.latitude_deg == pytest.approx(latitude, abs=1e-5)
+        assert view.page.evaluate('rocsafe.map.offered') is None
+        view.page.keyboard.press('p')
+        view.page.click('.order-confirm')
+        view.wait('document.querySelector(".results-head").textContent.includes("Plan anew")')
+        assert (stage.crew.sent[1][0].verb, len(stage.crew.sent[1][1])) == (Action.REPLAN, 4)
+        assert not view.faults
+        view.page.close()
+        pilot.stop()
+
+
 def test_a_touch_must_last(browser, flight):
     """A brush of the glass confirms nothing."""
     stage, _, address = flight

@@ -141,6 +141,12 @@ class Requests:
         if self._drives is not None:
             self._drives.begin(mission)
 
+    def replan(self) -> str:
+        """Have the rest of the mission planned anew; return why not, empty if it is."""
+        if self._mission is None:
+            return 'cannot plan anew: no mission has begun'
+        return self._mission.replan(self._leases.lost)
+
     def close(self) -> None:
         """Destroy the clients of actions, which keep their node in the graph."""
         for client in (self._planner, *self._vehicles.values()):

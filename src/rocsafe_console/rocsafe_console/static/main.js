@@ -46,6 +46,7 @@ function select(name, isChosen) {
   map.schedule();
   facts.draw();
 }
+orders.onOffer = (drive) => map.offerDrive(drive);
 map.onVehicle = (name) => select(name, !selection.has(name));
 map.onPlace = (place) => (draft.isDrawing ? draft.onPlace(place) : showPlace(place));
 
@@ -58,9 +59,14 @@ async function showPlace({ lat, lng }) {
   const parts = [make('ul', {}, ...rows)];
   const may = link.sections.session?.may ?? [];
   const chosen = [...selection];
-  if (may.includes('go_to') && chosen.length === 1) {
+  if (may.includes('go_to') && chosen.length === 1 && !link.vehicles.get(chosen[0])?.facts.is_ground) {
     const height = make('input', { type: 'number', min: 5, max: 500, value: 50, 'aria-label': t('place_height') });
     parts.push(make('p', { class: 'place-row' }, height, make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
+  }
+  if (may.includes('send')) {
+    const budget = make('input', { type: 'number', min: 1, max: 1e6, value: 100, 'aria-label': t('place_dose') });
+    const drivers = [...link.vehicles.values()].filter((vehicle) => vehicle.facts.is_ground).map((vehicle) => make('button', { type: 'button', class: 'small', 'data-send': vehicle.name, text: t('place_send', { vehicle: vehicle.name }), onclick: () => { orders.arm('send', [vehicle.name], { latitude_deg: lat, longitude_deg: lng, dose_budget_usv: Number(budget.value) }); box.hidden = true; } }));
+    if (drivers.length) parts.push(make('p', { class: 'place-row' }, make('label', { class: 'note' }, `${t('place_dose')} `, budget), ...drivers));
   }
   if (may.includes('mark')) {
     const text = make('input', { type: 'text', maxlength: 500, placeholder: t('mark_text'), 'aria-label': t('mark_text') });

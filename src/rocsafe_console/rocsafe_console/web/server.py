@@ -17,7 +17,7 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.runs.drafts import Drafts
-from rocsafe_console.web import draft_handlers, handlers, outward_handlers
+from rocsafe_console.web import draft_handlers, handlers, order_handlers, outward_handlers
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
@@ -73,8 +73,8 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/api/sessions', handlers.list_sessions)
     post('/api/sessions/{id}/revoke', handlers.revoke)
     get('/api/live', live)
-    post('/api/orders', handlers.prepare_order)
-    post('/api/orders/{id}/confirm', handlers.confirm_order)
+    post('/api/orders', order_handlers.prepare_order)
+    post('/api/orders/{id}/confirm', order_handlers.confirm_order)
     post('/api/alarms/{number}/acknowledge', handlers.acknowledge)
     post('/api/marks', handlers.mark)
     get('/api/coordinates', handlers.coordinates)
