@@ -293,6 +293,39 @@ def test_a_mission_is_drawn_planned_approved_and_launched_by_clicks(browser, tmp
     view.page.close()
 
 
+def test_a_mistake_stands_beside_its_field(browser, tmp_path):
+    """On the line of the text and in a list that leads there; a change of the text clears both."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    tools = tmp_path / 'bin'
+    tools.mkdir()
+    command = tools / 'rocsafe'
+    words = 'rocsafe: mission.yaml: seed = abc: must be a number'
+    command.write_text(f'#!/bin/sh\necho "{words}"\nexit 2\n')
+    command.chmod(command.stat().st_mode | stat.S_IXUSR)
+    stage.context.environment['PATH'] = f'{tools}:{stage.context.environment["PATH"]}'
+    with served(stage) as address:
+        view = View(browser, address)
+        view.page.click('[data-view="draft"]')
+        view.page.click('#draft summary')
+        view.page.fill('#draft-text', 'name: x\nseed: abc\n')
+        view.page.click('#draft-check')
+        view.page.wait_for_selector('.draft-mark')
+        assert 'must be a number' in view.page.inner_text('.draft-mark')
+        mark = view.page.locator('.draft-mark').bounding_box()
+        text = view.page.locator('#draft-text').bounding_box()
+        assert 20 <= mark['y'] - text['y'] <= 40, 'beside the second line'
+        view.page.click('.draft-faults button')
+        chosen = 't => t.value.slice(t.selectionStart, t.selectionEnd)'
+        assert view.page.eval_on_selector('#draft-text', chosen) == 'seed: abc'
+        view.page.fill('#draft-text', 'name: x\nseed: [1\n')
+        assert view.page.locator('.draft-mark').count() == 0
+        view.page.click('#draft-check')
+        view.page.wait_for_selector('.draft-mark')
+        assert not [fault for fault in view.faults if '400' not in fault]
+        view.page.close()
+
+
 def draw_and_launch(view: View) -> int:
     """Draw a region, plan, approve and launch; return the number of clicks."""
     page = view.page

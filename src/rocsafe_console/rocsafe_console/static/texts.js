@@ -36,7 +36,7 @@ export const TEXTS = {
   legend: 'Dose rate, µSv/h', legend_gas: 'Gas, ppm', decisions: 'What was decided',
   help_title: 'Keys', help: 'h Hold · r Resume · b Return · l Land · p Plan anew · Enter Confirm · Esc Cancel · a Seen · t Theme · 1 2 3 Views · f Show all · ? Keys',
   link_make: 'Address for QGIS', draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import GeoJSON',
-  draft_save: 'Check', draft_plan: 'Plan', draft_preflight: 'Preflight', draft_approve: 'I approve this plan', draft_launch: 'Launch', draft_area: '{area} m², {count} corners', draft_running: 'working …', draft_name: 'Name', draft_text: 'Scenario',
+  draft_save: 'Check', draft_plan: 'Plan', draft_preflight: 'Preflight', draft_approve: 'I approve this plan', draft_launch: 'Launch', draft_area: '{area} m², {count} corners', draft_running: 'working …', draft_name: 'Name', draft_text: 'Scenario', draft_fault_line: 'line {line}',
   state_unknown: 'unknown', state_disarmed: 'disarmed', state_armed: 'armed', state_taking_off: 'taking off', state_flying: 'flying', state_holding: 'holding', state_returning: 'returning', state_landing: 'landing', state_landed: 'landed', state_lost: 'lost', state_crashed: 'crashed', state_waiting: 'waiting', state_driving: 'driving', state_parked: 'parked', state_standing: 'standing', state_arrived: 'arrived',
   critical: 'critical', warning: 'warning', refused: 'Refused: {why}',
 };
