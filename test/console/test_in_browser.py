@@ -4,6 +4,8 @@
 import shutil
 import socket
 import stat
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -62,7 +64,9 @@ class Pilot:
 class View:
     """A page that is open, with everything that it must not do."""
 
-    def __init__(self, browser, address: str, size: str = 'desktop', **options) -> None:
+    def __init__(
+        self, browser, address: str, size: str = 'desktop', *, token: str = TOKEN, **options
+    ) -> None:
         width, height = SIZES[size]
         self.page = browser.new_page(viewport={'width': width, 'height': height}, **options)
         self.page.set_default_timeout(WAIT_MS)
@@ -70,7 +74,7 @@ class View:
         self.page.on('pageerror', lambda error: self.faults.append(str(error)))
         self.page.on('console', self._on_console)
         self.page.on('request', lambda request: self._on_request(request.url, address))
-        self.page.goto(f'{address}#token={TOKEN}')
+        self.page.goto(f'{address}#token={token}')
 
     def _on_console(self, message) -> None:
         # A server that is gone is told by the browser, too.
@@ -143,6 +147,101 @@ def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
     view.page.close()
     pilot.stop()
     server.close()
+
+
+SPEAKER = """
+import sys, time
+import rclpy
+from rclpy.node import Node
+from rocsafe_interfaces.msg import MissionState, VehicleState
+from rocsafe_ros import topics
+rclpy.init()
+node = Node('speaker')
+mission = topics.create_publisher(node, topics.MISSION_STATE)
+state = topics.create_publisher(node, topics.STATE, 'rav1')
+def speak():
+    stamp = node.get_clock().now().to_msg()
+    a, b = MissionState(mission_id='m1', phase=2), VehicleState(vehicle='rav1', state=4)
+    a.header.stamp = b.header.stamp = stamp
+    mission.publish(a)
+    state.publish(b)
+timer = node.create_timer(0.2, speak)
+print('speaks', flush=True)
+end = time.time() + 120
+while time.time() < end:
+    rclpy.spin_once(node, timeout_sec=0.1)
+    if sys.stdin in __import__('select').select([sys.stdin], [], [], 0)[0] and timer is not None:
+        sys.stdin.readline()
+        timer.cancel()
+        print('silent', flush=True)
+        timer = None
+"""
+# Counts, each 20 ms, whether a vehicle is shown as live.
+WATCH = """() => { window.seenLive = 0; setInterval(() => {
+    window.seenLive += document.querySelectorAll('.vehicle:not(.grey)').length; }, 20); }"""
+
+
+class RealServer:
+    """`rocsafe console` in a process of its own, always at the same port."""
+
+    def __init__(self, runs: Path) -> None:
+        with socket.create_server(('127.0.0.1', 0)) as free:
+            self.port = free.getsockname()[1]
+        self.runs = runs
+        self.process = None
+
+    def begin(self) -> str:
+        """Start it, and return the address that it prints."""
+        self.process = subprocess.Popen(
+            [sys.executable, '-m', 'rocsafe_console.serve_node', '--runs', str(self.runs),
+             '--port', str(self.port)], stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        return self.process.stdout.readline().removeprefix('console: ').strip()
+
+    def kill(self) -> None:
+        """End it without a word."""
+        self.process.kill()
+        self.process.wait()
+
+
+def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(browser, tmp_path):
+    """SIGKILL, twice: the mission goes on, then it has fallen silent meanwhile."""
+    pytest.importorskip('rclpy', reason='no ROS 2 here')
+    speaker = subprocess.Popen(
+        [sys.executable, '-c', SPEAKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    server = RealServer(tmp_path)
+    try:
+        assert speaker.stdout.readline().strip() == 'speaks'
+        address, token = server.begin().split('#token=')
+        view = View(browser, address, token=token)
+        shown = 'document.querySelectorAll(".vehicle:not(.grey)").length === 1'
+        view.wait(shown)
+        server.kill()
+        view.wait('document.documentElement.classList.contains("not-live")')
+        assert view.page.locator('.vehicle:not(.grey)').count() == 0
+        server.begin()
+        view.wait(shown)
+        assert view.page.inner_text('#pulse') == 'live'
+        # Logged in as before, with another token.
+        assert view.page.evaluate('rocsafe.link.sections.session.role') == 'commander'
+        speaker.stdin.write('be silent\n')
+        speaker.stdin.flush()
+        assert speaker.stdout.readline().strip() == 'silent'
+        view.wait('document.querySelectorAll(".vehicle.grey").length === 1')
+        server.kill()
+        view.wait('document.documentElement.classList.contains("not-live")')
+        view.page.evaluate(WATCH)
+        server.begin()
+        # What DDS has kept for late subscribers is heard, and is old.
+        view.wait('rocsafe.link.isLive && rocsafe.link.sections.mission?.id === "m1"')
+        view.wait('!document.querySelector("#banner").hidden')
+        assert view.page.evaluate('window.seenLive') == 0
+        view.page.close()
+    finally:
+        speaker.kill()
+        speaker.wait()
+        server.kill()
 
 
 def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
