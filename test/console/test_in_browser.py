@@ -335,6 +335,38 @@ def test_an_alarm_is_seen_at_once_and_until_somebody_says_so(browser, flight):
     view.page.close()
 
 
+def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, flight):
+    """Before, the button says that nothing is heard; critical alarms repeat; mute is silent."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    stage.state['rav2'] = 9
+    view.page.wait_for_selector('.alarm.critical')
+    assert view.page.evaluate('rocsafe.sound.played') == []
+    assert 'No sound' in view.page.inner_text('#sound')
+    view.page.click('#sound')
+    view.wait('document.querySelector("#sound").textContent === "Sound on"')
+    # The alarm from before is still open.
+    view.wait('rocsafe.sound.played.length >= 2')
+    assert set(view.page.evaluate('rocsafe.sound.played')) == {'critical'}
+    stage.state['rav3'] = 9
+    view.wait('rocsafe.link.sections.alarms.length === 2')
+    view.page.keyboard.press('a')
+    view.wait('document.querySelectorAll(".alarm.seen").length === 1')
+    view.page.keyboard.press('a')
+    view.wait('rocsafe.sound.open.length === 0')
+    heard = view.page.evaluate('rocsafe.sound.played.length')
+    view.page.evaluate('rocsafe.sound.repeat()')
+    assert view.page.evaluate('rocsafe.sound.played.length') == heard
+    view.page.click('#sound')
+    assert view.page.inner_text('#sound') == 'Sound off'
+    stage.state['rav1'] = 9
+    view.wait('rocsafe.link.sections.alarms.length === 3')
+    assert view.page.evaluate('rocsafe.sound.played.length') == heard
+    assert not view.faults
+    view.page.close()
+
+
 @pytest.mark.parametrize('theme', ['light', 'dark'])
 @pytest.mark.parametrize('size', SIZES)
 def test_everybody_can_read_and_use_it(browser, flight, size, theme):

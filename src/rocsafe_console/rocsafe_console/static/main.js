@@ -6,6 +6,7 @@ import { Link, ask } from './link.js';
 import { MissionMap } from './map.js';
 import { Facts } from './facts.js';
 import { Orders } from './orders.js';
+import { Sound } from './sound.js';
 import { Runs } from './runs.js';
 import { Draft } from './draft.js';
 
@@ -96,29 +97,18 @@ function show(view) {
 for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
 
 // Alarms are heard as well as seen.
-let sound = null;
-let isLoud = true;
-let lastAlarm = 0;
-function beep(isCritical) {
-  if (!isLoud) return;
-  sound ??= new AudioContext();
-  const now = sound.currentTime;
-  for (const start of isCritical ? [0, 0.25, 0.5] : [0]) {
-    const tone = sound.createOscillator();
-    const gain = sound.createGain();
-    tone.frequency.value = isCritical ? 880 : 520;
-    gain.gain.setValueAtTime(0.25, now + start);
-    gain.gain.linearRampToValueAtTime(0, now + start + 0.2);
-    tone.connect(gain).connect(sound.destination);
-    tone.start(now + start);
-    tone.stop(now + start + 0.2);
-  }
+// The click that wakes the sound does not turn it off: what was before it is noted first.
+let wasWaiting = false;
+for (const name of ['pointerdown', 'keydown']) addEventListener(name, () => { wasWaiting = window.rocsafe.sound?.state === 'waiting'; }, { capture: true });
+const sound = window.rocsafe.sound = new Sound();
+function nameSound() {
+  $('#sound').dataset.state = sound.state;
+  $('#sound').setAttribute('aria-pressed', String(sound.state === 'on'));
+  $('#sound').textContent = t(`sound_${sound.state}`);
 }
-$('#sound').addEventListener('click', () => {
-  isLoud = !isLoud;
-  $('#sound').setAttribute('aria-pressed', String(isLoud));
-  $('#sound').textContent = t(isLoud ? 'sound_on' : 'sound_off');
-});
+sound.addEventListener('state', nameSound);
+nameSound();
+$('#sound').addEventListener('click', () => { if (!wasWaiting) sound.toggle(); });
 
 link.addEventListener('sections', ({ detail }) => {
   orders.draw();
@@ -128,10 +118,7 @@ link.addEventListener('sections', ({ detail }) => {
   who.hidden = !session;
   if (session) who.textContent = t('who', { user: session.user, role: session.role });
   if (alarms && (detail.isHello || detail.names.includes('alarms'))) {
-    const newest = Math.max(0, ...alarms.map((one) => one.number));
-    const fresh = alarms.filter((one) => one.number > lastAlarm && !one.seen_by);
-    if (!detail.isHello && fresh.length) beep(fresh.some((one) => one.severity === 'critical'));
-    lastAlarm = newest;
+    sound.hear(alarms, detail.isHello);
   }
 });
 
