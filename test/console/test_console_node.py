@@ -14,8 +14,10 @@ from geometry_msgs.msg import Point, TransformStamped, Vector3
 from nav_msgs.msg import OccupancyGrid
 from rclpy.action import ActionServer
 from rclpy.node import Node
+from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import ColorRGBA
 from std_srvs.srv import Trigger
+from test.console.test_video import jpeg_of
 from test.orchestrator.test_fleet_verbs import Stand, Vehicle
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -201,6 +203,20 @@ def test_a_new_plan_is_asked_of_the_mission(console):
     results = console.order(Action.REPLAN, *NAMES)
     assert asked == ['replan'], 'once for all vehicles'
     assert {one.text for one in results.values()} == {'cannot plan anew: nothing flies'}
+
+
+def test_a_camera_is_heard_only_while_somebody_looks(console):
+    """The subscription begins with the first and ends with the last one."""
+    video, spin = console.live.video, console.ros.spin_until
+    camera = topics.create_publisher(console.speaker, topics.CAMERA_IMAGE_COMPRESSED, 'rav1')
+    assert camera.get_subscription_count() == 0
+    video.join('rav1')
+    spin(lambda: camera.get_subscription_count() == 1, DEADLINE_S)
+    camera.publish(CompressedImage(format='jpeg', data=jpeg_of(7)))
+    spin(lambda: video.newest('rav1') is not None, DEADLINE_S)
+    assert video.newest('rav1').jpeg == jpeg_of(7)
+    video.leave('rav1')
+    spin(lambda: camera.get_subscription_count() == 0, DEADLINE_S)
 
 
 class Rover:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from test.console.stage import TOKEN, Stage, place_of, served
+from test.console.test_video import jpeg_of
 
 from rocsafe_console.people.roles import Action, Role
 from rocsafe_console.people.session_file import load_sessions
@@ -331,6 +332,31 @@ def test_an_alarm_is_seen_at_once_and_until_somebody_says_so(browser, flight):
     view.page.keyboard.press('a')
     view.page.wait_for_selector('.alarm.seen')
     assert 'seen by anna' in view.page.inner_text('.alarm.seen')
+    assert not view.faults
+    view.page.close()
+
+
+def test_a_camera_is_looked_at_and_left(browser, flight):
+    """Its pictures have their age; old ones are grey; nothing is sent while nobody looks."""
+    stage, _, address = flight
+    video = stage.context.live.video
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    assert not video.wanted
+    view.page.select_option('#video-vehicle', 'rav2')
+    view.wait('rocsafe.video.socket?.readyState === 1')
+    assert video.wanted == {'rav2'}
+    with stage.context.live.lock:
+        video.put('rav2', jpeg_of(200), time.time())
+    view.wait('document.querySelector(".fact-camera img").naturalWidth === 64')
+    assert 'taken' in view.page.inner_text('.fact-camera')
+    view.wait('document.querySelector(".fact-camera img").classList.contains("old-picture")')
+    assert 'old' in view.page.inner_text('.fact-camera .line')
+    view.page.select_option('#video-vehicle', '')
+    end_s = time.monotonic() + WAIT_MS / 1000
+    while video.wanted:
+        assert time.monotonic() < end_s
+        view.page.wait_for_timeout(30)
     assert not view.faults
     view.page.close()
 

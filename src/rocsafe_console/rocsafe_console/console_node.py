@@ -15,6 +15,8 @@ from typing import Any
 from nav_msgs.msg import OccupancyGrid
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import CompressedImage
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
@@ -68,6 +70,7 @@ class ConsoleNode(Node):
         self._placed: dict[str, Callable[[LocalFrame], None]] = {}
         self._vehicles: set[str] = set()
         self._ground: set[str] = set()
+        self._cameras: dict[str, Subscription] = {}
         self._posted: deque[Callable[[], None]] = deque()
         self.orders = Orders(self)
         for spec, heard in (
@@ -133,6 +136,26 @@ class ConsoleNode(Node):
             if DRIVE_TYPE in types and (driver := full.split('/')[1]) not in self._ground:
                 self._ground.add(driver)
                 self.orders.drives.add(driver)
+
+        self._look_through_cameras()
+
+    def _look_through_cameras(self) -> None:
+        """Listen to the cameras that somebody looks at, and to no others."""
+        with self._live.lock:
+            wanted = self._live.video.wanted
+        for name in self._cameras.keys() - wanted:
+            self.destroy_subscription(self._cameras.pop(name))
+        for name in wanted - self._cameras.keys():
+            self._cameras[name] = topics.create_subscription(
+                self, topics.CAMERA_IMAGE_COMPRESSED, partial(self._on_camera, name), name
+            )
+
+    def _on_camera(self, name: str, message: CompressedImage) -> None:
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        with self._live.lock:
+            # What DDS keeps for late subscribers is as old as its stamp.
+            taken_s = self._live.picture.clock.wall_of(stamp_s, time.time())
+            self._live.video.put(name, bytes(message.data), taken_s)
 
     def _watch(self, name: str) -> None:
         self.orders.add(name)

@@ -27,7 +27,7 @@ export class Facts {
     this.link = link;
     this.actions = actions;
     this.boxes = {};
-    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'alarms', 'vehicles', 'decisions']) {
+    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'camera', 'alarms', 'vehicles', 'decisions']) {
       const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
       const body = make('div', { class: 'fact-body' });
       this.boxes[name] = body;

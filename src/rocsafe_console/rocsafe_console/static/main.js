@@ -6,6 +6,7 @@ import { Link, ask } from './link.js';
 import { MissionMap } from './map.js';
 import { Facts } from './facts.js';
 import { Orders } from './orders.js';
+import { Video } from './video.js';
 import { Sound } from './sound.js';
 import { Runs } from './runs.js';
 import { Draft } from './draft.js';
@@ -37,9 +38,10 @@ const facts = new Facts($('#facts'), link, {
   acknowledge: (number) => ask(`/api/alarms/${number}/acknowledge`, {}).catch((error) => orders.tell([], t('refused', { why: error.message }))),
   select, isSelected: (name) => selection.has(name),
 });
+const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
 const draft = new Draft($('#draft'), map, link);
-window.rocsafe = { link, map, orders, facts };
+window.rocsafe = { link, map, orders, facts, video };
 
 function select(name, isChosen) {
   if (isChosen) selection.add(name); else selection.delete(name);
@@ -89,6 +91,7 @@ function show(view) {
   $('#runs').hidden = view !== 'runs';
   $('#draft').hidden = view !== 'draft';
   root.dataset.view = view;
+  video.turn();
   if (view === 'runs') runs.show().catch((error) => orders.tell([], error.message));
   if (view === 'draft') draft.show().catch((error) => orders.tell([], error.message));
   if (view === 'live' && map.source) runs.stop();

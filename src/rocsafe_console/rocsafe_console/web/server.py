@@ -17,7 +17,13 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.runs.drafts import Drafts
-from rocsafe_console.web import draft_handlers, handlers, order_handlers, outward_handlers
+from rocsafe_console.web import (
+    draft_handlers,
+    handlers,
+    order_handlers,
+    outward_handlers,
+    video_handlers,
+)
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
@@ -85,6 +91,7 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/api/image/{name}', handlers.image)
     get(r'/api/base/{zoom:\d+}/{column:\d+}/{row:\d+}', handlers.base_tile)
     get('/api/photograph/{shot}', handlers.photograph)
+    get('/api/video/{vehicle}', video_handlers.watch)
     app[draft_handlers.DRAFTS] = Drafts(
         context.options.runs, context.options.scenarios, context.environment
     )
