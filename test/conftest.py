@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fixtures of all tests."""
 
+import contextlib
 import importlib.util
 import os
 import random
@@ -173,13 +174,20 @@ def ros(ros_domain_id: int) -> Iterator[RosSession]:
     """Give a test its own context and executor, and take them down after it."""
     rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
     from rclpy.context import Context
+    from rclpy.exceptions import InvalidHandle
     from rclpy.executors import SingleThreadedExecutor
 
     context = Context()
     rclpy.init(context=context, domain_id=ros_domain_id)
     executor = SingleThreadedExecutor(context=context)
     yield RosSession(context=context, executor=executor)
+    nodes = executor.get_nodes()
     executor.shutdown(timeout_sec=2.0)
+    # Nodes of a context that is shut down stay in the domain as long as something refers to them.
+    for node in nodes:
+        # Not those that the test has destroyed.
+        with contextlib.suppress(InvalidHandle), node.handle:
+            node.destroy_node()
     rclpy.shutdown(context=context)
 
 

@@ -127,7 +127,7 @@ class Stage:
                 'sources': [{
                     'id': 0, 'place': place_of(20, 10), 'half_axes_m': [9.0, 5.0],
                     'angle_deg': 30.0, 'dose_rate_at_1m_usvh': 9e4,
-                    'dose_rate_at_1m_std_usvh': 4e3, 'evidence': 'very strong',
+                    'dose_rate_at_1m_std_usvh': 4e3, 'probability': 'over 99.9 %',
                     'nuclide': 'Cs-137',
                 }],
             })  # fmt: skip

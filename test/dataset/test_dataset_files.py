@@ -75,6 +75,7 @@ def records(folder):
     return [json.loads(folder.record(number).read_bytes()) for number in range(OPTIONS.count)]
 
 
+@pytest.mark.all
 def test_pycocotools_reads_the_annotations(dataset):
     """Masks, boxes and areas are those of the instance pictures."""
     coco = pytest.importorskip('pycocotools.coco')

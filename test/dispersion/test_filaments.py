@@ -21,7 +21,7 @@ def readings(seed: int, times: np.ndarray) -> np.ndarray:
     return np.array([cloud.at(time).concentrations_g_m3(PLACES) for time in times])
 
 
-@pytest.mark.slow
+@pytest.mark.all
 def test_mean_over_ten_minutes_is_the_plume():
     """Within 10 % on the axis, as the mean of three times ten minutes."""
     times = np.arange(200.0, 800.0, 0.6)

@@ -72,7 +72,7 @@ def test_picture_shows_every_figure() -> None:
         '83 %',
         '5 for 60 viewpoints',
         '87.7 uSv/h by rav2 at 53.27985, -9.06330',
-        '02:05 flown, 1:02:05 passed (21.0x real time)',
+        '02:05 under way, 1:02:05 passed (21.0x real time)',
         'rav2 1',
     ):
         assert figure in shown

@@ -247,6 +247,7 @@ def resume(post):
         assert 'still being read' in answer.message or 'resume is under way' in answer.message
 
 
+@pytest.mark.all
 def test_flight_that_has_not_begun_begins_again(post):
     """Killed while uploading, switching and arming: nothing is armed by finding it.
 
@@ -266,6 +267,7 @@ def test_flight_that_has_not_begun_begins_again(post):
     assert told_once(post.orders()).count('COMMAND_LONG 300') == starts
 
 
+@pytest.mark.all
 def test_flight_that_ended_unwatched_is_not_flown_again(post):
     """Killed in the air and started after the landing: the goal gets the result."""
     post.fly()
@@ -279,6 +281,7 @@ def test_flight_that_ended_unwatched_is_not_flown_again(post):
     assert post.orders() == before
 
 
+@pytest.mark.all
 def test_route_that_was_being_replaced_is_picked_up(post):
     """Killed while a new route is uploaded and begun in the air: it is known which one is flown.
 

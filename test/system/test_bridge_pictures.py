@@ -56,6 +56,7 @@ def post(ros_domain_id, tmp_path):
     air.close()
 
 
+@pytest.mark.all
 def test_no_photograph_is_lost_by_a_kill_between_its_trigger_and_its_receipt(post):
     """Killed at the trigger, with the photograph on its way, and with its receipt on its way.
 

@@ -44,6 +44,7 @@ def test_others_take_over_from_two_that_are_lost(fly: Fly) -> None:
     assert flight.living() == []
 
 
+@pytest.mark.all
 def test_vehicle_that_stands_still_is_replaced_and_comes_back(fly: Fly) -> None:
     """Its process stops for a while: the others take over, and it never flies their viewpoints.
 

@@ -24,9 +24,8 @@ from .conftest import DEADLINE_S
 IMAGES = 9
 # Every node is killed. Several die in one mission, one after another; alone in `make test-all`.
 KILLED_TOGETHER = (
-    ('planner', 'collector', 'recorder'),
-    ('radiation_field', 'rav1', 'localizer'),
-    ('mosaic', 'world'),
+    ('planner', 'radiation_field', 'rav1', 'collector'),
+    ('localizer', 'mosaic', 'recorder', 'world'),
 )
 KILLED_ALONE = [
     pytest.param((node,), marks=pytest.mark.all) for nodes in KILLED_TOGETHER for node in nodes

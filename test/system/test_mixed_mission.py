@@ -112,6 +112,7 @@ def test_real_and_simulated_fly_one_mission(field):
     assert 'rav2' in readings
 
 
+@pytest.mark.all
 def test_real_drone_takes_over_from_a_simulated_one(field):
     """The battery of the simulated one fails: the real one holds, then flies the rest."""
     text = field.scenario.read_text(encoding='utf-8')

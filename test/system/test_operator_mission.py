@@ -115,6 +115,7 @@ def test_ctrl_c_asks_and_watches_until_the_landing(flying: Terminal) -> None:
     assert 'return and land' in flying.text
 
 
+@pytest.mark.all
 @pytest.mark.parametrize('flying', ['return'], indirect=True)
 def test_closed_terminal_leaves_nobody_alone(flying: Terminal) -> None:
     """The run goes on without its terminal, and calls the vehicles home."""

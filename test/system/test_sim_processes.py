@@ -218,7 +218,7 @@ _FIXES: dict[int, tuple[float, float, float]] = {}
     [
         (0.0, 'nobody'),
         (25.0, 'rav'),
-        (25.0, 'world'),
+        pytest.param(25.0, 'world', marks=pytest.mark.all),
         pytest.param(25.0, 'nobody', marks=pytest.mark.all),
         pytest.param(0.0, 'rav', marks=pytest.mark.all),
         pytest.param(0.0, 'world', marks=pytest.mark.all),

@@ -4,13 +4,12 @@
 from dataclasses import dataclass, field
 
 from rocsafe_airsim.protocol.server import PORT
-from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_count
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.origin_options import OriginOptions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AirsimOptions:
+class AirsimOptions(OriginOptions):
     """ROS parameters of the node: its address, and the origin of the mission's frame."""
 
     host: str = field(
@@ -22,22 +21,8 @@ class AirsimOptions:
         default=(),
         metadata={'doc': 'the port is opened when these are heard; empty: at once'},
     )
-    origin_latitude_deg: float = field(
-        default=0.0, metadata={'doc': 'latitude of the origin, deg', 'min': -90.0, 'max': 90.0}
-    )
-    origin_longitude_deg: float = field(
-        default=0.0, metadata={'doc': 'longitude of the origin, deg', 'min': -180.0, 'max': 180.0}
-    )
-    origin_altitude_m: float = field(
-        default=0.0, metadata={'doc': 'its altitude, m', 'min': -1e3, 'max': 1e4}
-    )
 
     def __post_init__(self) -> None:
         require_count('port', self.port, 0, 65_535)
         if not self.host:
             raise ValueError('host is empty: must be an address of this machine')
-
-    def frame(self) -> LocalFrame:
-        """Return the frame of the mission."""
-        place = (self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m)
-        return LocalFrame(GeoPosition(*place))

@@ -10,34 +10,15 @@ docs/real-drones.md before.
 
 from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown
-from launch.substitutions import LaunchConfiguration
+from launch.actions import IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
 
-from launch import LaunchContext, LaunchDescription
-from rocsafe_orchestrator.processes.bringup import scenario_launches
-
-
-def processes(context: LaunchContext) -> list[ExecuteProcess]:
-    """Return the processes; the end of one ends all."""
-    scenario = Path(LaunchConfiguration('scenario').perform(context))
-    parent = Path(LaunchConfiguration('out').perform(context))
-    starts, environment = scenario_launches(scenario, parent, is_hardware=True)
-    return [
-        ExecuteProcess(
-            cmd=list(start.command), name=start.name, env=dict(environment), output='screen',
-            sigterm_timeout='20',
-            on_exit=Shutdown(reason=f'{start.name} has ended'),
-        )
-        for start in starts
-    ]  # fmt: skip
+from launch import LaunchDescription
 
 
 def generate_launch_description() -> LaunchDescription:
     """Return what `ros2 launch` starts."""
+    processes = PythonLaunchDescriptionSource(str(Path(__file__).with_name('sim_launch.py')))
     return LaunchDescription(
-        [
-            DeclareLaunchArgument('scenario', description='scenario file'),
-            DeclareLaunchArgument('out', default_value='runs', description='where runs are kept'),
-            OpaqueFunction(function=processes),
-        ]
+        [IncludeLaunchDescription(processes, launch_arguments=[('hardware', 'true')])]
     )

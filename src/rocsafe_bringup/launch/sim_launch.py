@@ -18,7 +18,8 @@ def processes(context: LaunchContext) -> list[ExecuteProcess]:
     """Return the processes; the end of one ends all."""
     scenario = Path(LaunchConfiguration('scenario').perform(context))
     parent = Path(LaunchConfiguration('out').perform(context))
-    starts, environment = scenario_launches(scenario, parent, is_hardware=False)
+    is_hardware = LaunchConfiguration('hardware').perform(context) == 'true'
+    starts, environment = scenario_launches(scenario, parent, is_hardware=is_hardware)
     return [
         ExecuteProcess(
             cmd=list(start.command), name=start.name, env=dict(environment), output='screen',
@@ -35,6 +36,10 @@ def generate_launch_description() -> LaunchDescription:
         [
             DeclareLaunchArgument('scenario', description='scenario file'),
             DeclareLaunchArgument('out', default_value='runs', description='where runs are kept'),
+            DeclareLaunchArgument(
+                'hardware', default_value='false', choices=['false', 'true'],
+                description='only the bridge and real detectors, on the time of the wall',
+            ),
             OpaqueFunction(function=processes),
         ]
-    )
+    )  # fmt: skip

@@ -168,7 +168,10 @@ def sources_of(message: HazardSourceArray) -> dict[str, Any]:
         'verdict': message.verdict,
         'doubts': list(message.doubts),
         'background_usvh': message.background_usvh,
-        'sources': [_source_of(source) for source in message.sources],
+        'sources': [
+            _source_of(source, sum(message.source_count_probability[number:]))
+            for number, source in enumerate(message.sources, 1)
+        ],
     }
 
 
@@ -230,7 +233,7 @@ def frame_of(message: TFMessage) -> LocalFrame | None:
     return None
 
 
-def _source_of(source: Any) -> dict[str, Any]:
+def _source_of(source: Any, probability: float) -> dict[str, Any]:
     east, north, angle = ellipse_of(source.position_covariance)
     return {
         'id': source.id,
@@ -239,7 +242,7 @@ def _source_of(source: Any) -> dict[str, Any]:
         'angle_deg': angle,
         'dose_rate_at_1m_usvh': source.dose_rate_at_1m_usvh,
         'dose_rate_at_1m_std_usvh': source.dose_rate_at_1m_std_usvh,
-        'evidence': formats.evidence(source.detection_log_likelihood_ratio),
+        'probability': formats.probability(probability),
         'nuclide': source.nuclide,
     }
 

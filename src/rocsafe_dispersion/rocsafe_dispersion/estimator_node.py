@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``estimator``: releases of gas from all readings so far, while the vehicles fly."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_dispersion.estimator_options import EstimatorOptions
@@ -23,17 +23,13 @@ from rocsafe_dispersion.release_conversions import (
     wind_flight_reading_of,
     zone_markers,
 )
-from rocsafe_hazard.pending_request import PendingRequest
+from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import GasReading, Region, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_ros import topics
-from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
-
-# Period of looks at a running fit, on the wall clock: simulated time may stand still.
-WATCH_PERIOD_S = 0.1
 
 
 class EstimatorNode(Node):
@@ -43,9 +39,7 @@ class EstimatorNode(Node):
     ``hazard/release``, ``hazard/plume`` and ``hazard/threat_zones`` (all latched), after each
     fit. Service: ``hazard/suggest_gas_viewpoints``.
 
-    A fit begins when the last one is done, the period has passed and there are new readings. The
-    last fit covers all readings. A node that is started again has the readings in its spool
-    directory.
+    A node that is started again has the readings in its spool directory.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -58,15 +52,16 @@ class EstimatorNode(Node):
         self._spool = GasSpool(self._options.spool_directory)
         self._spool.restore(self._log)
         self._region: Region | None = None
-        self._job: BackgroundJob[ReleaseAssessment, None] | None = None
-        self._assessment: ReleaseAssessment | None = None
-        self._why_none = 'too few readings'
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._request = PendingRequest()
-        self._fitted = self._evaluated = self._looks_to_wait = 0
         self._releases = topics.create_publisher(self, topics.RELEASES)
         self._plumes = topics.create_publisher(self, topics.PLUME)
         self._zones = topics.create_publisher(self, topics.THREAT_ZONES)
+        steps = FitSteps(
+            prepare=self._prepare,
+            refusals=(NoSurveyError,),
+            publish=self._publish,
+            period_s=self._options.period_s,
+        )
+        self._fits = FitCycle(self, self._log, steps)
         self._listen()
 
     def _listen(self) -> None:
@@ -77,12 +72,11 @@ class EstimatorNode(Node):
         topics.create_subscription(self, topics.REGION, self._on_region)
         spec = topics.SUGGEST_GAS_VIEWPOINTS
         self.create_service(spec.call_type, spec.name, self._on_suggest)
-        self.create_timer(WATCH_PERIOD_S, self._on_watch, clock=self._steady)
 
     def _on_gas(self, vehicle: str, message: GasReading) -> None:
         reading = gas_flight_reading_of(vehicle, message)
         if self._log.add_gas(reading):
-            self._request.news(self._steady.now().nanoseconds)
+            self._fits.note_reading()
             self._spool.keep_gas(reading)
 
     def _on_wind(self, vehicle: str, message: WindReading) -> None:
@@ -93,34 +87,10 @@ class EstimatorNode(Node):
     def _on_region(self, region: Region) -> None:
         self._region = region
 
-    def _on_watch(self) -> None:
-        if self._job is not None and self._job.is_done:
-            self._evaluated = self._fitted
-            self._publish(self._job)
-            self._job = None
-        self._looks_to_wait -= 1
-        if self._looks_to_wait < 0:
-            self._begin_fit()
+    def _prepare(self) -> Callable[[], ReleaseAssessment]:
+        return partial(assess, self._log.survey(), self._how)
 
-    def _begin_fit(self) -> None:
-        if self._job is not None or len(self._log) <= self._fitted:
-            return
-        self._looks_to_wait = self._options.looks_a_fit(WATCH_PERIOD_S)
-        self._fitted = len(self._log)
-        try:
-            survey = self._log.survey()
-        except NoSurveyError as error:
-            self._evaluated, self._why_none = self._fitted, str(error)
-            return
-        self._job = BackgroundJob(lambda _report: assess(survey, self._how), 'estimating', None)
-
-    def _publish(self, job: BackgroundJob[ReleaseAssessment, None]) -> None:
-        try:
-            self._assessment = assessment = job.result()
-        except NoSurveyError as error:
-            self._why_none = str(error)
-            return
-        time_ns = self._log.newest_ns
+    def _publish(self, assessment: ReleaseAssessment, time_ns: int) -> None:
         self._releases.publish(releases_message(assessment, self._log.frame, time_ns))
         self._zones.publish(zone_markers(assessment.zones, time_ns))
         ppm_per_g_m3 = assessment.flight.agent.ppm(1.0)
@@ -129,20 +99,14 @@ class EstimatorNode(Node):
     def _on_suggest(
         self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
     ) -> SuggestViewpoints.Response:
-        self._begin_fit()
-        now_ns = self._steady.now().nanoseconds
-        if not self._request.is_answerable(now_ns, len(self._log), self._evaluated):
-            response.status = SuggestViewpoints.Response.NOT_YET
-            return response
-        assessment, frame = self._assessment, self._log.frame
-        if assessment is None:
-            response.status = SuggestViewpoints.Response.TOO_FEW_READINGS
-            response.reason = self._why_none
-            return response
-        area = None if self._region is None else area_of_region(self._region).polygon(frame)
-        count = 0 if assessment.verdict.is_enough else request.count
-        places = suggested_places(assessment, count, area)
-        return fill_release_suggestion(response, assessment, places, frame)
+        def fill(assessment: ReleaseAssessment) -> SuggestViewpoints.Response:
+            frame = self._log.frame
+            area = None if self._region is None else area_of_region(self._region).polygon(frame)
+            count = 0 if assessment.verdict.is_enough else request.count
+            places = suggested_places(assessment, count, area)
+            return fill_release_suggestion(response, assessment, places, frame)
+
+        return self._fits.answer(response, fill)
 
 
 def main() -> int:

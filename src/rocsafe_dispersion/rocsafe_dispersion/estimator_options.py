@@ -12,26 +12,15 @@ from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_dispersion.mission_gas.gas_log import GasLog, Sampling
 from rocsafe_dispersion.mission_gas.release_assessment import AssessmentOptions
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
-from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.origin_options import OriginOptions
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EstimatorOptions:
+class EstimatorOptions(OriginOptions):
     """Options of the node ``estimator``, which is not told of the releases."""
 
     vehicles: tuple[str, ...] = field(
         default=(), metadata={'doc': 'namespaces of the vehicles that carry gas sensors'}
-    )
-    origin_latitude_deg: float = field(
-        default=0.0, metadata={'doc': 'WGS84 latitude of the mission origin, degrees'}
-    )
-    origin_longitude_deg: float = field(
-        default=0.0, metadata={'doc': 'WGS84 longitude of the mission origin, degrees'}
-    )
-    origin_altitude_m: float = field(
-        default=0.0,
-        metadata={'doc': 'altitude of the level ground above the ellipsoid, metres', 'max': 1e4},
     )
     agent: str = field(
         default='',
@@ -92,11 +81,8 @@ class EstimatorOptions:
 
     def log(self) -> GasLog:
         """Return an empty log of readings."""
-        origin = GeoPosition(
-            self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
-        )
         sampling = Sampling(dilution=self.dilution, delay_s=self.intake_delay_s, agent=self.agent)
-        return GasLog(LocalFrame(origin), sampling)
+        return GasLog(self.frame(), sampling)
 
     def assessment(self) -> AssessmentOptions:
         """Return how readings are assessed."""
@@ -108,10 +94,6 @@ class EstimatorOptions:
             locate=replace(LocateOptions(), smallest_g_s=self.smallest_g_s),
             rule=ReleaseRule(region_m=self.region_m, hidden_share=self.hidden_share),
         )
-
-    def looks_a_fit(self, look_s: float) -> int:
-        """Return how many looks at intervals of `look_s` seconds to wait between two fits."""
-        return round(self.period_s / look_s)
 
 
 def estimator_options(path: Path) -> EstimatorOptions:

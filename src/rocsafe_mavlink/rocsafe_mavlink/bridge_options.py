@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
-from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.origin_options import OriginOptions
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.drone_options import ON_WIND, DroneOptions
 from rocsafe_mavlink.link.link import LinkIdentity
@@ -36,7 +35,7 @@ _MOVED = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BridgeOptions:
+class BridgeOptions(OriginOptions):
     """Parameters of the bridge."""
 
     MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = _MOVED
@@ -61,15 +60,6 @@ class BridgeOptions:
     state_directory: str = field(
         default='',
         metadata={'doc': 'keeps plans and photographs over restarts; empty: nothing'},
-    )
-    origin_latitude_deg: float = field(
-        default=0.0, metadata={'doc': 'WGS84 latitude of the mission origin, degrees'}
-    )
-    origin_longitude_deg: float = field(
-        default=0.0, metadata={'doc': 'WGS84 longitude of the mission origin, degrees'}
-    )
-    origin_altitude_m: float = field(
-        default=0.0, metadata={'doc': 'altitude of the ground there above the ellipsoid, metres'}
     )
     lowest_m: float = field(
         default=5.0, metadata={'doc': 'least height of a waypoint above home, metres', 'min': 0.5}
@@ -113,15 +103,6 @@ class BridgeOptions:
         return LinkIdentity(system=self.source_system, component=self.source_component)
 
     @property
-    def frame(self) -> LocalFrame:
-        """Local frame of the mission."""
-        return LocalFrame(
-            GeoPosition(
-                self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
-            )
-        )
-
-    @property
     def horizontal_fov_rad(self) -> float:
         """Angle across the image width, radians."""
         return math.radians(self.camera_horizontal_fov_deg)
@@ -135,7 +116,7 @@ class BridgeOptions:
         return DroneSpec(
             name=drone.name,
             target=drone.target,
-            frame=self.frame,
+            frame=self.frame(),
             speed_mps=drone.speed_mps,
             hover_s=drone.hover_s,
             takes_photographs=self.takes_photographs,

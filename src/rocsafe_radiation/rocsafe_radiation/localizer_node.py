@@ -4,12 +4,12 @@
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from rocsafe_hazard.pending_request import PendingRequest
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import RadiationReading, Region
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.assessment_conversions import (
@@ -27,13 +27,9 @@ from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
 from rocsafe_ros import topics
-from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
-
-# Period of looks at a running fit, on the wall clock: simulated time may stand still.
-WATCH_PERIOD_S = 0.1
 
 
 class LocalizerNode(Node):
@@ -43,8 +39,6 @@ class LocalizerNode(Node):
     ``hazard/dose_map``, ``hazard/cordons`` and ``hazard/belief`` (all latched), after each fit;
     for each vehicle what `VehicleWatch` says. Service: ``hazard/suggest_viewpoints``.
 
-    A fit begins when the last one is done, the period has passed and there are new readings. The
-    last fit covers all readings; which ones the others cover depends on the speed of the machine.
     A node that is started again has the readings in its spool directory.
     """
 
@@ -57,15 +51,17 @@ class LocalizerNode(Node):
             raise ParameterError(f'{self.get_name()}: {error}') from error
         self._spool = ReadingSpool(self._options.spool_directory)
         self._region: Region | None = None
-        self._job: BackgroundJob[Assessment, None] | None = None
-        self._assessment: Assessment | None = None
-        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._request = PendingRequest()
-        self._fitted = self._fitted_ns = self._evaluated = self._looks_to_wait = 0
         self._publish_to()
         levels = self._options.levels()
         self._watches = {name: VehicleWatch(self, name, levels) for name in self._options.vehicles}
         self._restore()
+        steps = FitSteps(
+            prepare=self._prepare,
+            refusals=(GroundError, TooFewReadingsError),
+            publish=self._publish,
+            period_s=self._options.period_s,
+        )
+        self._fits = FitCycle(self, self._log, steps)
         self._listen()
 
     def _publish_to(self) -> None:
@@ -81,7 +77,6 @@ class LocalizerNode(Node):
         topics.create_subscription(self, topics.REGION, self._on_region)
         spec = topics.SUGGEST_VIEWPOINTS
         self.create_service(spec.call_type, spec.name, self._on_suggest)
-        self.create_timer(WATCH_PERIOD_S, self._on_watch, clock=self._steady)
 
     def _restore(self) -> None:
         for reading in self._spool.restored():
@@ -92,50 +87,32 @@ class LocalizerNode(Node):
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         reading = self._watches[vehicle].take(message)
         if reading is not None:
-            self._request.news(self._steady.now().nanoseconds)
             self._log.add(reading)
+            self._fits.note_reading()
             self._spool.keep(reading)
 
     def _on_region(self, region: Region) -> None:
         self._region = region
 
-    def _on_watch(self) -> None:
-        if self._job is not None and self._job.is_done:
-            self._evaluated = self._fitted
-            self._publish(self._job)
-            self._job = None
-        self._looks_to_wait -= 1
-        if self._looks_to_wait < 0:
-            self._begin_fit()
-
-    def _begin_fit(self) -> None:
-        if self._job is not None or len(self._log) <= self._fitted:
-            return
-        self._looks_to_wait = self._options.looks_a_fit(WATCH_PERIOD_S)
+    def _prepare(self) -> Callable[[], Assessment]:
         try:
             survey = self._log.survey()
         except GroundError as error:
             self.get_logger().error(f'nothing localized: {error}', once=True)
-            return
-        self._fitted, self._fitted_ns = len(self._log), self._log.newest_ns
+            raise
         options = self._options.assessment(self._log.models)
         vehicles = self._log.vehicles
         frame, folder = self._log.frame, self._options.export_directory
 
-        def work(_report: Callable[[None], bool]) -> Assessment:
+        def fit() -> Assessment:
             assessment = assess(survey, options, vehicles)
             if folder:
                 write_products(Path(folder), assessment, frame)
             return assessment
 
-        self._job = BackgroundJob(work, 'localizing', None)
+        return fit
 
-    def _publish(self, job: BackgroundJob[Assessment, None]) -> None:
-        try:
-            self._assessment = assessment = job.result()
-        except TooFewReadingsError:
-            return
-        time_ns = self._fitted_ns
+    def _publish(self, assessment: Assessment, time_ns: int) -> None:
         self._sources.publish(sources_message(assessment, self._log.frame, time_ns))
         self._maps.publish(dose_map_message(assessment.dose, time_ns))
         self._cordons.publish(
@@ -147,20 +124,14 @@ class LocalizerNode(Node):
     def _on_suggest(
         self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
     ) -> SuggestViewpoints.Response:
-        self._begin_fit()
-        now_ns = self._steady.now().nanoseconds
-        if not self._request.is_answerable(now_ns, len(self._log), self._evaluated):
-            response.status = SuggestViewpoints.Response.NOT_YET
-            return response
-        assessment, frame = self._assessment, self._log.frame
-        if assessment is None or frame is None:
-            response.status = SuggestViewpoints.Response.TOO_FEW_READINGS
-            response.reason = 'too few readings'
-            return response
-        area = None if self._region is None else area_of_region(self._region).polygon(frame)
-        count = 0 if assessment.verdict.is_enough else request.count
-        waypoints = suggested_waypoints(assessment, count, area)
-        return fill_suggestion(response, assessment, waypoints, frame)
+        def fill(assessment: Assessment) -> SuggestViewpoints.Response:
+            frame = cast('LocalFrame', self._log.frame)  # that of its readings
+            area = None if self._region is None else area_of_region(self._region).polygon(frame)
+            count = 0 if assessment.verdict.is_enough else request.count
+            waypoints = suggested_waypoints(assessment, count, area)
+            return fill_suggestion(response, assessment, waypoints, frame)
+
+        return self._fits.answer(response, fill)
 
 
 def main() -> int:

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the node ``localizer``."""
 
-import math
 from collections.abc import Set
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.origin_options import OriginOptions, option
 from rocsafe_geo.solids.ground_heights import read_heights
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL, response_of
@@ -31,7 +30,7 @@ MODELS = (AUTO_MODEL, PAPER_MODEL, AIR_MODEL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LocalizerOptions:
+class LocalizerOptions(OriginOptions):
     """Options of the localizer."""
 
     MOVED_PARAMETERS: ClassVar = {
@@ -59,16 +58,8 @@ class LocalizerOptions:
             + ', '.join(DETECTOR_NAMES)
         },
     )
-    origin_latitude_deg: float = field(
-        default=0.0,
-        metadata={'doc': 'WGS84 latitude of the mission origin, degrees; 0, 0: the first reading'},
-    )
-    origin_longitude_deg: float = field(
-        default=0.0, metadata={'doc': 'WGS84 longitude of the mission origin, degrees'}
-    )
-    origin_altitude_m: float = field(
-        default=0.0,
-        metadata={'doc': 'altitude of the ground there above the ellipsoid, metres', 'max': 1e4},
+    origin_latitude_deg: float = option(
+        0.0, 'latitude of the mission origin, deg; 0, 0: the first reading', -90.0, 90.0
     )
     terrain_file: str = field(
         default='',
@@ -207,20 +198,6 @@ class LocalizerOptions:
         if len(set(self.vehicles)) < len(self.vehicles) or '' in self.vehicles:
             raise ValueError(f'vehicles = {list(self.vehicles)} must be named, all differently')
 
-    def origin(self) -> GeoPosition:
-        """Return the origin of the mission, on the ground.
-
-        Raises
-        ------
-        ValueError
-            If it is out of range.
-        """
-        return GeoPosition(
-            latitude_deg=self.origin_latitude_deg,
-            longitude_deg=self.origin_longitude_deg,
-            altitude_m=self.origin_altitude_m,
-        )
-
     def log(self) -> ReadingLog:
         """Return an empty log of readings.
 
@@ -232,10 +209,6 @@ class LocalizerOptions:
         file = self.terrain_file
         heights = read_heights(file, self.terrain_shift_m) if file else None
         return ReadingLog(self.origin(), self.sensitivity_cps_per_usvh, heights)
-
-    def looks_a_fit(self, look_period_s: float) -> int:
-        """Return the number of looks in a period."""
-        return math.ceil(self.period_s / look_period_s)
 
     def levels(self) -> AlarmLevels:
         """Return the levels of alarms.

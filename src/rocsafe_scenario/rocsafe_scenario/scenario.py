@@ -81,6 +81,13 @@ class Scenario(Block):
         return tuple(v for v in self.vehicles if not v.link or v.drone.detector == 'simulated')
 
     @property
+    def has_radiation(self) -> bool:
+        """Whether there is anything to read: a real detector, a source or a background."""
+        radiation = self.radiation
+        has_own = len(self.with_simulated_detector) < len(self.vehicles)
+        return has_own or bool(radiation.sources) or radiation.background.dose_rate_usvh > 0.0
+
+    @property
     def metered_names(self) -> tuple[str, ...]:
         """Names of those vehicles, and of the ground vehicle."""
         drones = (vehicle.name for vehicle in self.with_simulated_detector)

@@ -2,7 +2,6 @@
 """The command services of a simulated vehicle."""
 
 from collections.abc import Callable
-from typing import Any
 
 from rocsafe_geo.limits import require_positive
 from rocsafe_geo.motion.state import Enu
@@ -11,8 +10,8 @@ from rocsafe_interfaces.srv import GoTo, Move, PushRally
 from rocsafe_ros import topics
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.messages.conversions import fence_of, places_of
+from rocsafe_sim.order_answers import OrderAnswers
 from rocsafe_sim.rav.rav import Rav
 
 
@@ -42,29 +41,28 @@ class CommandServices:
     ) -> None:
         self._rav = rav
         self._frame = rav.parts.frame
-        self._on_command = on_command
-        vehicle = rav.vehicle
+        vehicle, answers = rav.vehicle, OrderAnswers(rav.parts.name, on_command)
         for spec, command in (
             (topics.HOLD, vehicle.hold),
             (topics.RETURN_HOME, vehicle.return_home),
             (topics.LAND, vehicle.land),
         ):
-            node.create_service(spec.call_type, spec.name, self._plain(command))
-        lease.serve(topics.RESUME, self._plain(vehicle.resume))
-        lease.serve(topics.GO_TO, self._answered(self._go_to))
+            node.create_service(spec.call_type, spec.name, answers.plain(command))
+        lease.serve(topics.RESUME, answers.plain(vehicle.resume))
+        lease.serve(topics.GO_TO, answers.to(self._go_to))
         lease.serve(
-            topics.SET_SPEED, self._answered(lambda request: vehicle.set_speed(request.speed_mps))
+            topics.SET_SPEED, answers.to(lambda request: vehicle.set_speed(request.speed_mps))
         )
         lease.serve(
             topics.SET_HOME,
-            self._answered(lambda request: vehicle.set_home(*self._places([request.position]))),
+            answers.to(lambda request: vehicle.set_home(*self._places([request.position]))),
         )
         lease.serve(
             topics.PUSH_FENCE,
-            self._answered(lambda request: vehicle.push_fence(fence_of(request, self._frame))),
+            answers.to(lambda request: vehicle.push_fence(fence_of(request, self._frame))),
         )
-        lease.serve(topics.MOVE, self._answered(self._move))
-        lease.serve(topics.PUSH_RALLY, self._answered(self._push_rally))
+        lease.serve(topics.MOVE, answers.to(self._move))
+        lease.serve(topics.PUSH_RALLY, answers.to(self._push_rally))
 
     def _go_to(self, request: GoTo.Request) -> None:
         vehicle = self._rav.vehicle
@@ -102,21 +100,3 @@ class CommandServices:
 
     def _places(self, points: list[GeoPoint]) -> tuple[Enu, ...]:
         return places_of(points, self._frame)
-
-    def _plain(self, command: Callable[[], None]) -> Callable[[Any, Any], Any]:
-        return self._answered(lambda _request: command())
-
-    def _answered(self, command: Callable[[Any], None]) -> Callable[[Any, Any], Any]:
-        """Return the callback of a service that commands the vehicle."""
-
-        def on_call(request: Any, response: Any) -> Any:
-            try:
-                command(request)
-            except (CommandRefusedError, ValueError) as refusal:
-                response.message = f'{self._rav.parts.name}: {refusal}'
-                return response
-            self._on_command()
-            response.success = True
-            return response
-
-        return on_call

@@ -8,13 +8,13 @@ from typing import ClassVar
 
 from rocsafe_geo.limits import require_between, require_not_negative
 from rocsafe_geo.motion.autopilot import Autopilot
+from rocsafe_geo.origin_options import OriginOptions, option
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.flat_ground.ground_photograph import NO_SCENE, SCENE_NAMES
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.flight.flight_options import FlightOptions
-from rocsafe_sim.flight.origin_options import OriginOptions, option
 from rocsafe_sim.flight.sensing_options import ENGINE, LATEST_S, require_scene
 from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
 from rocsafe_sim.sensors.sensor_settings import SensorRig

@@ -30,9 +30,9 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.drive_route_node import DriveRouteServer
 from rocsafe_sim.driving.rgv import Rgv
-from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.messages.drive_conversions import drive_battery, drive_state_message
 from rocsafe_sim.messages.picture_conversions import mounts_of
+from rocsafe_sim.order_answers import OrderAnswers
 
 SLOW_PERIOD_NS = 1_000_000_000
 EXACT_M = (0.0, 0.0)
@@ -87,11 +87,12 @@ class RgvInterface:
 
     def _serve(self, node: VehicleScopeNode, lease: LeaseServer) -> None:
         rover = self._rgv.rover
+        answers = OrderAnswers(self._rgv.name, self._after_command)
         for spec, command in ((topics.HOLD, rover.hold), (topics.RETURN_HOME, rover.return_home)):
-            node.create_service(spec.call_type, spec.name, self._plain(command))
-        lease.serve(topics.RESUME, self._plain(rover.resume))
+            node.create_service(spec.call_type, spec.name, answers.plain(command))
+        lease.serve(topics.RESUME, answers.plain(rover.resume))
         lease.serve(
-            topics.SET_SPEED, self._answered(lambda request: rover.set_speed(request.speed_mps))
+            topics.SET_SPEED, answers.to(lambda request: rover.set_speed(request.speed_mps))
         )
 
     def health(self) -> DiagnosticStatus | None:
@@ -148,24 +149,6 @@ class RgvInterface:
         distortion = settings.effects.distortion
         std = self._rgv.noise.attitude_std_rad
         return geotagged_message(shot, settings.lens, std, distortion)
-
-    def _plain(self, command: Callable[[], None]) -> Callable[[Any, Any], Any]:
-        return self._answered(lambda _request: command())
-
-    def _answered(self, command: Callable[[Any], None]) -> Callable[[Any, Any], Any]:
-        """Return the callback of a service that commands the vehicle."""
-
-        def on_call(request: Any, response: Any) -> Any:
-            try:
-                command(request)
-            except (CommandRefusedError, ValueError) as refusal:
-                response.message = f'{self._rgv.name}: {refusal}'
-                return response
-            self._after_command()
-            response.success = True
-            return response
-
-        return on_call
 
     def _after_command(self) -> None:
         self._rgv.keep_journal()

@@ -15,7 +15,6 @@ _DOSE_UNITS = ((1e6, 'Sv'), (1e3, 'mSv'), (1.0, 'µSv'))
 _LEAST_SHOWN = 0.001
 _H_PER_YEAR = 8766.0
 _CERTAIN = 0.999
-_EVIDENCE = ((5.0, 'very strong'), (3.0, 'strong'), (1.0, 'positive'), (-math.inf, 'weak'))
 
 
 def figures(value: float, count: int = 3) -> str:
@@ -64,17 +63,10 @@ def probability(share: float) -> str:
         return f'over {100.0 * _CERTAIN:.1f}{GAP}%'
     if share <= 1.0 - _CERTAIN:
         return f'below {100.0 * (1.0 - _CERTAIN):.1f}{GAP}%'
-    return f'{about(100.0 * share)}{GAP}%'
-
-
-def evidence(log_likelihood_ratio: float) -> str:
-    """Return in words how much evidence a natural logarithm of a likelihood ratio is.
-
-    The words are those of Kass and Raftery, Bayes Factors (1995), section 3.2.
-    """
-    if math.isnan(log_likelihood_ratio):
-        return UNKNOWN
-    return next(words for least, words in _EVIDENCE if log_likelihood_ratio >= least)
+    percent = 100.0 * share
+    # Two figures would make 100 of 99.6.
+    text = about(percent) if percent < 99.0 else f'{math.floor(10.0 * percent) / 10.0:.1f}'
+    return f'{text}{GAP}%'
 
 
 def duration(seconds: float | None) -> str:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The report draws the dose map where it lies, with cordons, stay times and sources."""
 
+import dataclasses
 import json
 import re
 
@@ -65,7 +66,6 @@ def estimates():
                 ellipse_angle_from_east_deg=30.0,
                 dose_rate_at_1m_usvh=5000.0,
                 dose_rate_at_1m_95_usvh=(4000.0, 6000.0),
-                log_likelihood_ratio=123.0,
             ),
         ),
         source_count_probability=(0.0, 0.99, 0.01),
@@ -81,6 +81,12 @@ def section(folder):
     """Return the section of the report."""
     view = dose_view(folder, LocalFrame(ORIGIN), estimates())
     return render('dose.html', 'rocsafe_orchestrator.report', dose=view)
+
+
+def test_a_source_that_may_not_be_there_is_given_no_more_than_its_chance():
+    """That of the second is that there are two."""
+    found = dataclasses.replace(estimates(), source_count_probability=(0.0, 0.4, 0.5, 0.1))
+    assert [round(found.probability_of(number), 6) for number in (1, 2, 3)] == [1.0, 0.6, 0.1]
 
 
 def test_map_cordon_and_source_lie_where_they_are(folder):
@@ -105,13 +111,14 @@ def test_tables_say_how_long_one_may_stay_and_what_was_found(folder):
     assert '8.3 d' in text
     assert '4.00 mSv/h to 6.00 mSv/h' in text
     assert 'The evidence is enough: 1 source, placed within 3.0 m (95 %).' in text
+    assert 'over 99.9 %' in text.split('Sources found')[1].split('Cordons')[0]
     assert 'Not as assumed: the background is uneven; a &lt; b.' in text
 
 
 def test_facts_and_table_tell_a_source_alike(folder):
     """Its place, its ellipse and its strength are the same words in both."""
     (_, chances), (name, fact) = estimate_facts(estimates())
-    assert (name, plain(chances)) == ('Source 1', '0: below 0.1 %, 1: 99 %, 2: 1 %')
+    assert (name, plain(chances)) == ('Source 1', '0: below 0.1 %, 1: 99.0 %, 2: 1 %')
     page = section(folder)
     words = '5.00 mSv/h (4.00 mSv/h to 6.00 mSv/h)', '3 × 2 m'
     assert all(part in plain(fact) and part in plain(page) for part in words)

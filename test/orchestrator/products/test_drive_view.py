@@ -17,6 +17,8 @@ from rocsafe_orchestrator.products.run_record import (
     Track,
     VehicleSample,
 )
+from rocsafe_orchestrator.products.summary import summarise
+from rocsafe_orchestrator.report.run_texts import lead
 from rocsafe_orchestrator.report.sections.drive_view import drive_view
 from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_view.pages import render
@@ -135,9 +137,20 @@ def test_what_was_driven_stands_beside_the_prediction(tmp_path):
     assert rows['Dose by its own readings'].startswith('20')
     assert 'predicted 60' in rows['Dose by its own readings']
     assert rows['Driven'].startswith('100')
+    assert rows['Dose before and after, where it stood'].startswith('4.00')
     assert view.driven.taken[-1] == pytest.approx((320.0 * 100.0 / 150.0, 160.0 * 2.0 / 3.0))
     assert view.driven.predicted[-1] == pytest.approx((320.0, 0.0))
     assert len(view.driven.way) == 101
+
+
+def test_a_ground_vehicle_is_not_counted_among_those_that_flew(tmp_path):
+    """It is told how far it drove; its flight time and state are those of a drive."""
+    summary = summarise(
+        record_of(tmp_path, scenario=read_scenario(SCENARIO), log=log_of_a_drive())
+    )
+    assert lead(summary).startswith('3 vehicles flew up to')
+    assert 'rgv1 drove 100' in lead(summary)
+    assert [one.name for one in summary.vehicles if one.is_ground_vehicle] == ['rgv1']
 
 
 def test_drive_that_was_only_planned_has_no_track(tmp_path):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the report says of releases of gas, from what the estimator wrote."""
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,11 @@ import pytest
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products import release_estimates
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
+from rocsafe_orchestrator.products.run_record import RunRecord
+from rocsafe_orchestrator.products.summary import summarise
+from rocsafe_orchestrator.report.run_texts import lead, verdict
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
+from rocsafe_scenario.scenario_file import read_scenario
 
 CONTENT: dict[str, Any] = {
     'releases': [
@@ -28,6 +33,15 @@ CONTENT: dict[str, Any] = {
     'reading_count': 80,
     'is_enough': True,
     'verdict': '1 release, placed within 9 m (95 %)',
+    'highest_reading': {
+        'ppm': 4.42,
+        'vehicle': 'rav2',
+        'time_ns': 5,
+        'latitude_deg': 53.28,
+        'longitude_deg': -9.06,
+        'height_agl_m': 12.0,
+        'is_saturated': True,
+    },
     'threat_zones': [
         {
             'level': 'AEGL-2 (60 min)',
@@ -73,3 +87,31 @@ def test_a_file_that_lacks_something_is_told(estimated: Path) -> None:
     (estimated / 'release.json').write_text('{"releases": []}')
     with pytest.raises(OrchestratorError, match=r'release\.json cannot be read'):
         estimate_releases(estimated / 'estimator.yaml', estimated)
+
+
+def test_a_mission_for_gas_is_told_by_its_gas(estimated: Path, tmp_path: Path) -> None:
+    """The highest reading, the releases, and that they are not enough, also in the summary."""
+    found = estimate_releases(estimated / 'estimator.yaml', estimated)
+    record = RunRecord(
+        path=tmp_path, info={'outcome': 'complete'}, scenario=None, plan=None, log=None,
+        photographs=(), missing=(), releases=found,
+    )  # fmt: skip
+    summary = summarise(record)
+    text = lead(summary).replace('\u00a0', ' ')
+    assert 'highest reading of pid 10 6 ev was over 4.42 ppm, measured 12 m above' in text
+    assert 'Ammonia: 1 release, placed within 9 m (95 %).' in text
+    assert verdict(summary).kind == 'complete'
+    doubtful = dataclasses.replace(record, releases=dataclasses.replace(found, is_enough=False))
+    assert verdict(summarise(doubtful)).words == 'Flown, evidence not enough yet'
+    plain = summary.to_plain()['releases']
+    assert plain['highest_reading']['ppm'] == 4.42
+    assert 'figure' not in plain
+
+
+def test_detectors_with_nothing_to_read_say_nothing() -> None:
+    """A scenario without source, background or real detector has no dose rates to show."""
+    scenarios = Path(__file__).parents[3] / 'config/scenarios'
+    has = {name: read_scenario(scenarios / f'{name}.yaml').has_radiation for name in (
+        'tanker_ammonia', 'derailment', 'sitl')}  # fmt: skip
+    assert has['derailment']
+    assert not has['tanker_ammonia']

@@ -107,7 +107,7 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
             longitude_deg=one['place'][1],
             circular_error_m=max(one['half_axes_m']),
             stale_s=LASTING_STALE_S,
-            remarks=f'{strength} at 1 m, evidence {one["evidence"]}; estimated',
+            remarks=f'{strength} at 1 m, with {one["probability"]}; estimated',
         )
 
 

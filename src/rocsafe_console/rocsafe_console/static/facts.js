@@ -78,7 +78,7 @@ export class Facts {
   drawSources(value, gas) {
     const list = (value?.sources ?? []).map((source) => {
       const size = figures(Math.max(...source.half_axes_m), 2);
-      return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, evidence: source.evidence })}${source.nuclide ? `, ${source.nuclide}` : ''}`);
+      return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`);
     });
     for (const one of gas?.releases ?? []) {
       const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });

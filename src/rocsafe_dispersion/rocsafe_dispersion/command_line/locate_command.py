@@ -17,6 +17,7 @@ from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.estimator_options import estimator_options
+from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading
 from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
 from rocsafe_dispersion.mission_gas.release_assessment import (
     ReleaseAssessment,
@@ -59,9 +60,23 @@ def _of_flight(path: Path, folder: Path | None) -> dict[str, Any]:
     GasSpool(options.spool_directory).restore(log)
     assessment = assess(log.survey(), options.assessment())
     document = _assessed(assessment, log.frame)
+    document['highest_reading'] = _highest(log.highest(assessment.flight.sensor), log.frame)
     if folder is not None:
         write_release_files(folder, document, assessment, log.frame)
     return document
+
+
+def _highest(reading: GasFlightReading, frame: LocalFrame) -> dict[str, Any]:
+    height_m = reading.altitude_m - frame.origin.altitude_m
+    return {
+        'ppm': reading.corrected,
+        'vehicle': reading.vehicle,
+        'time_ns': reading.time_ns,
+        'latitude_deg': reading.latitude_deg,
+        'longitude_deg': reading.longitude_deg,
+        'height_agl_m': round(height_m, 2),
+        'is_saturated': reading.is_saturated,
+    }
 
 
 def _assessed(assessment: ReleaseAssessment, frame: LocalFrame) -> dict[str, Any]:

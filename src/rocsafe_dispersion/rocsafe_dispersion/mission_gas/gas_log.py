@@ -144,6 +144,11 @@ class GasLog:
         for own in self._gases.values():
             yield from own.values()
 
+    def highest(self, sensor: str) -> GasFlightReading:
+        """Return the highest reading of a kind of sensor, the earliest of equal ones."""
+        own = self._gases[sensor].values()
+        return max(own, key=lambda one: (one.corrected, -one.time_ns))
+
     def survey(self) -> FlightSurvey:
         """Return the survey of all readings so far.
 

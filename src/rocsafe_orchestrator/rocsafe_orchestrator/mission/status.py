@@ -123,12 +123,15 @@ class RunStatus:
     ----------
     text
         Why the mission failed or was cancelled, empty if neither.
+    driver
+        The ground vehicle.
     images_expected
         Photographs of all plans that are flown one after the other.
     viewpoints_planned, viewpoints_visited
         Viewpoints of the present plan, and those of them that were visited.
     flight_time_s
-        Simulated or real seconds from the first take-off to the last touch-down so far.
+        Simulated or real seconds from the first take-off to the end of the last flight or drive
+        so far.
     wall_time_s
         Seconds since the run began.
     real_time_factor
@@ -140,6 +143,7 @@ class RunStatus:
     phase: Phase
     text: str = ''
     vehicles: tuple[VehicleStatus, ...] = ()
+    driver: VehicleStatus | None = None
     images_stored: int = 0
     images_expected: int = 0
     viewpoints_planned: int = 0
@@ -256,26 +260,28 @@ class Monitor:
 
     @property
     def flight_time_s(self) -> float:
-        """Seconds from the first take-off to the last touch-down so far, 0 before."""
+        """Seconds from the first take-off to the end of the last flight or drive so far."""
         return 0.0 if self._takeoff_s is None else max(0.0, self._flown_s - self._takeoff_s)
 
     def on_vehicle(self, status: VehicleStatus, wall_s: float = 0.0) -> None:
         """Note the state of a vehicle, heard at `wall_s`; unknown vehicles are ignored."""
         if status.name == self.driver.name:
+            self._note_time(self.driver, status)
             self.driver = status
-            self.time_s = max(self.time_s, status.time_s)
         if status.name not in self._vehicles:
             return
         self._heard_s[status.name] = wall_s
-        before = self._vehicles[status.name].state
-        if before.is_in_air or status.state.is_in_air:
-            self._flown_s = max(self._flown_s, status.time_s)
+        self._note_time(self._vehicles[status.name], status)
         self._vehicles[status.name] = status
-        if status.time_s > self.time_s:
-            self.time_s = status.time_s
         # A stamp of 0 is none: the vehicle has not heard the clock yet.
         if self._takeoff_s is None and status.state.has_left and status.time_s > 0.0:
             self._takeoff_s = status.time_s
+
+    def _note_time(self, before: VehicleStatus, now: VehicleStatus) -> None:
+        if before.state.is_in_air or now.state.is_in_air:
+            self._flown_s = max(self._flown_s, now.time_s)
+        if now.time_s > self.time_s:
+            self.time_s = now.time_s
 
     def on_dose_rate(self, vehicle: str, dose_rate_usvh: float, position: GeoPosition) -> None:
         """Note a reading, and on the way of a vehicle one every few metres."""
@@ -284,7 +290,7 @@ class Monitor:
             flown.append((position, dose_rate_usvh))
         if 0.0 < self._contamination_usvh <= dose_rate_usvh and vehicle not in self.contaminated:
             self.contaminated[vehicle] = f'it read {dose_rate_usvh:.3g} uSv/h'
-        if self.peak is None or dose_rate_usvh > self.peak.dose_rate_usvh:
+        if dose_rate_usvh > (self.peak.dose_rate_usvh if self.peak else 0.0):
             self.peak = DosePeak(dose_rate_usvh=dose_rate_usvh, vehicle=vehicle, position=position)
 
     def flown(self, vehicle: str) -> tuple[tuple[GeoPosition, float], ...]:

@@ -335,6 +335,7 @@ class MissionLoop:
             phase=mission.phase,
             text=mission.text,
             vehicles=monitor.vehicles,
+            driver=monitor.driver if monitor.driver.name else None,
             images_stored=monitor.images_stored,
             images_expected=monitor.images_expected,
             viewpoints_planned=monitor.viewpoints_planned,

@@ -201,7 +201,11 @@ def status_table(title: str, status: RunStatus) -> RenderableType:
     headline = Text.assemble(
         (title, 'bold'), '  ', (status.phase.name, _PHASE_STYLES.get(status.phase, 'bold cyan'))
     )
-    rows: list[RenderableType] = [headline, _vehicle_table(status.vehicles), _figures(status)]
+    rows: list[RenderableType] = [
+        headline,
+        _vehicle_table((*status.vehicles, *([status.driver] if status.driver else []))),
+        _figures(status),
+    ]
     if status.text:
         rows.append(Text(status.text, style='red'))
     return Group(*rows)
@@ -233,7 +237,7 @@ def _figures(status: RunStatus) -> Table:
     expected = status.images_expected or '?'
     table.add_row('images stored', f'{status.images_stored} for {expected} viewpoints')
     table.add_row('highest reading', '-' if status.peak is None else peak_text(status.peak))
-    times = f'{clock(status.flight_time_s)} flown, {clock(status.wall_time_s)} passed'
+    times = f'{clock(status.flight_time_s)} under way, {clock(status.wall_time_s)} passed'
     table.add_row('time', times + _factor_text(status))
     if status.restarts:
         counts = ', '.join(f'{name} {count}' for name, count in status.restarts.items())

@@ -260,7 +260,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
     if text:
         lines.append(f': {text}')
     images = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
-    lines.append(f'\n{images}, {clock(monitor.flight_time_s)} flown')
+    lines.append(f'\n{images}, {clock(monitor.flight_time_s)} under way')
     if monitor.peak is not None:
         lines.append(f', highest reading {peak_text(monitor.peak)}')
     if directory.report.is_file():

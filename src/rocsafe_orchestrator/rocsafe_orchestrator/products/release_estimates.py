@@ -23,6 +23,19 @@ class Release:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class HighestGas:
+    """The highest reading of the sensor used, in the unit ppm of what it is calibrated for."""
+
+    ppm: float
+    vehicle: str
+    time_ns: int
+    latitude_deg: float
+    longitude_deg: float
+    height_agl_m: float
+    is_saturated: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Zone:
     """Ground above a response level: as expected, and the outer bound of 95 %."""
 
@@ -50,7 +63,13 @@ class ReleaseEstimates:
     reading_count: int
     is_enough: bool
     verdict: str
+    highest_reading: HighestGas
     figure: str
+
+    @property
+    def sensor_name(self) -> str:
+        """Name of the sensor in words."""
+        return self.sensor.replace('_', ' ')
 
 
 def estimate_releases(parameters: Path, folder: Path) -> ReleaseEstimates:
@@ -80,6 +99,7 @@ def _estimates(content: Mapping[str, Any], figure: str) -> ReleaseEstimates:
         reading_count=content['reading_count'],
         is_enough=content['is_enough'],
         verdict=content['verdict'],
+        highest_reading=HighestGas(**content['highest_reading']),
         figure=figure,
     )
 

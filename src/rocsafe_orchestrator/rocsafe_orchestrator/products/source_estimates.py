@@ -2,7 +2,6 @@
 """Sources estimated from the readings of a run: ``sources.json`` and related files."""
 
 import json
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,19 +14,18 @@ from rocsafe_orchestrator.products.estimator_process import run_estimator
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceEstimate:
-    """A source as estimated: place, 95 % ellipse, strength with its 95 % interval, evidence."""
+    """A source as estimated: place, 95 % ellipse, strength with its 95 % interval."""
 
     position: GeoPosition
     ellipse_95_m: tuple[float, float]
     ellipse_angle_from_east_deg: float
     dose_rate_at_1m_usvh: float
     dose_rate_at_1m_95_usvh: tuple[float, float]
-    log_likelihood_ratio: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceEstimates:
-    """All estimated sources, the probability of each number of sources, and the verdict.
+    """All estimated sources, the surest first, the probability of each number, the verdict.
 
     `doubts` lists the assumptions of the estimator that are violated.
     """
@@ -39,6 +37,10 @@ class SourceEstimates:
     is_enough: bool = False
     verdict: str = ''
     doubts: tuple[str, ...] = ()
+
+    def probability_of(self, number: int) -> float:
+        """Return the probability that there are at least `number` sources."""
+        return sum(self.source_count_probability[number:])
 
 
 def estimate_sources(readings: Path, options: Sequence[str]) -> SourceEstimates:
@@ -82,5 +84,4 @@ def _estimate(source: dict[str, Any]) -> SourceEstimate:
         ellipse_angle_from_east_deg=source['ellipse_angle_from_east_deg'],
         dose_rate_at_1m_usvh=source['dose_rate_at_1m_usvh'],
         dose_rate_at_1m_95_usvh=(low, high),
-        log_likelihood_ratio=source.get('detection_log_likelihood_ratio', math.nan),
     )

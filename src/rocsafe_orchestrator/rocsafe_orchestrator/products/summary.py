@@ -14,6 +14,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.storage.json_values import finite
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,
     MissionSample,
@@ -61,6 +62,8 @@ class VehicleFigures:
 
     Attributes
     ----------
+    is_ground_vehicle
+        Whether it drives; what is said of flights holds for its drive.
     flown_duration_s
         Take-off to touch-down, or to the last message.
     planned_duration_s, planned_length_m
@@ -72,6 +75,7 @@ class VehicleFigures:
     """
 
     name: str
+    is_ground_vehicle: bool
     planned_duration_s: float | None
     flown_duration_s: float | None
     planned_length_m: float | None
@@ -95,7 +99,7 @@ class RunSummary:
     outcome
         ``complete``, ``failed``, ``cancelled`` or ``unknown``.
     mission_duration_s
-        First take-off to last touch-down, simulated.
+        First take-off to the end of the last flight or drive, simulated.
     wall_time_s
         Seconds from the command to the report.
     start_up_s
@@ -110,6 +114,8 @@ class RunSummary:
         Vehicles lost in flight, and why.
     estimates
         Sources estimated from the readings.
+    releases
+        Releases of gas estimated from the readings.
     nearest
         The least distance of any two vehicles in the air.
     missing
@@ -131,6 +137,7 @@ class RunSummary:
     highest_reading: HighestReading | None
     integrated_dose_usv: float | None
     estimates: SourceEstimates | None
+    releases: ReleaseEstimates | None
     mission_duration_s: float | None
     wall_time_s: float | None
     start_up_s: float | None
@@ -146,6 +153,8 @@ class RunSummary:
         """Return values that JSON can hold; what is not finite becomes None."""
         figures = _plan_figures(self.plan) if self.plan else None
         plain = {**dataclasses.asdict(dataclasses.replace(self, plan=None)), 'plan': figures}
+        if self.releases is not None:
+            plain['releases'].pop('figure')
         return dict(finite(plain))
 
 
@@ -174,6 +183,7 @@ def summarise(record: RunRecord) -> RunSummary:
         highest_reading=_over_ground(highest_reading(readings), record.scenario),
         integrated_dose_usv=math.fsum(doses) if doses else None,
         estimates=record.estimates,
+        releases=record.releases,
         mission_duration_s=_mission_duration_s(record),
         wall_time_s=_wall_time_s(record.info, mission),
         start_up_s=_start_up_s(mission),
@@ -274,6 +284,7 @@ def _vehicle_figures(record: RunRecord, name: str) -> VehicleFigures:
     visited, planned = viewpoints_of(samples, route)
     return VehicleFigures(
         name=name,
+        is_ground_vehicle=name == record.driver,
         planned_duration_s=route.duration_s if route and not is_replanned else None,
         flown_duration_s=(flight[1] - flight[0]) / NS_PER_S if flight else None,
         planned_length_m=route.length_m if route and not is_replanned else None,

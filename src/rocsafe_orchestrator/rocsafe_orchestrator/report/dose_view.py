@@ -15,7 +15,7 @@ from rasterio.errors import RasterioError
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_orchestrator.products.source_estimates import SourceEstimate, SourceEstimates
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.report.map_data import estimate_points
 from rocsafe_orchestrator.report.pictures import map_xy
 from rocsafe_orchestrator.report.sections.cordons import SAFE, EstimatedCordon, read_cordons
@@ -109,7 +109,7 @@ def dose_view(
         box=grid.box,
         scale=scale,
         sources=estimate_points(estimates, frame),
-        source_rows=_source_rows(estimates.sources),
+        source_rows=_source_rows(estimates),
         cordon_rows=_cordon_rows(cordons),
     )
 
@@ -177,16 +177,16 @@ def _data_uri(values: FloatArray, scale: DoseScale) -> str:
     return 'data:image/png;base64,' + base64.b64encode(stream.getvalue()).decode()
 
 
-def _source_rows(sources: Sequence[SourceEstimate]) -> Rows:
+def _source_rows(found: SourceEstimates) -> Rows:
     return [
         [
             f'{index}',
             place_of(source),
             half_axes_of(source),
             dose_rate_of(source),
-            formats.evidence(source.log_likelihood_ratio),
+            formats.probability(found.probability_of(index)),
         ]
-        for index, source in enumerate(sources, 1)
+        for index, source in enumerate(found.sources, 1)
     ]
 
 

@@ -16,7 +16,7 @@ from rocsafe_orchestrator.report.events import events, flights, start_ns
 from rocsafe_orchestrator.report.map_data import map_view
 from rocsafe_orchestrator.report.pictures import thumbnails
 from rocsafe_orchestrator.report.run_facts import fact_columns, plan_rows
-from rocsafe_orchestrator.report.run_texts import height_of, lead, limits, verdict
+from rocsafe_orchestrator.report.run_texts import gas_reading, height_of, lead, limits, verdict
 from rocsafe_orchestrator.report.sections.advice_view import advice_view
 from rocsafe_orchestrator.report.sections.drive_view import drive_view
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
@@ -62,6 +62,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         map=view,
         scale=scale,
         height_of=height_of,
+        gas_reading=gas_reading,
         strongest=strongest(record.estimates),
         dose_rate_of=dose_rate_of,
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,

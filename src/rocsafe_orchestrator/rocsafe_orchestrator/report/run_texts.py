@@ -3,8 +3,9 @@
 
 from dataclasses import dataclass
 
+from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.run_record import RunRecord
-from rocsafe_orchestrator.products.summary import HighestReading, RunSummary
+from rocsafe_orchestrator.products.summary import HighestReading, RunSummary, VehicleFigures
 from rocsafe_orchestrator.report.sections.source_texts import strongest
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view import formats
@@ -57,29 +58,50 @@ def verdict(summary: RunSummary) -> Verdict:
 
 def _lacks(summary: RunSummary) -> str:
     """Return what a mission that was flown to its end still lacks; empty if nothing."""
-    found, expected = summary.estimates, summary.images_expected
+    found, gas, expected = summary.estimates, summary.releases, summary.images_expected
     if expected is not None and summary.viewpoints_photographed < expected:
         return 'photographs missing'
-    if found is not None and found.verdict and not found.is_enough:
+    is_doubtful = found is not None and found.verdict and not found.is_enough
+    if is_doubtful or (gas is not None and not gas.is_enough):
         return 'evidence not enough yet'
     return ''
 
 
 def lead(summary: RunSummary) -> str:
     """Return the run in a few sentences, as far as it is known."""
-    count = len(summary.vehicles)
-    text = f'{count} vehicle{"s" if count != 1 else ""}'
+    fliers = [vehicle for vehicle in summary.vehicles if not vehicle.is_ground_vehicle]
+    text = f'{len(fliers)} vehicle{"s" if len(fliers) != 1 else ""}'
     if summary.mission_duration_s is not None:
-        text += f' flew {formats.duration(summary.mission_duration_s)}'
+        text += f' flew {_flown(summary)}'
     if summary.plan:
         text += f' over a region of {formats.area(summary.plan.region_area_m2)}'
-    stored = formats.whole(summary.images_stored)
+    drivers = [vehicle for vehicle in summary.vehicles if vehicle.is_ground_vehicle]
+    stored = formats.whole(summary.images_stored - sum(one.images_stored for one in drivers))
     text += f'{" and" if summary.mission_duration_s else ""} stored {stored} photographs'
     if summary.images_expected is not None:
         seen, expected = summary.viewpoints_photographed, summary.images_expected
         part = 'all' if seen == expected else f'{formats.whole(seen)} of'
         text += f' of {part} {formats.whole(expected)} viewpoints'
-    return f'{text}.{_highest(summary)}{_at_one_metre(summary)}'
+    text += ''.join(f'. {_driven(one)}' for one in drivers if one.flown_duration_s is not None)
+    return f'{text}.{_highest(summary)}{_at_one_metre(summary)}{_gas(summary.releases)}'
+
+
+def _flown(summary: RunSummary) -> str:
+    """Return how long the vehicles of the air flew."""
+    if any(vehicle.is_ground_vehicle for vehicle in summary.vehicles):
+        fliers = [vehicle for vehicle in summary.vehicles if not vehicle.is_ground_vehicle]
+        longest_s = max((one.flown_duration_s or 0.0 for one in fliers), default=0.0)
+        return f'up to {formats.duration(longest_s)}'
+    return formats.duration(summary.mission_duration_s)
+
+
+def _driven(driver: VehicleFigures) -> str:
+    """Return how far a ground vehicle drove."""
+    shots = formats.whole(driver.images_stored)
+    return (
+        f'{driver.name} drove {formats.length(driver.flown_length_m)} in '
+        f'{formats.duration(driver.flown_duration_s)} and stored {shots} photographs'
+    )
 
 
 def _highest(summary: RunSummary) -> str:
@@ -97,6 +119,26 @@ def _at_one_metre(summary: RunSummary) -> str:
         return ''
     dose_rate = formats.spaced(formats.dose_rate(source.dose_rate_at_1m_usvh))
     return f' At 1{formats.GAP}m from the strongest source it is about {dose_rate}, as estimated.'
+
+
+def _gas(found: ReleaseEstimates | None) -> str:
+    """Return the highest reading of gas, and what is said of releases."""
+    if found is None:
+        return ''
+    top = found.highest_reading
+    place = formats.latitude_longitude(top.latitude_deg, top.longitude_deg)
+    height = formats.length(top.height_agl_m)
+    return (
+        f' The highest reading of {found.sensor_name} was {gas_reading(found)}, measured {height} '
+        f'above the ground at {place}. {found.agent.capitalize()}: {found.verdict}.'
+    )
+
+
+def gas_reading(found: ReleaseEstimates) -> str:
+    """Return the highest reading; a saturated sensor tells only a lower bound."""
+    top = found.highest_reading
+    bound = 'over ' if top.is_saturated else ''
+    return f'{bound}{formats.figures(top.ppm)}{formats.GAP}ppm'
 
 
 def height_of(top: HighestReading) -> str:

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.limits import require_between, require_not_negative
+from rocsafe_geo.origin_options import option
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.driving.chassis import Chassis
-from rocsafe_sim.flight.origin_options import option
 from rocsafe_sim.flight.sensing_options import FLAT, SensingOptions
 
 # Over the flat ground the camera must not see the horizon: there is none.

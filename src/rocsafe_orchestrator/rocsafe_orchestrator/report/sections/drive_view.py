@@ -113,8 +113,8 @@ def _rows(route: Mapping[str, Any]) -> list[list[str]]:
         ['Dose, 95 of 100', f'{_dose(dose["low_95"])} to {_dose(dose["high_95"])}'],
         ['Of it at the evidence', _dose(dose['of_dwells'])],
         ['Fastest way', f'{formats.duration(fastest["time_s"])}, {_dose(fastest["dose_usv"])}'],
-        ['Over cells, before straight lines', _proof(proof)],
-        ['1 µSv more saves about', f'{proof["seconds_per_usv"]:.3g} s'],
+        ['Way over cells, turns not counted', _proof(proof)],
+        ['1 µSv more would save about', f'{proof["seconds_per_usv"]:.3g} s'],
     ]
 
 
@@ -123,10 +123,8 @@ def _proof(proof: Mapping[str, Any]) -> str:
         formats.duration(proof['lower_bound_s']),
         formats.percent(proof['gap_fraction'], 2),
     )
-    return (
-        f'{formats.duration(proof["grid_time_s"])}; none within the budget is below {bound} '
-        f'(gap {gap})'
-    )
+    time = formats.duration(proof['grid_time_s'])
+    return f'{time}, at most {gap} above the shortest within the budget ({bound})'
 
 
 def _dose(value_usv: float) -> str:

@@ -12,7 +12,13 @@ import numpy as np
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.status import FlightState
-from rocsafe_orchestrator.products.run_record import Photograph, RunRecord, VehicleSample
+from rocsafe_orchestrator.products.run_record import (
+    Photograph,
+    Reading,
+    RunRecord,
+    VehicleSample,
+)
+from rocsafe_orchestrator.products.summary import integrated_dose_usv
 from rocsafe_view import formats
 from rocsafe_view.svg import Point
 
@@ -59,12 +65,16 @@ def driven_view(
     span = _span(samples)
     if span is None or record.log is None:
         return None
-    taken = _taken(record, driver, span)
+    readings = [one for one in record.log.readings if one.vehicle == driver]
+    taken = _taken(readings, span)
     predicted = _predicted(route)
     end = max(taken[-1][0], predicted[-1][0], 1e-9), max(taken[-1][1], predicted[-1][1], 1e-9)
     return DrivenView(
         way=_way(record, driver, frame, span),
-        rows=_rows(samples, span, taken, predicted),
+        rows=[
+            *_rows(samples, span, taken, predicted),
+            ['Dose before and after, where it stood', _dose(_elsewhere_usv(readings, taken))],
+        ],
         taken=_drawn(taken, end),
         predicted=_drawn(predicted, end),
         scale=(formats.duration(end[0]), formats.spaced(formats.dose(end[1]))),
@@ -82,13 +92,17 @@ def _span(samples: Sequence[VehicleSample]) -> tuple[int, int] | None:
     return samples[under_way.index(True)].time_ns, end.time_ns
 
 
-def _taken(record: RunRecord, driver: str, span: tuple[int, int]) -> Curve:
+def _elsewhere_usv(readings: Sequence[Reading], taken: Curve) -> float:
+    """Return the dose of a vehicle before and after its drive."""
+    return max((integrated_dose_usv(readings) or 0.0) - taken[-1][1], 0.0)
+
+
+def _taken(readings: Sequence[Reading], span: tuple[int, int]) -> Curve:
     """Return seconds and accumulated dose of the readings of a drive."""
-    readings = record.log.readings if record.log else ()
     own = [
         ((one.time_ns - span[0]) / NS_PER_S, one.dose_rate_usvh)
         for one in readings
-        if one.vehicle == driver and span[0] <= one.time_ns <= span[1]
+        if span[0] <= one.time_ns <= span[1]
     ]
     steps = (
         0.5 * (a[1] + b[1]) * (b[0] - a[0]) / SECONDS_PER_HOUR

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Options that all nodes of this package have."""
+"""Options of nodes that know the origin of the mission's local frame."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,10 +26,24 @@ class OriginOptions:
         0.0, 'altitude of the ground above the ellipsoid, m', -1e3, 1e4
     )
 
-    def frame(self) -> LocalFrame:
-        """Return the local frame of the mission."""
-        return LocalFrame(
-            GeoPosition(
-                self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
-            )
+    def origin(self) -> GeoPosition:
+        """Return the origin.
+
+        Raises
+        ------
+        ValueError
+            If it is out of range.
+        """
+        return GeoPosition(
+            self.origin_latitude_deg, self.origin_longitude_deg, self.origin_altitude_m
         )
+
+    def frame(self) -> LocalFrame:
+        """Return the local frame of the mission.
+
+        Raises
+        ------
+        ValueError
+            If its origin is out of range.
+        """
+        return LocalFrame(self.origin())
