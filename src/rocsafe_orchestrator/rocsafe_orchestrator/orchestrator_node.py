@@ -52,9 +52,9 @@ AGENT_SILENCE_S = 60.0
 class OrchestratorNode(Node):
     """Receives the state of the nodes and publishes the state of the mission.
 
-    Publishes ``region``, ``mission/state`` and ``decisions``. Subscribes ``<vehicle>/state``,
-    ``<vehicle>/radiation``, ``<vehicle>/dose_alarm``, ``hazard/sources``, ``shots/receipts`` and,
-    while time stands still, ``sim/step_done``.
+    Publishes ``region``, ``mission/state`` and ``decisions``. Service: ``mission/replan``.
+    Subscribes ``<vehicle>/state``, ``<vehicle>/radiation``, ``<vehicle>/dose_alarm``,
+    ``hazard/sources``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
     Its `requests` call the other nodes, from a lean node of their own, `requester`.
     """
 
@@ -80,6 +80,7 @@ class OrchestratorNode(Node):
             enable_rosout=False,
         )
         self.requests = Requests(self.requester, scenario, monitor, identity.mission)
+        self.create_service(topics.REPLAN.call_type, topics.REPLAN.name, self._on_replan)
         self._wire()
 
     def _wire(self) -> None:
@@ -197,6 +198,11 @@ class OrchestratorNode(Node):
             self._monitor.on_rejected(message.shot_id, message.reason)
         else:
             self._monitor.on_stored(message.shot_id)
+
+    def _on_replan(self, _request: Any, response: Any) -> Any:
+        response.message = self.requests.replan()
+        response.success = not response.message
+        return response
 
     def _on_step(self, message: StepDone) -> None:
         self._steps[message.participant] = ns_of_stamp(message.step)

@@ -155,6 +155,12 @@ class Requests:
         self._monitor.images_expected = goal_conversions.viewpoint_count(plan)
         self._monitor.begin_plan(plan.plan_id, self._monitor.images_expected)
 
+    def replan(self) -> str:
+        """Have the rest of the mission planned anew; return why not, empty if it is."""
+        if self._mission is None:
+            return 'cannot plan anew: no mission has begun'
+        return self._mission.replan(self._leases.lost)
+
     def close(self) -> None:
         """Destroy the clients of actions, which keep their node in the graph."""
         for client in (self._planner, *self._vehicles.values()):

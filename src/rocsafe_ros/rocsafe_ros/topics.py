@@ -412,6 +412,7 @@ FLEET_RETURN_HOME = _call(
     'fleet/return_home', FleetCommand, 'service', Scope.FLEET, 'all give up their routes'
 )
 FLEET_LAND = _call('fleet/land', FleetCommand, 'service', Scope.FLEET, 'all land where they are')
+REPLAN = _call('mission/replan', Trigger, 'service', Scope.FLEET, 'plan the rest anew')
 SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
 
 CALLS = tuple(value for value in tuple(globals().values()) if isinstance(value, CallSpec))

@@ -233,6 +233,23 @@ class Mission(PhaseRecord):
             self.fault(f'{vehicle}: {why}')
         self.fleet.withdraw(vehicle, why, OrderKind.RETURN if is_waiting else OrderKind.RETREAT)
 
+    def replan(self, led_by_others: Iterable[str] = ()) -> str:
+        """Plan the rest anew for the vehicles in flight; return why not, empty if it does.
+
+        Vehicles in `led_by_others` would refuse the new plan: the others take over from them.
+        """
+        if self.phase is not Phase.FLYING or self.is_cancelled:
+            return 'cannot plan anew: the vehicles do not fly a plan now'
+        if self._has_agents:
+            return 'cannot plan anew: the agents of the vehicles plan by themselves'
+        why = 'is led by somebody else'
+        if not (self.fleet.note(led_by_others, why, is_gone=False) or self.fleet.gather()):
+            return 'cannot plan anew: no vehicle takes orders of the mission'
+        self._time.begin()
+        self.remarks.append('an operator has the rest planned anew')
+        self.enter(Phase.PLANNING)
+        return ''
+
     def sent_home(self, vehicle: str) -> None:
         """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
         self._requests.finish(OrderKind.FLY, vehicle)
