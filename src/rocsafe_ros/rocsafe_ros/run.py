@@ -77,8 +77,8 @@ def run(
     -------
     int
         0 after SIGINT or SIGTERM, when ROS is shut down, or after ``--help``; 2, with one line on
-        standard error, if an argument or a parameter is wrong. Any other exception ends the process with its traceback, and its
-        supervisor decides whether to start it again.
+        standard error, if an argument or a parameter is wrong. Any other exception ends the
+        process with its traceback, and its supervisor decides whether to start it again.
     """
     if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
         outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE]).is_needed

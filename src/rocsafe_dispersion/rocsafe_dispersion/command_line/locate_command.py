@@ -105,26 +105,54 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog='rocsafe locate-release',
-        description='Find releases of gas in readings with the wind; columns: docs/dispersion.md.',
+        description='Find releases of gas, their places and rates, in readings of concentration '
+        'and wind. Columns of the file: docs/dispersion.md.',
     )
     found.add_argument(
-        'file', type=Path, metavar='READINGS.csv', help='or params/estimator.yaml of a run'
+        'file',
+        type=Path,
+        metavar='READINGS.csv',
+        help='file of readings, or params/estimator.yaml of a run',
     )
-    found.add_argument('--agent', help='chemical, for readings in ppm')
-    found.add_argument('--stability', choices=CLASSES, default='D', help='Pasquill class [D]')
-    found.add_argument('--roughness', type=float, default=0.03, metavar='M', help='[0.03]')
+    found.add_argument('--agent', help='chemical that was measured; needed for readings in ppm')
     found.add_argument(
-        '--anemometer', type=float, default=10.0, metavar='M', help='height of the wind [10]'
+        '--stability', choices=CLASSES, default='D',
+        help='Pasquill class of the stability of the air (default: D)',
+    )  # fmt: skip
+    found.add_argument(
+        '--roughness', type=float, default=0.03, metavar='M',
+        help='roughness length of the ground, metres (default: 0.03)',
+    )  # fmt: skip
+    found.add_argument(
+        '--anemometer',
+        type=float,
+        default=10.0,
+        metavar='M',
+        help='height above the ground at which the wind was measured, metres (default: 10)',
     )
     found.add_argument(
-        '--release-height', type=float, default=0.5, metavar='M', help='above the ground [0.5]'
+        '--release-height',
+        type=float,
+        default=0.5,
+        metavar='M',
+        help='height of the release above the ground, metres (default: 0.5)',
     )
     found.add_argument(
-        '--margin', type=float, default=20.0, metavar='M', help='around the readings [20]'
+        '--margin',
+        type=float,
+        default=20.0,
+        metavar='M',
+        help='distance around the readings within which releases are searched, metres '
+        '(default: 20)',
     )
-    found.add_argument('--most', type=int, default=3, metavar='N', help='releases [3]')
-    found.add_argument('--out', type=Path, metavar='DIR', help='write files, of a run only')
-    found.add_argument('--json', action='store_true', help='print JSON')
+    found.add_argument(
+        '--most', type=int, default=3, metavar='N',
+        help='largest number of releases (default: 3)',
+    )  # fmt: skip
+    found.add_argument(
+        '--out', type=Path, metavar='DIR', help='also write the files of a run there'
+    )
+    found.add_argument('--json', action='store_true', help='print JSON instead of a table')
     return found
 
 

@@ -172,9 +172,11 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument('folder', type=Path, metavar='FOLDER')
     parser.add_argument(
-        '-o', '--output', type=Path, metavar='DIR', help='where to write [FOLDER/map]'
+        'folder', type=Path, metavar='FOLDER', help='folder of photographs, or an image store'
+    )
+    parser.add_argument(
+        '-o', '--output', type=Path, metavar='DIR', help='where to write (default: FOLDER/map)'
     )
     parser.add_argument(
         '--resolution', type=float, default=0.0, metavar='M',
