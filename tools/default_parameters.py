@@ -51,6 +51,12 @@ NODES = (
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('router', 'drives of a ground vehicle', 'rocsafe_ground.options:RouterOptions'),
     ('agents', 'agents of the vehicles', 'rocsafe_fleet.options:AgentOptions'),
+    (
+        'mavlink_view',
+        'simulated vehicles, shown to a ground station',
+        'rocsafe_mavlink.view_options:ViewOptions',
+    ),
+    ('airsim', "AirSim's API", 'rocsafe_airsim.options:AirsimOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),
 )

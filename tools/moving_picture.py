@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Make the moving picture of the README from a run: routes, tracks, mosaic and dose map grow.
+"""Make the moving picture of the README from a run: from planned routes to a located source.
 
     python tools/moving_picture.py runs/derailment-20261123-101500 docs/mission.webp
 
 Everything shown is of the run: a photograph's part of the mosaic appears when it was taken, a
-track is coloured by its readings, and the dose map shows where its readings have been taken.
+track is coloured by its readings, and the dose map shows where its readings have been taken. The
+last frames show the source that was found and its cordons, on the mosaic.
 """
 
 import csv
@@ -24,13 +25,19 @@ from rasterio.vrt import WarpedVRT
 
 from rocsafe_geo.arrays import FloatArray
 
-WIDTH_PX, FRAMES, LAST_MS, FRAME_MS = 820, 48, 2500, 120
+WIDTH_PX, FRAMES, FRAME_MS = 820, 48, 120
+# How long the first and the last picture stay, milliseconds.
+FIRST_MS, LAST_MS = 1800, 5000
 QUALITY = 62
 # Parts of the picture around the mosaic, metres.
 MARGIN_M = 12.0
 DARK, LINE = (28, 34, 33), (235, 235, 235)
 # The dose map is shown this far from readings that were taken, metres.
 KNOWN_M = 14.0
+# Height of the line of text below, pixels.
+CAPTION_PX = 64
+# Levels of the cordons that are shown, uSv/h at 1 m: for most people, and for responders.
+CORDONS_USVH = (25.0, 100.0)
 # Colours from 1 to 300 uSv/h, by logarithm (plasma).
 COLOURS = np.array(
     [(13, 8, 135), (84, 2, 163), (156, 23, 158), (219, 92, 104), (248, 149, 64), (240, 249, 33)]
@@ -51,6 +58,10 @@ class Scene:
         Time, seconds, x, y and dose rate, shape (n, 4), by vehicle.
     routes
         Planned routes.
+    sources
+        Place of each source that was found, and what was found about it.
+    cordons
+        Level, uSv/h, and outline of each cordon.
     """
 
     mosaic: Image.Image
@@ -58,6 +69,8 @@ class Scene:
     shots: list[tuple[float, list[tuple[float, float]]]]
     readings: dict[str, FloatArray]
     routes: list[list[tuple[float, float]]]
+    sources: list[tuple[tuple[float, float], str]]
+    cordons: list[tuple[float, list[tuple[float, float]]]]
 
 
 def read_scene(run: Path) -> Scene:
@@ -99,6 +112,14 @@ def read_scene(run: Path) -> Scene:
             for item in _features(run / 'plan.geojson')
             if item['geometry']['type'] == 'LineString'
         ],
+        sources=_sources(run, pixels),
+        cordons=[
+            (float(item['properties']['level_usv_h']), pixels(polygon[0]))
+            for item in _features(run / 'cordons.geojson')
+            if item['properties']['confidence'] == 'upper_95'
+            and item['properties']['level_usv_h'] in CORDONS_USVH
+            for polygon in item['geometry']['coordinates']
+        ],
     )  # fmt: skip
 
 
@@ -113,9 +134,7 @@ def colours(rates_usvh: FloatArray) -> Any:
 def frame(scene: Scene, time_s: float) -> Image.Image:
     """Return the picture of a moment of the mission."""
     size = scene.mosaic.size
-    picture = Image.new('RGBA', size, (*DARK, 255))
-    taken = _mask(size, [corners for at, corners in scene.shots if at <= time_s])
-    picture.paste(scene.mosaic, (0, 0), _both(scene.mosaic.getchannel('A'), taken))
+    picture = _ground(scene, [corners for at, corners in scene.shots if at <= time_s])
     known = Image.new('L', size)
     pen = ImageDraw.Draw(known)
     radius = KNOWN_M * size[0] / 260.0
@@ -124,30 +143,83 @@ def frame(scene: Scene, time_s: float) -> Image.Image:
             pen.ellipse((x - radius, y - radius, x + radius, y + radius), fill=255)
     known = known.filter(ImageFilter.GaussianBlur(6))
     picture.paste(scene.dose, (0, 0), _both(scene.dose.getchannel('A'), known))
+    _draw_routes(picture, scene, 150)
     pen = ImageDraw.Draw(picture)
-    for route in scene.routes:
-        pen.line(route, fill=(*LINE, 120), width=1)
     for name, table in scene.readings.items():
         _draw_track(pen, name, table[table[:, 0] <= time_s])
-    _draw_clock(pen, size, time_s)
-    return picture.convert('RGB')
+    minutes, seconds = divmod(int(time_s), 60)
+    taken = sum(at <= time_s for at, _ in scene.shots)
+    text = f'{minutes}:{seconds:02d} min   {taken} of {len(scene.shots)} photographs'
+    return _captioned(picture, 'They fly, photograph and measure. Map and dose map grow.', text)
+
+
+def first_frame(scene: Scene) -> Image.Image:
+    """Return the picture of the plan."""
+    picture = _ground(scene, [])
+    _draw_routes(picture, scene, 255)
+    text = f'{len(scene.routes)} routes for {len(scene.shots)} photographs, simulated'
+    return _captioned(picture, 'Routes are planned for a region.', text)
+
+
+def last_frame(scene: Scene) -> Image.Image:
+    """Return the picture of what was found."""
+    picture = _ground(scene, [corners for _, corners in scene.shots])
+    pen = ImageDraw.Draw(picture)
+    for level, outline in scene.cordons:
+        pen.line(outline, fill=(255, 214, 10), width=3)
+        top = min(outline, key=lambda place: place[1])
+        _write(pen, (top[0], top[1] + 14), f'{level:g} uSv/h', 17, 'mm')
+    for (x, y), _ in scene.sources:
+        pen.ellipse((x - 8, y - 8, x + 8, y + 8), fill=(230, 40, 40), outline='white', width=2)
+    found = '; '.join(text for _, text in scene.sources)
+    return _captioned(picture, 'The source is found. Cordons say how near one may go.', found)
+
+
+def _ground(scene: Scene, footprints: list[list[tuple[float, float]]]) -> Image.Image:
+    """Return the mosaic, as far as photographs were taken."""
+    picture = Image.new('RGBA', scene.mosaic.size, (*DARK, 255))
+    taken = _mask(scene.mosaic.size, footprints)
+    picture.paste(scene.mosaic, (0, 0), _both(scene.mosaic.getchannel('A'), taken))
+    return picture
+
+
+def _draw_routes(picture: Image.Image, scene: Scene, strength: int) -> None:
+    layer = Image.new('RGBA', picture.size)
+    pen = ImageDraw.Draw(layer)
+    for route in scene.routes:
+        pen.line(route, fill=(*LINE, strength), width=2)
+    picture.alpha_composite(layer)
 
 
 def _draw_track(pen: ImageDraw.ImageDraw, name: str, flown: FloatArray) -> None:
     for (_, x, y, rate), (_, x2, y2, _) in zip(flown[:-1:4], flown[4::4], strict=False):
-        pen.line((x, y, x2, y2), fill=tuple(colours(np.array(rate)).tolist()), width=4)
+        pen.line((x, y, x2, y2), fill=tuple(colours(np.array(rate)).tolist()), width=5)
     if len(flown):
         _, x, y, _ = flown[-1]
-        pen.ellipse((x - 6, y - 6, x + 6, y + 6), fill='white', outline='black')
-        pen.text((x + 9, y - 9), name, fill='white', stroke_width=2, stroke_fill='black',
-                 font=ImageFont.load_default(15))  # fmt: skip
+        pen.ellipse((x - 7, y - 7, x + 7, y + 7), fill='white', outline='black')
+        _write(pen, (x + 11, y), name, 17, 'lm')
 
 
-def _draw_clock(pen: ImageDraw.ImageDraw, size: tuple[int, int], time_s: float) -> None:
-    minutes, seconds = divmod(int(time_s), 60)
-    text = f'{minutes}:{seconds:02d} min    colour: 1 to 300 uSv/h    simulated'
-    pen.text((14, size[1] - 30), text, fill='white', stroke_width=2, stroke_fill='black',
-             font=ImageFont.load_default(17))  # fmt: skip
+def _captioned(picture: Image.Image, caption: str, text: str) -> Image.Image:
+    """Return the picture with a line that tells what is seen, figures and a scale of colours."""
+    width, height = picture.size
+    whole = Image.new('RGB', (width, height + CAPTION_PX), DARK)
+    whole.paste(picture.convert('RGB'))
+    pen = ImageDraw.Draw(whole)
+    _write(pen, (14, height + 20), caption, 20, 'lm')
+    _write(pen, (14, height + 46), text, 17, 'lm')
+    scale = colours(np.logspace(0.0, np.log10(300.0), 160))
+    bar = Image.fromarray(np.repeat(scale[None], 10, axis=0))
+    whole.paste(bar, (width - 190, height + 14))
+    _write(pen, (width - 110, height + 42), '1  to  300 uSv/h', 16, 'mm')
+    return whole
+
+
+def _write(
+    pen: ImageDraw.ImageDraw, place: tuple[float, float], text: str, size: int, anchor: str
+) -> None:
+    pen.text(place, text, fill='white', anchor=anchor, stroke_width=2, stroke_fill='black',
+             font=ImageFont.load_default(size))  # fmt: skip
 
 
 def _mask(size: tuple[int, int], polygons: list[list[tuple[float, float]]]) -> Image.Image:
@@ -179,6 +251,17 @@ def _readings(run: Path, pixels: Any, start_s: float) -> dict[str, FloatArray]:
     }  # fmt: skip
 
 
+def _sources(run: Path, pixels: Any) -> list[tuple[tuple[float, float], str]]:
+    found = []
+    for source in json.loads((run / 'sources.json').read_text())['sources']:
+        place = source['place']
+        (pixel,) = pixels([(place['longitude_deg'], place['latitude_deg'])])
+        strength = source['dose_rate_at_1m_usvh'] / 1000.0
+        where = f'{place["latitude_deg"]:.6f}, {place["longitude_deg"]:.6f}'
+        found.append((pixel, f'{strength:.0f} mSv/h at 1 m, at {where}'))
+    return found
+
+
 def _rows(run: Path) -> list[dict[str, str]]:
     with (run / 'readings.csv').open(encoding='utf-8') as file:
         return list(csv.DictReader(file))
@@ -199,10 +282,12 @@ def main(run: str, out: str) -> int:
     end_s = max(float(table[-1, 0]) for table in scene.readings.values())
     start_s = min(at for at, _ in scene.shots) - 10.0
     times = np.linspace(start_s, end_s, FRAMES).tolist()
-    first, *others = (frame(scene, time_s) for time_s in times)
-    first.save(out, save_all=True, append_images=others, loop=0,
-               duration=[*[FRAME_MS] * (FRAMES - 1), LAST_MS],
-               quality=QUALITY, method=6)  # fmt: skip
+    others = [*(frame(scene, time_s) for time_s in times), last_frame(scene)]
+    first_frame(scene).save(
+        out, save_all=True, append_images=others, loop=0,
+        duration=[FIRST_MS, *[FRAME_MS] * FRAMES, LAST_MS],
+        quality=QUALITY, method=6,
+    )  # fmt: skip
     print(f'{out}: {Path(out).stat().st_size / 1e6:.2f} MB')
     return 0
 

@@ -6,7 +6,7 @@ NAME = 'rocsafe_console'
 setup(
     name=NAME,
     version='0.2.0',
-    description='Page of the operator of ROCSAFE: see, decide, answer for it.',
+    description='Web page of the operator of ROCSAFE: live map, orders, users, evidence log.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',

@@ -6,7 +6,7 @@ NAME = 'rocsafe_fleet'
 setup(
     name=NAME,
     version='0.2.0',
-    description='Agents of a fleet that agree without a head, for ROCSAFE.',
+    description='Agents that share the work of a ROCSAFE mission without a central planner.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',

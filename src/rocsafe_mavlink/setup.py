@@ -6,7 +6,7 @@ NAME = 'rocsafe_mavlink'
 setup(
     name=NAME,
     version='0.2.0',
-    description='Real autopilots behind the interface of a ROCSAFE vehicle.',
+    description='Bridge from ROCSAFE to real vehicles with ArduPilot or PX4 by MAVLink.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',

@@ -6,7 +6,7 @@ NAME = 'rocsafe_ros'
 setup(
     name=NAME,
     version='0.2.0',
-    description='What every ROCSAFE node shares: parameters, topics, conversions, life cycle.',
+    description='Parts that all ROCSAFE nodes share: parameters, topics, conversions, life cycle.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',

@@ -6,7 +6,7 @@ NAME = 'rocsafe_scene'
 setup(
     name=NAME,
     version='0.2.0',
-    description='What there is to see, and how a camera sees it: scenes, game engine, optics.',
+    description='Scenes of ROCSAFE, the engine that renders them, and camera optics.',
     license='Apache-2.0',
     maintainer='ROCSAFE maintainers',
     maintainer_email='maintainers@rocsafe.invalid',

@@ -292,3 +292,21 @@ def test_what_is_no_parameter_file_is_refused_in_one_line(tmp_path, capsys, text
     assert locate_command.main([written(tmp_path, [], text)]) == 2
     error = capsys.readouterr().err
     assert 'is no parameter file of an estimator' in error
+
+
+@pytest.mark.slow
+def test_assumptions_of_the_command_line_replace_those_of_a_flight(tmp_path, capsys):
+    """A calmer or more turbulent air means another rate."""
+    file = written(tmp_path, flight_readings())
+    rates = []
+    for stability in ('D', 'A'):
+        assert locate_command.main([file, '--stability', stability, '--json']) == 0
+        rates.append(json.loads(capsys.readouterr().out)['releases'][0]['rate_g_s'])
+    assert rates[0] != pytest.approx(rates[1], rel=0.05)
+
+
+@pytest.mark.parametrize('option', ['--anemometer=5', '--margin=3', '--most=1'])
+def test_assumptions_that_a_flight_does_not_need_are_refused(tmp_path, capsys, option):
+    """Rather than ignored."""
+    assert locate_command.main([written(tmp_path, []), option]) == 2
+    assert f'{option.partition("=")[0]} is for a table of readings' in capsys.readouterr().err

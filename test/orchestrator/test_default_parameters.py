@@ -3,6 +3,7 @@
 
 import importlib.util
 import itertools
+import re
 from pathlib import Path
 
 import yaml
@@ -37,3 +38,13 @@ def test_file_is_a_ros_parameter_file() -> None:
     content = yaml.safe_load(default_parameters.config_text())
     assert set(content) == {f'/**/{name}' for name, _, _ in default_parameters.NODES}
     assert content['/**/rav']['ros__parameters']['cruise_speed_mps'] == 5.0
+
+
+def test_options_of_every_node_are_in_the_file() -> None:
+    """A node that is new must not be forgotten."""
+    declared = {
+        name
+        for path in (REPOSITORY / 'src').rglob('*_node.py')
+        for name in re.findall(r'declare_options\(\w+, (\w+)\)', path.read_text())
+    }
+    assert declared == {options.partition(':')[2] for _, _, options in default_parameters.NODES}

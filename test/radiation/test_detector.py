@@ -2,12 +2,16 @@
 """Counts are Poisson, dead time is as in theory, and nothing depends on the order of calls."""
 
 import math
+import re
+import textwrap
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rocsafe_radiation.detection import detector
 from rocsafe_radiation.detection.counting import Sample, WindowCounter
 from rocsafe_radiation.detection.detector import (
     DETECTORS,
@@ -150,3 +154,13 @@ def test_background_falls_with_height_and_the_sky_adds_to_it():
     low, up = sky.dose_rates_usvh([0.0, 0.0], [0.0, 0.0], [0.0, 1733.0])
     assert low == pytest.approx(0.033)
     assert up == pytest.approx(0.066, rel=0.01)
+
+
+def test_example_of_a_new_detector_counts():
+    """The one that docs/architecture.md tells to add."""
+    text = Path(__file__).resolve().parents[2].joinpath('docs/architecture.md').read_text()
+    block = re.search(r'```python\n(    DetectorModel\(.*?)```', text, re.S)[1]
+    kind = eval(textwrap.dedent(block), vars(detector))  # noqa: S307 - our own document
+    found = measure(kind, 5.0, 1000.0, window_generator(1, 'rav1', 1))
+    assert kind.name not in DETECTORS
+    assert found.dose_rate_usvh == pytest.approx(5.0, rel=0.01)

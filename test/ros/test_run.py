@@ -89,6 +89,27 @@ def test_wrong_parameter_is_one_line_and_exit_2(child):
     assert errors == 'error: subject: parameter speed_mps = 9.0 must be within 0.5 to 2.0\n'
 
 
+def test_argument_that_ros_ignores_is_refused(child):
+    """Otherwise a parameter without --ros-args would silently keep its default."""
+    process = child('--speed_mps', '1.5', '--ros-args', '-p', 'speed_mps:=1.5')
+    _, errors = process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 2
+    assert errors == (
+        "error: argument '--speed_mps' is not known: a parameter is set by --ros-args -p "
+        'NAME:=VALUE; more: --help\n'
+    )
+
+
+def test_help_says_what_the_node_is_and_starts_nothing():
+    """Here a node that is a command of `rocsafe`, too."""
+    code = 'import sys; from rocsafe_mavlink.view_node import main; sys.exit(main())'
+    text, errors = start(code, '--help').communicate(timeout=DEADLINE_S)
+    assert text.startswith('usage: ')
+    assert 'The node mavlink_view: shows simulated vehicles to a MAVLink ground station.' in text
+    assert '--params-file FILE' in text
+    assert errors == ''
+
+
 def test_node_ends_when_its_supervisor_is_killed(own_domain):
     """No orphan is left, even when the supervisor had no chance to say anything."""
     supervisor = start(SUPERVISOR, NODE)

@@ -9,6 +9,8 @@ import pytest
 # Modules with what a user calls from Python.
 MODULES = (
     'rocsafe_dispersion.plume.steady_plume',
+    'rocsafe_ground.drive.planning',
+    'rocsafe_mapping.command_line.map_command',
     'rocsafe_planner.region_plan',
     'rocsafe_radiation.localization.localize',
     'rocsafe_radiation.physics.field',

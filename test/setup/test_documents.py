@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCUMENTS = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').glob('*.md'))]
+DOCUMENTS = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md'))]
 
 
 def test_tables_are_current():
@@ -27,8 +27,34 @@ def test_named_targets_paths_and_links_exist(document):
     assert set(re.findall(r'(?:`|^    |&& )make ([a-z-]+)', text, re.M)) <= targets
     paths = re.findall(r'`((?:src|config|test|benchmarks|requirements|tools)/[\w./-]*)`', text)
     assert [path for path in paths if not (ROOT / path).exists()] == []
-    links = re.findall(r'\]\((?!https?:|#)([^)#]+)', text)
+    # Pages in reference/ are made from the code when the site is built.
+    links = re.findall(r'\]\((?!https?:|#|(?:\.\./)?reference/)([^)#]+)', text)
     assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=lambda path: path.name)
+def test_links_to_headings_lead_to_one(document):
+    """Of the same and of other documents, as the code host and the site make them."""
+    pages = re.findall(r'\]\((?!https?:)([^)#]*\.md|)#([^)]+)\)', document.read_text())
+    missing = [
+        f'{page}#{heading}'
+        for page, heading in pages
+        if heading not in headings(document.parent / page if page else document)
+    ]
+    assert missing == []
+
+
+def headings(document):
+    """Return the anchors of the headings of a document."""
+    lines = re.findall(r'^#+ (.*)$', document.read_text(), re.M)
+    return {re.sub(r'[^\w\s-]', '', line).strip().lower().replace(' ', '-') for line in lines}
+
+
+def test_every_document_is_in_the_menu_of_the_site():
+    """`make site` would fail without."""
+    menu = (ROOT / 'mkdocs.yml').read_text().partition('nav:')[2]
+    pages = [str(path.relative_to(ROOT / 'docs')) for path in (ROOT / 'docs').rglob('*.md')]
+    assert [page for page in pages if f' {page}\n' not in menu] == []
 
 
 def test_readme_is_short_and_says_what_has_not_flown():

@@ -112,3 +112,28 @@ def test_read_run_and_map_folder(tmp_path, own_domain):
     assert example('read_run')(str(run)) > 0
     width, height = example('map_folder')(str(run / 'images'))
     assert min(width, height) > 100
+
+
+@pytest.mark.process
+def test_fly_vehicle(own_domain, tmp_path):
+    """A simulated vehicle, alone in its domain, flies the route and photographs three places."""
+    pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
+    nodes = {
+        'world': ['-p', 'participants:=[rav1]', '-p', 'speed:=0.0'],
+        'rav': ['-r', '__ns:=/rav1', '-p', f'spool_directory:={tmp_path}', '-p', 'scene:=field'],
+    }
+    running = [
+        subprocess.Popen([sys.executable, '-m', f'rocsafe_sim.{name}_node', '--ros-args', *more])
+        for name, more in nodes.items()
+    ]
+    try:
+        done = subprocess.run(
+            [sys.executable, str(EXAMPLES / 'fly_vehicle.py'), 'rav1'],
+            capture_output=True, text=True, timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+    finally:
+        for process in running:
+            process.terminate()
+            process.wait(LIMIT_S)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith('completed: 3 photographs')

@@ -28,8 +28,9 @@ _PAGES = {
          'rocsafe_ground.drivable.vehicle'),
     ),
     'mapping': (
-        'Mapping', 'Settings of the map; a folder is mapped by the command `rocsafe map`.',
-        ('rocsafe_mapping.alignment_options', 'rocsafe_mapping.drawing_options'),
+        'Mapping', 'The function behind the command `rocsafe map`, and settings of the map.',
+        ('rocsafe_mapping.command_line.map_command', 'rocsafe_mapping.alignment_options',
+         'rocsafe_mapping.drawing_options'),
     ),
     'scene': (
         'Scenes', 'The description of a virtual place.',

@@ -49,7 +49,9 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         'their table, a page, and which key moves the result. The same command goes on where it '
         'was stopped.',
     )
-    parser.add_argument('file', type=Path, metavar='FILE.yaml', help='campaign')
+    parser.add_argument(
+        'file', type=Path, metavar='FILE.yaml', help='file of the campaign: docs/campaigns.md'
+    )
     parser.add_argument(
         '--out', type=Path, metavar='DIR', help='folder of the results (default: campaigns/NAME)'
     )

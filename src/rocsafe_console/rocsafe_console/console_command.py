@@ -90,8 +90,12 @@ def _parser() -> argparse.ArgumentParser:
         metavar='FILE',
         help='MBTiles, PMTiles or GeoTIFF file to show below',
     )
-    parser.add_argument('--host', default='127.0.0.1', help='address to listen at [127.0.0.1]')
-    parser.add_argument('--port', type=int, default=8600, help='[8600]; 0: any')
+    parser.add_argument(
+        '--host', default='127.0.0.1', help='address to listen at (default: 127.0.0.1)'
+    )
+    parser.add_argument(
+        '--port', type=int, default=8600, help='TCP port; 0: any that is free (default: 8600)'
+    )
     parser.add_argument(
         '--cursor-on-target', type=_target, metavar='HOST:PORT',
         help='send Cursor on Target events there, such as 239.2.3.1:6969, which ATAK hears',
@@ -99,8 +103,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         '--users', type=Path, metavar='FILE', help='who may log in; made by `rocsafe users`'
     )
-    parser.add_argument('--certificate', type=Path, metavar='FILE', help='of TLS, PEM')
-    parser.add_argument('--key', type=Path, metavar='FILE', help='of TLS, PEM')
+    parser.add_argument('--certificate', type=Path, metavar='FILE', help='certificate of TLS, PEM')
+    parser.add_argument('--key', type=Path, metavar='FILE', help='private key of TLS, PEM')
     parser.add_argument(
         '--name', action='append', default=[], metavar='HOST',
         help='further name under which the page is reached; may be given several times',

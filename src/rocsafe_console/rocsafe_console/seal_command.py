@@ -57,11 +57,14 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='rocsafe seal',
         description='Seal a run: hashes of all its files and of its log, signed with Ed25519. '
-        'Without a run, tell the public key.',
+        'Without a run, print the public key.',
     )
     parser.add_argument('run', type=Path, nargs='?', metavar='RUN', help='directory of a run')
     parser.add_argument(
-        '--key', type=Path, metavar='FILE', help='signing key [~/.config/rocsafe/signing.key]'
+        '--key',
+        type=Path,
+        metavar='FILE',
+        help='signing key (default: ~/.config/rocsafe/signing.key)',
     )
     parser.add_argument('--make-key', action='store_true', help='make a new signing key')
     return parser

@@ -54,13 +54,19 @@ def _password(name: str) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog='rocsafe users', description=__doc__)
-    parser.add_argument('file', type=Path, metavar='FILE', help='of the users, mode 0600')
+    parser = argparse.ArgumentParser(
+        prog='rocsafe users', description='Add and remove users of the console, and list them.'
+    )
+    parser.add_argument(
+        'file', type=Path, metavar='FILE', help='file of the users; it has mode 0600'
+    )
     verbs = parser.add_subparsers(dest='verb', required=True, metavar='VERB')
     add = verbs.add_parser('add', help='add a user, or give another password or role')
-    add.add_argument('name', metavar='NAME')
-    add.add_argument('role', choices=[role.value for role in Role], metavar='ROLE')
-    verbs.add_parser('remove', help='remove a user').add_argument('name', metavar='NAME')
+    add.add_argument('name', metavar='NAME', help='name to log in with')
+    roles = [role.value for role in Role]
+    add.add_argument('role', choices=roles, metavar='ROLE', help=', '.join(roles))
+    removing = verbs.add_parser('remove', help='remove a user')
+    removing.add_argument('name', metavar='NAME', help='name of the user')
     verbs.add_parser('list', help='list the users')
     return parser
 

@@ -33,13 +33,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog='rocsafe verify', description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog='rocsafe verify',
+        description='Find every byte of a sealed run that has been changed.',
+    )
     parser.add_argument('run', type=Path, metavar='RUN', help='directory of a run')
     parser.add_argument(
         '--public-key',
         default='',
         metavar='KEY',
-        help='that must have signed it, as seal tells it',
+        help='public key that must have signed it, as `rocsafe seal` tells it',
     )
     return parser
 

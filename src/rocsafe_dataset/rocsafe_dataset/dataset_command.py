@@ -87,11 +87,13 @@ def _parser() -> argparse.ArgumentParser:
         epilog='Stopped, it goes on where it was when the same command is run again.',
     )
     parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
-    parser.add_argument('--count', type=int, required=True, metavar='N', help='pictures')
+    parser.add_argument('--count', type=int, required=True, metavar='N', help='number of pictures')
     parser.add_argument(
-        '--out', type=Path, required=True, metavar='DIR', help='a folder of its own'
+        '--out', type=Path, required=True, metavar='DIR', help='folder of this dataset alone'
     )
-    parser.add_argument('--seed', type=int, default=0, metavar='N')
+    parser.add_argument(
+        '--seed', type=int, default=0, metavar='N', help='seed of the random numbers (default: 0)'
+    )
     parser.add_argument(
         '--workers', type=int, default=os.cpu_count() or 1, metavar='N',
         help='processes, about 1.3 GB each (default: one a core)',
@@ -99,7 +101,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_camera(parser)
     parser.add_argument(
         '--weather', type=_names, default=tuple(WEATHERS), metavar='A,B',
-        help=f'of {", ".join(WEATHERS)} (default: all)',
+        help=f'some of {", ".join(WEATHERS)} (default: all)',
     )  # fmt: skip
     parser.add_argument(
         '--per-arrangement', type=int, default=20, metavar='N',
@@ -107,7 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     parser.add_argument(
         '--splits', type=_numbers(3), default=(0.7, 0.15, 0.15), metavar='TRAIN,VAL,TEST',
-        help='shares (default: 0.7,0.15,0.15)',
+        help='parts of training, validation and test (default: 0.7,0.15,0.15)',
     )  # fmt: skip
     parser.add_argument('--least-pixels', type=int, default=25, metavar='N',
                         help='smaller instances are not annotated (default: 25)')  # fmt: skip
@@ -115,16 +117,27 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_camera(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument('--size', type=image_size, default=(640, 480), metavar='WxH')
-    parser.add_argument('--fov', type=float, default=60.0, metavar='DEG', help='across the width')
+    parser.add_argument(
+        '--size', type=image_size, default=(640, 480), metavar='WxH',
+        help='width and height of a picture, pixels (default: 640x480)',
+    )  # fmt: skip
+    parser.add_argument(
+        '--fov', type=float, default=60.0, metavar='DEG',
+        help='field of view across the width, degrees (default: 60)',
+    )  # fmt: skip
     parser.add_argument(
         '--height', type=_numbers(2), default=(14.0, 60.0), metavar='MIN,MAX',
-        help='metres above the ground (default: 14,60)',
+        help='heights of the camera above the ground, metres (default: 14,60)',
     )  # fmt: skip
     parser.add_argument('--nadir', type=float, default=0.5, metavar='SHARE',
-                        help='of pictures straight down (default: 0.5)')  # fmt: skip
-    parser.add_argument('--format', choices=FORMATS, default='jpg')
-    parser.add_argument('--jpeg-quality', type=int, default=92, metavar='N')
+                        help='share of pictures straight down (default: 0.5)')  # fmt: skip
+    parser.add_argument(
+        '--format', choices=FORMATS, default='jpg', help='format of the pictures (default: jpg)'
+    )
+    parser.add_argument(
+        '--jpeg-quality', type=int, default=92, metavar='N',
+        help='quality of JPEG, 1 to 100 (default: 92)',
+    )  # fmt: skip
     parser.add_argument('--quality', type=int, default=1, metavar='N',
                         help='1 to 4: draws N x N as many pixels (default: 1)')  # fmt: skip
 

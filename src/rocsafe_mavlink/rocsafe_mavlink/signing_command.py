@@ -204,12 +204,16 @@ def _parser() -> argparse.ArgumentParser:
     }
     for name, (command, text) in texts.items():
         one = commands.add_parser(name, help=text, description=text)
-        one.add_argument('key', type=Path, metavar='KEY_FILE')
+        one.add_argument('key', type=Path, metavar='KEY_FILE', help='file of the signing key')
         one.set_defaults(command=command)
         if name == 'send':
-            one.add_argument('link', metavar='LINK', help='for instance serial:///dev/ttyACM0')
-            one.add_argument('--system', type=int, default=1)
-            one.add_argument('--component', type=int, default=1)
+            one.add_argument(
+                'link', metavar='LINK', help='the vehicle, e.g. serial:///dev/ttyACM0'
+            )
+            one.add_argument('--system', type=int, default=1, help='MAVLink system (default: 1)')
+            one.add_argument(
+                '--component', type=int, default=1, help='MAVLink component (default: 1)'
+            )
     return parser
 
 

@@ -27,6 +27,7 @@ from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.domain.shared_memory import remove_torn_ports
 from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError
+from rocsafe_ros.process_arguments import ArgumentError, help_wanted
 
 EXIT_OK = 0
 EXIT_FAILURE = 1
@@ -77,9 +78,9 @@ def run(
     Returns
     -------
     int
-        0 after SIGINT or SIGTERM or when ROS is shut down; 2, with one line on standard error, if
-        a parameter is wrong. Any other exception ends the process with its traceback, and its
-        supervisor decides whether to start it again.
+        0 after SIGINT or SIGTERM, when ROS is shut down, or after ``--help``; 2, with one line on
+        standard error, if an argument or a parameter is wrong. Any other exception ends the
+        process with its traceback, and its supervisor decides whether to start it again.
     """
     if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
         outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE]).is_needed
@@ -87,8 +88,11 @@ def run(
         _end_with_supervisor()
     stop = StopRequest()
     try:
+        if args is None and (text := help_wanted(sys.argv, make_node)):
+            print(text, end='')  # noqa: T201
+            return EXIT_OK
         bind_interfaces(os.environ)
-    except ParameterError as error:
+    except (ArgumentError, ParameterError) as error:
         print(f'error: {error}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
     try:

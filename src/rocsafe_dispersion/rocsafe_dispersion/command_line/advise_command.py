@@ -59,31 +59,57 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog='rocsafe advise',
-        description='Name the agent from what was observed, and rank procedures.',
+        description='Estimate from observations which agent was released, and rank sections of '
+        'procedures by how well they fit.',
         epilog='Observations: ' + ', '.join(signatures().observations),
     )
     found.add_argument(
-        'evidence', nargs='?', type=Path, metavar='EVIDENCE.yaml', help='docs/dispersion.md'
+        'evidence',
+        nargs='?',
+        type=Path,
+        metavar='EVIDENCE.yaml',
+        help='file of observations; its keys are in docs/dispersion.md',
     )
     found.add_argument(
-        '--readings', type=Path, metavar='FILE', help='params/estimator.yaml of a run'
+        '--readings',
+        type=Path,
+        metavar='FILE',
+        help='also use the readings of a run: its params/estimator.yaml',
     )
     found.add_argument(
-        '--saw', action='append', default=[], metavar='OBSERVATION', help='it is so'
+        '--saw',
+        action='append',
+        default=[],
+        metavar='OBSERVATION',
+        help='was observed; may be repeated',
     )
     found.add_argument(
-        '--no', action='append', default=[], metavar='OBSERVATION', help='it is not so'
+        '--no',
+        action='append',
+        default=[],
+        metavar='OBSERVATION',
+        help='was looked for and is absent; may be repeated',
     )
     found.add_argument(
-        '--sensor', action='append', default=[], metavar='KIND=READING', help='in its unit'
+        '--sensor',
+        action='append',
+        default=[],
+        metavar='KIND=READING',
+        help='reading of a gas sensor, in the unit of its kind; may be repeated',
     )
-    found.add_argument('--un', type=int, metavar='NUMBER', help='on a placard')
+    found.add_argument('--un', type=int, metavar='NUMBER', help='UN number on a placard')
     found.add_argument(
-        '--procedures', type=Path, default=SHIPPED, metavar='DIR', help='Markdown [examples]'
+        '--procedures',
+        type=Path,
+        default=SHIPPED,
+        metavar='DIR',
+        help='folder of procedures in Markdown (default: the examples that are supplied)',
     )
-    found.add_argument('--count', type=int, default=5, metavar='N', help='procedures [5]')
-    found.add_argument('--out', type=Path, metavar='DIR', help=f'write {ADVICE_FILE}')
-    found.add_argument('--json', action='store_true', help='print JSON')
+    found.add_argument(
+        '--count', type=int, default=5, metavar='N', help='largest number of sections (default: 5)'
+    )
+    found.add_argument('--out', type=Path, metavar='DIR', help=f'also write {ADVICE_FILE} there')
+    found.add_argument('--json', action='store_true', help='print JSON instead of a table')
     return found
 
 

@@ -5,6 +5,7 @@ import argparse
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,16 @@ from rocsafe_hazard.row_spool import SpoolError
 
 EXIT_OK, EXIT_REFUSED = 0, 2
 PARAMETER_FILES = ('.yaml', '.yml')
+# Assumptions about a table of readings that says nothing of them.
+TABLE_DEFAULTS = {
+    'stability': 'D', 'roughness': 0.03, 'release_height': 0.5, 'anemometer': 10.0,
+    'margin': 20.0, 'most': 3,
+}  # fmt: skip
+# Assumptions that replace those of a run, and their options of the node ``estimator``.
+OF_A_RUN = {
+    'agent': 'agent', 'stability': 'stability', 'roughness': 'roughness_m',
+    'release_height': 'release_height_m',
+}  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         is_flight = options.file.suffix in PARAMETER_FILES
-        document = _of_flight(options.file, options.out) if is_flight else _of_table(options)
+        document = _of_flight(options) if is_flight else _of_table(options)
     except (ValueError, OSError, SpoolError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_REFUSED
@@ -48,21 +59,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _of_table(options: argparse.Namespace) -> dict[str, Any]:
     if options.out is not None:
         raise ValueError('--out needs params/estimator.yaml of a run, not a table of readings')
+    for name, value in TABLE_DEFAULTS.items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
     gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
     area = search_area(gas.survey.places_m, options.margin, options.release_height)
     return document_of(_located(gas, area, options), gas.frame)
 
 
-def _of_flight(path: Path, folder: Path | None) -> dict[str, Any]:
+def _of_flight(given: argparse.Namespace) -> dict[str, Any]:
     """Return what the readings that the node ``estimator`` has kept say; write it to a folder."""
-    options = estimator_options(path)
+    for name in sorted(TABLE_DEFAULTS.keys() - OF_A_RUN.keys()):
+        if getattr(given, name) is not None:
+            raise ValueError(f'--{name} is for a table of readings; a run says it itself')
+    changed = {
+        field: getattr(given, name)
+        for name, field in OF_A_RUN.items()
+        if getattr(given, name) is not None
+    }
+    options = replace(estimator_options(given.file), **changed)
     log = options.log()
     GasSpool(options.spool_directory).restore(log)
     assessment = assess(log.survey(), options.assessment())
     document = _assessed(assessment, log.frame)
     document['highest_reading'] = _highest(log.highest(assessment.flight.sensor), log.frame)
-    if folder is not None:
-        write_release_files(folder, document, assessment, log.frame)
+    if given.out is not None:
+        write_release_files(given.out, document, assessment, log.frame)
     return document
 
 
@@ -105,26 +127,51 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog='rocsafe locate-release',
-        description='Find releases of gas in readings with the wind; columns: docs/dispersion.md.',
+        description='Find releases of gas, their places and rates, in readings of concentration '
+        'and wind. Columns of the file: docs/dispersion.md.',
     )
     found.add_argument(
-        'file', type=Path, metavar='READINGS.csv', help='or params/estimator.yaml of a run'
+        'file',
+        type=Path,
+        metavar='READINGS.csv',
+        help='file of readings, or params/estimator.yaml of a run',
     )
-    found.add_argument('--agent', help='chemical, for readings in ppm')
-    found.add_argument('--stability', choices=CLASSES, default='D', help='Pasquill class [D]')
-    found.add_argument('--roughness', type=float, default=0.03, metavar='M', help='[0.03]')
+    found.add_argument('--agent', help='chemical that was measured; needed for readings in ppm')
     found.add_argument(
-        '--anemometer', type=float, default=10.0, metavar='M', help='height of the wind [10]'
+        '--stability', choices=CLASSES,
+        help='Pasquill class of the stability of the air (default: D, or that of the run)',
+    )  # fmt: skip
+    found.add_argument(
+        '--roughness', type=float, metavar='M',
+        help='roughness length of the ground, metres (default: 0.03, or that of the run)',
+    )  # fmt: skip
+    found.add_argument(
+        '--anemometer',
+        type=float,
+        metavar='M',
+        help='height above the ground at which the wind was measured, metres (default: 10)',
     )
     found.add_argument(
-        '--release-height', type=float, default=0.5, metavar='M', help='above the ground [0.5]'
+        '--release-height',
+        type=float,
+        metavar='M',
+        help='height of the release above the ground, metres (default: 0.5, or that of the run)',
     )
     found.add_argument(
-        '--margin', type=float, default=20.0, metavar='M', help='around the readings [20]'
+        '--margin',
+        type=float,
+        metavar='M',
+        help='distance around the readings within which releases are searched, metres '
+        '(default: 20)',
     )
-    found.add_argument('--most', type=int, default=3, metavar='N', help='releases [3]')
-    found.add_argument('--out', type=Path, metavar='DIR', help='write files, of a run only')
-    found.add_argument('--json', action='store_true', help='print JSON')
+    found.add_argument(
+        '--most', type=int, metavar='N',
+        help='largest number of releases (default: 3)',
+    )  # fmt: skip
+    found.add_argument(
+        '--out', type=Path, metavar='DIR', help='also write the files of a run there'
+    )
+    found.add_argument('--json', action='store_true', help='print JSON instead of a table')
     return found
 
 

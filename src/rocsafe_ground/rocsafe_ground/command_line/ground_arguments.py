@@ -26,12 +26,14 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog='rocsafe ground',
-        description='Plan the fastest drive to evidence points and back within a budget of dose, '
+        description='Plan the fastest drive to evidence points and back within a budget of dose,\n'
         'on the map and the dose rates of a survey.',
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    found.add_argument('folder', type=Path, metavar='RUN_OR_MAP_DIR')
+    found.add_argument(
+        'folder', type=Path, metavar='RUN_OR_MAP_DIR', help='folder of a run or of its map'
+    )
     _add_task(found)
     _add_vehicle(found.add_argument_group('vehicle'))
     _add_map(found.add_argument_group('map'))
@@ -47,7 +49,11 @@ def parser() -> argparse.ArgumentParser:
 
 def _add_task(found: argparse.ArgumentParser) -> None:
     found.add_argument(
-        '--from', dest='start', required=True, metavar='LAT,LON', help='where the vehicle stands'
+        '--from',
+        dest='start',
+        required=True,
+        metavar='LAT,LON',
+        help='where the vehicle stands and returns to',
     )
     found.add_argument(
         '--to', required=True, action='append', metavar='EVIDENCE',
@@ -56,17 +62,19 @@ def _add_task(found: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     found.add_argument(
         '--dose-budget', required=True, type=number('dose-budget', 1e-6, 1e12), metavar='USV',
-        help='dose of the whole drive that is kept with 95 %% confidence, uSv',
+        help='largest dose of the whole drive, uSv',
     )  # fmt: skip
     found.add_argument(
         '--turn-back', type=number('turn-back', 1e-3, 1e9), default=DEFAULT_TURN_BACK_USVH,
         metavar='USVH',
-        help=f'no cell above it is entered, uSv/h (default: {DEFAULT_TURN_BACK_USVH:g})',
+        help='no place above this dose rate is entered, uSv/h '
+        f'(default: {DEFAULT_TURN_BACK_USVH:g})',
     )  # fmt: skip
     options = {field.name: field.default for field in dataclasses.fields(DriveRequest)}
     found.add_argument(
         '--confidence', type=number('confidence', 0.5, 0.999), default=options['confidence'],
-        metavar='P', help=f'that the budget is kept (default: {options["confidence"]:g})',
+        metavar='P',
+        help=f'probability that the budget is kept (default: {options["confidence"]:g})',
     )  # fmt: skip
 
 
@@ -95,8 +103,8 @@ def _add_map(group: argparse._ArgumentGroup) -> None:
         '--cell', type=number('cell', 0.05, 100.0), default=DEFAULT_CELL_M, metavar='M',
         help=f'side of a cell, metres (default: {DEFAULT_CELL_M:g})',
     )  # fmt: skip
-    group.add_argument('--dose-map', type=Path, metavar='FILE', help='dose rates (GeoTIFF)')
-    group.add_argument('--sources', type=Path, metavar='FILE', help='sources (sources.json)')
+    group.add_argument('--dose-map', type=Path, metavar='FILE', help='GeoTIFF of dose rates')
+    group.add_argument('--sources', type=Path, metavar='FILE', help='sources.json of a run')
     group.add_argument(
         '--labels',
         type=Path,

@@ -99,14 +99,29 @@ def _parser() -> argparse.ArgumentParser:
         prog='rocsafe changes',
         description='Find changes between two flights: place and size of each, as GeoJSON.',
     )
-    parser.add_argument('before', type=Path, metavar='BEFORE', help='folder of photographs')
-    parser.add_argument('after', type=Path, metavar='AFTER', help='folder of photographs')
-    parser.add_argument('-o', '--output', type=Path, default=Path('changes.geojson'))
     parser.add_argument(
-        '--resolution', type=float, default=0.2, metavar='M', help='of the comparison [0.2]'
+        'before', type=Path, metavar='BEFORE', help='photographs of the first flight'
     )
     parser.add_argument(
-        '--least-area', type=float, default=1.0, metavar='M2', help='smallest change listed [1]'
+        'after', type=Path, metavar='AFTER', help='photographs of the second flight'
+    )
+    parser.add_argument(
+        '-o', '--output', type=Path, default=Path('changes.geojson'), metavar='FILE',
+        help='GeoJSON file to write (default: changes.geojson)',
+    )  # fmt: skip
+    parser.add_argument(
+        '--resolution',
+        type=float,
+        default=0.2,
+        metavar='M',
+        help='side of a pixel of the comparison, metres (default: 0.2)',
+    )
+    parser.add_argument(
+        '--least-area',
+        type=float,
+        default=1.0,
+        metavar='M2',
+        help='area of the smallest change that is listed, square metres (default: 1)',
     )
     return parser
 

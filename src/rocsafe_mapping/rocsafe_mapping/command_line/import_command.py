@@ -108,7 +108,7 @@ def _parser() -> argparse.ArgumentParser:
         prog='rocsafe import',
         description='Take drone photographs with Exif into an image store.',
     )
-    parser.add_argument('folder', type=Path, metavar='FOLDER')
+    parser.add_argument('folder', type=Path, metavar='FOLDER', help='folder of photographs')
     parser.add_argument('store', type=Path, metavar='STORE', help='image store; made if missing')
     return parser
 

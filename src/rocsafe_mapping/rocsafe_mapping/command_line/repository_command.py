@@ -38,9 +38,13 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='rocsafe repository', description='Keep photographs that are sent over HTTP.'
     )
-    parser.add_argument('folder', type=Path, metavar='FOLDER', help='image store')
-    parser.add_argument('--host', default='127.0.0.1', help='address to listen at [127.0.0.1]')
-    parser.add_argument('--port', type=int, default=8730, help='[8730]; 0: any')
+    parser.add_argument('folder', type=Path, metavar='FOLDER', help='image store; made if missing')
+    parser.add_argument(
+        '--host', default='127.0.0.1', help='address to listen at (default: 127.0.0.1)'
+    )
+    parser.add_argument(
+        '--port', type=int, default=8730, help='TCP port; 0: any that is free (default: 8730)'
+    )
     parser.add_argument(
         '--token-file', default='', metavar='FILE',
         help='holds the token that senders must bring, mode 0600; needed beyond loopback',

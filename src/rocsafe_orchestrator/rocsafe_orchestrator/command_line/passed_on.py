@@ -34,7 +34,9 @@ PASSED_ON = (
     PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
     PassedOn('advise', 'rocsafe_dispersion', 'name the agent and rank procedures from evidence'),
     PassedOn('ground', 'rocsafe_ground', 'plan the drive of a ground vehicle to evidence points'),
-    PassedOn('campaign', 'rocsafe_campaign', 'fly many missions; what moves the result'),
+    PassedOn(
+        'campaign', 'rocsafe_campaign', 'fly many missions, and find what moves their result'
+    ),
     PassedOn('mavlink_view', 'rocsafe_mavlink', 'show simulated vehicles to QGroundControl'),
     PassedOn('map', 'rocsafe_mapping', 'map a folder of photographs'),
     PassedOn('scene', 'rocsafe_scene', 'check, list and render scenes; write terrain heights'),

@@ -12,10 +12,11 @@ def add_to(commands: Commands) -> None:
     """Add the command to those of `rocsafe`."""
     text = (
         'Plan a scenario and fly it with agents in simulated time, again and again: each vehicle '
-        'is lost at several times, pairs are, the head is, the radio is cut. Nothing is started.'
+        'is lost at several times, two are lost, the agent of the head is lost, the radio '
+        'is cut. Nothing is started.'
     )
     parser = commands.add_parser('whatif', help='try losses of a mission', description=text)
-    parser.add_argument('scenario', type=Path, metavar='SCENARIO')
+    parser.add_argument('scenario', type=Path, metavar='SCENARIO', help='scenario file (YAML)')
     parser.add_argument(
         '--loss', type=part, default=0.1, metavar='PART',
         help='part of the packets that the radio loses, 0 to 1 (default 0.1)',

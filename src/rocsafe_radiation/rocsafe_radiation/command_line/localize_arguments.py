@@ -36,7 +36,9 @@ def parser() -> argparse.ArgumentParser:
         epilog=COLUMNS,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    found.add_argument('file', type=Path, metavar='READINGS.csv')
+    found.add_argument(
+        'file', type=Path, metavar='READINGS.csv', help='file of readings; columns: below'
+    )
     _add_physics(found.add_argument_group('prior knowledge'))
     _add_ground(found.add_argument_group('ground'))
     _add_method(found.add_argument_group('search'))

@@ -54,15 +54,15 @@ def _parser() -> argparse.ArgumentParser:
         description='Check, list and render the scenes that simulated cameras see.',
     )
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
-    checking = commands.add_parser('check', help='is a scene file valid, and what is in it?')
+    checking = commands.add_parser('check', help='check a scene file, and tell what is in it')
     checking.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     checking.set_defaults(run=_check)
-    listing = commands.add_parser('list', help='every object: number, name, class, place')
+    listing = commands.add_parser('list', help='list every object: number, name, class, place')
     listing.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
     listing.set_defaults(run=_list)
     heights = commands.add_parser('heights', help='write the ground heights as a GeoTIFF')
     _add_export(heights, 'heights.tif', _heights)
-    solids = commands.add_parser('solids', help='write its solids, for hazard nodes')
+    solids = commands.add_parser('solids', help='write the solid things, for hazard nodes')
     _add_export(solids, 'solids.npz', _solids)
     _add_render(commands)
     return parser
@@ -71,30 +71,53 @@ def _parser() -> argparse.ArgumentParser:
 def _add_export(parser: argparse.ArgumentParser, file: str, run: Command) -> None:
     """Add the arguments of a command that writes `file` about the origin of a mission."""
     parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
-    parser.add_argument('--out', type=Path, default=Path(file), metavar='FILE')
     parser.add_argument(
-        '--origin', type=_triple, metavar='LAT,LON,ALT', help="of the mission [the scene's place]"
+        '--out', type=Path, default=Path(file), metavar='FILE',
+        help=f'file to write (default: {file})',
+    )  # fmt: skip
+    parser.add_argument(
+        '--origin',
+        type=_triple,
+        metavar='LAT,LON,ALT',
+        help="origin of the mission (default: the scene's place)",
     )
-    parser.add_argument('--seed', type=int, help="of the mission [the scene's]")
+    parser.add_argument(
+        '--seed', type=int, metavar='N', help="seed of the mission (default: the scene's)"
+    )
     parser.set_defaults(run=run)
 
 
 def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]') -> None:
     parser = commands.add_parser('render', help='render an image of a scene')
     parser.add_argument('scene', type=Path, metavar='SCENE', help='scene file (YAML)')
-    parser.add_argument('--out', type=Path, default=Path('scene.png'), metavar='FILE')
+    parser.add_argument(
+        '--out', type=Path, default=Path('scene.png'), metavar='FILE',
+        help='image to write (default: scene.png)',
+    )  # fmt: skip
     parser.add_argument(
         '--eye',
         type=_triple,
         default=(0.0, -60.0, 35.0),
         metavar='X,Y,Z',
-        help='of the camera: metres in the frame of the scene, Z above its ground',
+        help='place of the camera: metres in the frame of the scene, Z above its ground '
+        '(default: 0,-60,35)',
     )
-    parser.add_argument('--target', type=_triple, default=(0.0, 5.0, 0.0), metavar='X,Y,Z')
+    parser.add_argument(
+        '--target', type=_triple, default=(0.0, 5.0, 0.0), metavar='X,Y,Z',
+        help='place at which the camera looks (default: 0,5,0)',
+    )  # fmt: skip
     parser.add_argument('--nadir', action='store_true', help='look straight down')
-    parser.add_argument('--size', type=image_size, default=(1280, 800), metavar='WxH')
-    parser.add_argument('--fov', type=float, default=60.0, metavar='DEG', help='across the width')
-    parser.add_argument('--weather', choices=tuple(WEATHERS), help="in place of the scene's")
+    parser.add_argument(
+        '--size', type=image_size, default=(1280, 800), metavar='WxH',
+        help='width and height of the image, pixels (default: 1280x800)',
+    )  # fmt: skip
+    parser.add_argument(
+        '--fov', type=float, default=60.0, metavar='DEG',
+        help='field of view across the width, degrees (default: 60)',
+    )  # fmt: skip
+    parser.add_argument(
+        '--weather', choices=tuple(WEATHERS), help="weather in place of the scene's"
+    )
     parser.add_argument(
         '--overview',
         type=Path,
@@ -104,7 +127,7 @@ def _add_render(commands: 'argparse._SubParsersAction[argparse.ArgumentParser]')
     parser.add_argument(
         '--truth',
         action='store_true',
-        help='classes, instances, depth and normals beside the picture',
+        help='also write classes, instances, depth and normals',
     )
     parser.add_argument(
         '--quality',
