@@ -346,7 +346,7 @@ def test_places_are_told_in_the_form_that_is_chosen(browser, flight):
         assert re.search(form, view.page.inner_text('.fact-worst .link')), form
         view.page.click('#places')
         view.page.wait_for_timeout(50)
-    assert view.page.inner_text('#places') == 'Degrees'
+    assert view.page.inner_text('#places') == 'Deg'
     assert not view.faults
     view.page.close()
 
