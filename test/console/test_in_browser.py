@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page in a browser: live, grey when old, orders by clicks, no word to another host."""
 
+import re
 import shutil
 import socket
 import stat
@@ -332,6 +333,20 @@ def test_an_alarm_is_seen_at_once_and_until_somebody_says_so(browser, flight):
     view.page.keyboard.press('a')
     view.page.wait_for_selector('.alarm.seen')
     assert 'seen by anna' in view.page.inner_text('.alarm.seen')
+    assert not view.faults
+    view.page.close()
+
+
+def test_places_are_told_in_the_form_that_is_chosen(browser, flight):
+    """Degrees, then DMS, then MGRS, of the worst reading; the choice is kept."""
+    _, _, address = flight
+    view = View(browser, address)
+    view.page.wait_for_selector('.fact-worst .link')
+    for form in (r'^53\.\d{6}, -9\.\d{6}$', r'^53°16.*N 9°03.*W$', r'^29U MV \d{5} \d{5}$'):
+        assert re.search(form, view.page.inner_text('.fact-worst .link')), form
+        view.page.click('#places')
+        view.page.wait_for_timeout(50)
+    assert view.page.inner_text('#places') == 'Deg'
     assert not view.faults
     view.page.close()
 

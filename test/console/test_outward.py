@@ -12,6 +12,7 @@ from test.console.caller import Caller
 from test.console.stage import TOKEN, Stage, served
 
 from rocsafe_console.outward.cursor_on_target import STALE_S, events_of
+from rocsafe_console.outward.event_target import EventTarget
 from rocsafe_console.outward.features import COLLECTIONS
 
 DEADLINE_S = 20.0
@@ -74,7 +75,8 @@ def test_events_are_sent_as_datagrams(stage):
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
         receiver.bind(('127.0.0.1', 0))
         receiver.settimeout(DEADLINE_S)
-        target = receiver.getsockname()
+        host, port = receiver.getsockname()
+        target = EventTarget(host=host, port=port)
         stage.context.options = replace(stage.context.options, cursor_on_target=target)
         with served(stage):
             data = receiver.recv(65536)

@@ -9,7 +9,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from rocsafe_console.errors import ConsoleError
 from rocsafe_console.evidence.desk import Desk
+from rocsafe_console.outward.event_target import EventTarget, target_of
 from rocsafe_console.people.roles import Role
 from rocsafe_console.people.session_file import load_sessions
 from rocsafe_console.people.sessions import Sessions
@@ -45,7 +47,7 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
         certificate=given.certificate,
         key=given.key,
         names=tuple(given.name),
-        cursor_on_target=given.cursor_on_target,
+        cursor_on_target=_target(given),
         runs=given.runs.resolve(),
         scenarios=given.scenarios.resolve(),
         token='' if users else secrets.token_urlsafe(24),
@@ -68,11 +70,14 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
     )
 
 
-def _target(text: str) -> tuple[str, int]:
-    host, _, port = text.rpartition(':')
-    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise argparse.ArgumentTypeError(f'{text!r} must be HOST:PORT')
-    return host, int(port)
+def _target(given: argparse.Namespace) -> EventTarget | None:
+    if given.cursor_on_target is None:
+        if given.tak_identity or given.tak_authority or given.tak_name:
+            raise ConsoleError('--tak-...: needs --cursor-on-target')
+        return None
+    return target_of(
+        given.cursor_on_target, given.tak_identity, given.tak_authority, given.tak_name
+    )
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -97,8 +102,21 @@ def _parser() -> argparse.ArgumentParser:
         '--port', type=int, default=8600, help='TCP port; 0: any that is free (default: 8600)'
     )
     parser.add_argument(
-        '--cursor-on-target', type=_target, metavar='HOST:PORT',
-        help='send Cursor on Target events there, such as 239.2.3.1:6969, which ATAK hears',
+        '--cursor-on-target', metavar='[tls://]HOST:PORT',
+        help='send Cursor on Target events there: datagrams, such as 239.2.3.1:6969, which ATAK '
+        'hears, or to a TAK server, such as tls://tak.local:8089',
+    )  # fmt: skip
+    parser.add_argument(
+        '--tak-identity', type=Path, metavar='FILE',
+        help='certificate and key for the TAK server, PEM',
+    )  # fmt: skip
+    parser.add_argument(
+        '--tak-authority', type=Path, metavar='FILE',
+        help='who has signed the certificate of the TAK server, PEM',
+    )  # fmt: skip
+    parser.add_argument(
+        '--tak-name', default='', metavar='NAME',
+        help='name in the certificate of the TAK server [its host]',
     )  # fmt: skip
     parser.add_argument(
         '--users', type=Path, metavar='FILE', help='who may log in; made by `rocsafe users`'

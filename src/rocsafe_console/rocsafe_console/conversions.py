@@ -10,7 +10,7 @@ from nav_msgs.msg import OccupancyGrid
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rocsafe_console.picture.coordinates import position_of_ecef
+from rocsafe_console.picture.coordinates import forms_of, position_of_ecef
 from rocsafe_console.picture.map_image import Grid
 from rocsafe_console.picture.picture import MissionNow, Reading
 from rocsafe_console.picture.vehicle import Holder, VehicleReport
@@ -238,6 +238,7 @@ def _source_of(source: Any, probability: float) -> dict[str, Any]:
     return {
         'id': source.id,
         'place': place_of(source.position),
+        'forms': forms_of(source.position.latitude, source.position.longitude),
         'half_axes_m': [east, north],
         'angle_deg': angle,
         'dose_rate_at_1m_usvh': source.dose_rate_at_1m_usvh,

@@ -6,7 +6,7 @@ near the poles, where UPS would be used, there are no UTM and MGRS.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 
 from pyproj import Transformer
@@ -50,6 +50,13 @@ def coordinates_of(latitude_deg: float, longitude_deg: float) -> Coordinates:
         utm=utm,
         mgrs=mgrs,
     )
+
+
+def forms_of(latitude_deg: float, longitude_deg: float) -> dict[str, str] | None:
+    """Return a position in all forms, fit for JSON; None if it is unknown."""
+    if not math.isfinite(latitude_deg + longitude_deg):
+        return None
+    return asdict(coordinates_of(latitude_deg, longitude_deg))
 
 
 def position_of_ecef(x_m: float, y_m: float, z_m: float) -> GeoPosition:

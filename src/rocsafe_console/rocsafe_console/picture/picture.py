@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from rocsafe_console.picture.alarms import ERROR, WARN, Alarm, Alarms
+from rocsafe_console.picture.coordinates import forms_of
 from rocsafe_console.picture.frame_bytes import VehicleFrame
 from rocsafe_console.picture.freshness import MissionClock
 from rocsafe_console.picture.map_image import DOSE, PLUME
@@ -212,7 +213,12 @@ class Picture:
         self.sections.put(
             'dose',
             {
-                'worst': worst and {**asdict(worst), 'heard_s': self._worst_heard_s},
+                'worst': worst
+                and {
+                    **asdict(worst),
+                    'heard_s': self._worst_heard_s,
+                    'forms': forms_of(worst.latitude_deg, worst.longitude_deg),
+                },
                 'newest': newest and {**asdict(newest), 'heard_s': self._newest_heard_s},
                 'trend': self.vehicles[newest.vehicle].trend.word if newest else '',
             },

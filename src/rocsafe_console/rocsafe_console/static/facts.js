@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ten facts that an incident commander asks for, in their order.
 import { t } from './texts.js';
-import { age, dose, doseRate, duration, figures, isNumber, make, missionClock, percent } from './format.js';
+import { age, dose, doseRate, duration, figures, isNumber, make, missionClock, percent, placeText } from './format.js';
 import { VEHICLE_COLOURS, worldOf } from './map.js';
 import { STALE_S } from './link.js';
 
@@ -67,7 +67,7 @@ export class Facts {
     if (!worst) { fill(this.boxes.worst, make('p', { class: 'none', text: t('no_reading') })); return; }
     const [mark, isOld] = this.ageMark(newest.heard_s);
     const now = make('p', { class: isOld ? 'line grey' : 'line' }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
-    const place = make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(worst.latitude_deg, worst.longitude_deg), text: `${worst.latitude_deg.toFixed(5)}, ${worst.longitude_deg.toFixed(5)}` });
+    const place = make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(worst.latitude_deg, worst.longitude_deg), text: placeText(worst.forms) });
     const [worstMark] = this.ageMark(worst.heard_s, Infinity);
     fill(this.boxes.worst,
       make('p', { class: 'big', text: doseRate(worst.dose_rate_usvh) }),
@@ -78,7 +78,7 @@ export class Facts {
   drawSources(value, gas) {
     const list = (value?.sources ?? []).map((source) => {
       const size = figures(Math.max(...source.half_axes_m), 2);
-      return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`);
+      return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
     });
     for (const one of gas?.releases ?? []) {
       const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });

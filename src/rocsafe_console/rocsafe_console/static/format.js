@@ -63,3 +63,16 @@ export function make(tag, options = {}, ...children) {
   element.append(...children);
   return element;
 }
+
+// The form in which places are told; the server has them all. What has no MGRS, as at the poles,
+// is told in degrees.
+export const PLACE_FORMS = ['decimal', 'dms', 'mgrs'];
+const places = { form: PLACE_FORMS[0] };
+try { if (PLACE_FORMS.includes(localStorage.rocsafePlaces)) places.form = localStorage.rocsafePlaces; } catch { /* storage refused */ }
+
+export const placeForm = () => places.form;
+export const placeText = (forms) => (forms ? forms[places.form] || forms.decimal : DASH);
+export function turnPlaces() {
+  places.form = PLACE_FORMS[(PLACE_FORMS.indexOf(places.form) + 1) % PLACE_FORMS.length];
+  try { localStorage.rocsafePlaces = places.form; } catch { /* storage refused */ }
+}

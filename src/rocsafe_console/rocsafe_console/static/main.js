@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: log-in, views, keys, theme, alarms, and the word whether it is live.
 import { fillTexts, t } from './texts.js';
-import { age, clockText, isNumber, make, missionClock } from './format.js';
+import { age, clockText, isNumber, make, missionClock, placeForm, turnPlaces } from './format.js';
 import { Link, ask } from './link.js';
 import { MissionMap } from './map.js';
 import { Facts } from './facts.js';
@@ -98,6 +98,11 @@ function show(view) {
   $('#panel').scrollTop = 0;
 }
 for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
+
+// Places in degrees, in degrees with minutes and seconds, or in MGRS.
+const namePlaces = () => { $('#places').textContent = t(`places_${placeForm()}`); };
+$('#places').addEventListener('click', () => { turnPlaces(); namePlaces(); facts.draw(); });
+namePlaces();
 
 // Alarms are heard as well as seen.
 // The click that wakes the sound does not turn it off: what was before it is noted first.

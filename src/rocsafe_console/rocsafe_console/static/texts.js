@@ -2,7 +2,7 @@
 // Every text of the page, in one catalogue. A translation replaces the values; {name} is filled in.
 export const TEXTS = {
   skip: 'To the facts', view_live: 'Live', view_runs: 'Runs', view_draft: 'New mission',
-  sound_on: 'Sound on', sound_off: 'Sound off', sound_waiting: 'No sound: click', theme: 'Theme', theme_dark: 'Night', theme_light: 'Day',
+  sound_on: 'Sound on', sound_off: 'Sound off', sound_waiting: 'No sound', places: 'Places', places_decimal: 'Deg', places_dms: 'DMS', places_mgrs: 'MGRS', theme: 'Theme', theme_dark: 'Night', theme_light: 'Day',
   map: 'Map', layers: 'Layers', no_mission: 'No mission is heard',
   live: 'live', not_live: 'not live', stale: 'stale', ago: '{age} ago', never: 'not heard yet',
   banner_lost: 'Not live: no word from the server for {age}. What you see is old.',

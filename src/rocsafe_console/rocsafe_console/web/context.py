@@ -11,6 +11,7 @@ from aiohttp import web
 
 from rocsafe_console.evidence.desk import Desk, Event
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
+from rocsafe_console.outward.event_target import EventTarget
 from rocsafe_console.people.roles import Action, Role, require
 from rocsafe_console.people.session_file import save_sessions
 from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
@@ -56,7 +57,7 @@ class WebOptions:
     scenarios
         Folder of scenarios to begin a new mission with.
     cursor_on_target
-        Host and port that events are sent to; None: nowhere.
+        Who gets events; None: nobody.
     token
         Opens a session of `token_user` without users; empty: users log in.
     """
@@ -68,7 +69,7 @@ class WebOptions:
     names: tuple[str, ...] = ()
     runs: Path = Path('runs')
     scenarios: Path = Path('config/scenarios')
-    cursor_on_target: tuple[str, int] | None = None
+    cursor_on_target: EventTarget | None = None
     token: str = ''
     token_user: str = ''
 

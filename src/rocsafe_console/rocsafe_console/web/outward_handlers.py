@@ -1,21 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What other systems read: OGC API Features by a link, Cursor on Target by datagrams."""
+"""What other systems read: OGC API Features by a link."""
 
-import asyncio
 import json
-import socket
-from collections.abc import Callable
 
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.outward import features
-from rocsafe_console.outward.cursor_on_target import PERIOD_S, events_of
 from rocsafe_console.people.roles import Action, Role
-from rocsafe_console.web.context import Context, context_of, session_of
+from rocsafe_console.web.context import context_of, session_of
 from rocsafe_geo.storage.json_values import finite
-
-MULTICAST_HOPS = 1
 
 
 async def make_link(request: web.Request) -> web.Response:
@@ -58,30 +52,6 @@ async def items(request: web.Request) -> web.Response:
         picture, now_s = context.live.picture, context.clock()
         content = features.items_of(base, name, picture, now_s, limit)
     return web.json_response(content, content_type=features.GEOJSON, dumps=_dumps)
-
-
-async def send_events(context: Context, say: Callable[[str], None]) -> None:
-    """Send Cursor on Target events once a second until cancelled; a fault is told once."""
-    target = context.options.cursor_on_target
-    if target is None:
-        return
-    told = ''
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-        sender.setblocking(False)
-        sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, MULTICAST_HOPS)
-        while True:
-            await asyncio.sleep(PERIOD_S)
-            now_s = context.clock()
-            with context.live.lock:
-                events = events_of(context.live.picture, now_s)
-            try:
-                for event in events:
-                    sender.sendto(event.to_xml(now_s), target)
-                told = ''
-            except OSError as error:
-                if str(error) != told:
-                    say(f'Cursor on Target to {target[0]}:{target[1]}: {error}')
-                told = str(error)
 
 
 def _base(request: web.Request) -> str:

@@ -25,6 +25,7 @@ from rocsafe_console.web import (
     video_handlers,
 )
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
+from rocsafe_console.web.event_sender import send_events
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
 
@@ -184,7 +185,7 @@ class ServerThread:
         await runner.cleanup()
 
     def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
-        events = outward_handlers.send_events(self._context, self._say)
+        events = send_events(self._context, self._say)
         return app[PUSHER].run(), self._drain(), events
 
     async def _drain(self) -> None:
