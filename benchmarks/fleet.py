@@ -11,6 +11,9 @@ All parts fly whole missions in simulated time over a simulated radio. Times are
 * `coordinator`: the coordinator dies at random moments around its proposal.
 * `thin`: 9.6 kbit/s a vehicle and 50 % loss: time until all agree, and bytes.
 * `half`: half of the drones are lost.
+* `peers`: CBBA, PI and an auction by insertion share what a lost drone leaves, with the same
+  places and the same losses of messages (`fleet_peers.py`): longest way over that of a search of
+  three seconds that knows everything, messages, and points that nobody or more than one has.
 """
 
 import argparse
@@ -18,28 +21,33 @@ import math
 import statistics
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 
 import numpy as np
+from fleet_peers import LINKS, METHODS, Link, Work, judged
 from replanning import CAMERA, CORNER
 
-from rocsafe_fleet.agreement.fleet_plan import SharedPlans
+from rocsafe_fleet.agreement.agent import Agent
+from rocsafe_fleet.agreement.fleet_plan import SharedPlans, situation_of
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.trial import Trial, TrialOptions, agreed, planner_of
 from rocsafe_fleet.trial.what_if import central_s
-from rocsafe_geo.position import offset
+from rocsafe_geo.position import level_offset_m, offset
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.plan.survey_options import CoverageOptions, SeparationOptions
+from rocsafe_planner.plan.survey_options import CoverageOptions, Effort, SeparationOptions
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.replanning import remaining_request
 
 BAD = RadioOptions(loss=0.2, duplicates=0.05, jitter_s=0.2)
 BURSTS = RadioOptions(burst=(0.05, 0.3), jitter_s=0.2)
 THIN = RadioOptions(loss=0.5, bits_per_s=9600.0, jitter_s=0.1)
+PEER_SEARCH_S = 3.0
 Seed = int
 
 
@@ -116,7 +124,7 @@ def loss(seeds: int) -> bool:
         random = np.random.default_rng(seed)
         lost, time_s = int(random.integers(5)), float(random.uniform(50.0, 500.0))
         for kind, found in excess.items():
-            trial = place.trial(seed)
+            trial = place.trial(seed, step_s=0.05)
             trial.at(time_s, partial(_lose, number=lost, announced=kind == 'announced'))
             outcome = trial.run()
             missing += outcome.missing
@@ -253,9 +261,91 @@ def half(seeds: int) -> bool:
     return say(f'viewpoints lost, {count} missions, half lost', str(missing), '0', missing == 0)
 
 
+def peers(seeds: int) -> bool:
+    """Compare with published methods: 5 to 20 agents, 0 to 90 % loss, two kinds of it."""
+    print(f'{"agents, loss":26s}' + ''.join(f'{name:>30s}' for name in ('ours', *METHODS)))
+    is_best = True
+    for fleet, (kind, links) in product((5, 10, 20), LINKS.items()):
+        place = field(fleet, 10)
+        for percent in (0, 30, 60, 90) if seeds < 50 else range(0, 100, 10):
+            rows: dict[str, list[Row]] = {}
+            for seed in range(max(1, seeds // 20)):
+                for name, row in _compared(place, links, kind, percent / 100, seed).items():
+                    rows.setdefault(name, []).append(row)
+            means = {name: np.mean(found, axis=0) for name, found in rows.items()}
+            cells = [f'{100 * m[0]:+.0f} %, {m[1]:.0f} msg, {m[2]:.1f}' for m in means.values()]
+            print(f'{f"{fleet}, {kind} {percent} %":26s}' + ''.join(f'{c:>30s}' for c in cells))
+            is_best &= all(means['ours'][0] <= m[0] + 0.02 for m in means.values())
+    print('longest way over the central one, messages, points that nobody or several have')
+    return is_best
+
+
+Row = tuple[float, float, float]
+
+
+def _compared(place: Field, links: Link, kind: str, mean: float, seed: Seed) -> dict[str, Row]:
+    """Return what each method makes of the same loss of a drone."""
+    random = np.random.default_rng(seed)
+    fleet = len(place.plan.routes)
+    lost, time_s = int(random.integers(1, fleet)), float(random.uniform(20.0, 40.0))
+    to_good = min(0.3, (1.0 - mean) / max(mean, 1e-9))
+    burst = (to_good * mean / (1.0 - mean), to_good)
+    radio = RadioOptions(loss=mean) if kind == 'Bernoulli' else RadioOptions(burst=burst)
+    trial = place.trial(seed, radio)
+    trial.run(_at(time_s))
+    _lose(trial, lost, announced=True)
+    sent = sum(trial.radio.packets)
+    trial.run(reached(partial(_has_shared, lost=lost), 180.0))
+    messages = sum(trial.radio.packets) - sent
+    agent = max(trial.live, key=lambda one: one.epoch)
+    work, numbers, order = _work(place, agent)
+    paths = [[order[p] for p in agent.plan.routes[k] if p in order] for k in numbers]
+    found = {'ours': judged(work, paths, messages)}
+    for name, method in METHODS.items():
+        found[name] = method(work, links(mean, np.random.default_rng(seed)))
+    best = central_m(place, agent, work, numbers, order)
+    return {
+        name: (one.longest_m / best - 1.0, one.messages, one.unassigned + one.twice)
+        for name, one in found.items()
+    }
+
+
+def _has_shared(trial: Trial, lost: int) -> bool:
+    epochs = {(agent.epoch, agent.plan.digest) for agent in trial.live}
+    names = trial.live[0].proposal.names
+    return len(epochs) == 1 and bool(names) and lost not in names
+
+
+def _work(place: Field, agent: Agent) -> tuple[Work, list[int], dict[int, int]]:
+    """Return what is left in an agent's epoch, as the published methods take it."""
+    origin = place.plan.request.regions[0].area.centroid()
+    views = [view for route in place.plan.routes for view in route.viewpoints]
+    left = [view for view in views if view.id not in agent.proposal.visited]
+    members = agent.proposal.members
+    homes = [place.plan.request.vehicles[k].home for k, _ in members]
+    work = Work(
+        starts=np.array([level_offset_m(origin, one.position) for _, one in members]),
+        points=np.array([level_offset_m(origin, view.position) for view in left]),
+        homes=np.array([level_offset_m(origin, home) for home in homes]),
+    )
+    return work, [k for k, _ in members], {view.id: n for n, view in enumerate(left)}
+
+
+def central_m(
+    place: Field, agent: Agent, work: Work, numbers: list[int], order: dict[int, int]
+) -> float:
+    """Return the longest way of a plan of one head that searches for `PEER_SEARCH_S`."""
+    names = [vehicle.name for vehicle in place.plan.request.vehicles]
+    request = remaining_request(place.plan, situation_of(agent.proposal, names, ()))
+    plan = plan_survey(replace(request, effort=Effort(budget_s=PEER_SEARCH_S)))
+    routes = {names.index(r.vehicle.name): [v.id for v in r.viewpoints] for r in plan.routes}
+    paths = [[order[p] for p in routes.get(k, ())] for k in numbers]
+    return judged(work, paths, 0).longest_m
+
+
 PARTS: dict[str, Callable[[int], bool]] = {
     'loss': loss, 'missions': missions, 'partition': partition, 'coordinator': coordinator,
-    'thin': thin, 'half': half,
+    'thin': thin, 'half': half, 'peers': peers,
 }  # fmt: skip
 
 

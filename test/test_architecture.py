@@ -117,6 +117,8 @@ MAY_IMPORT = {
         # The `rocsafe` command plans, replans and checks in its own process.
         'rocsafe_planner.checked_planning',
         'rocsafe_planner.checking.plan_checker',
+        # A run that is resumed has its plan in a file.
+        'rocsafe_planner.conversions',
         'rocsafe_planner.errors',
         'rocsafe_planner.export.plan_files',
         'rocsafe_planner.replanning',

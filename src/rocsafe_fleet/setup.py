@@ -16,7 +16,7 @@ setup(
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
     ],
-    extras_require={'test': ['pytest']},
+    extras_require={'test': ['pytest'], 'zenoh': ['eclipse-zenoh']},
     zip_safe=False,
     entry_points={
         'console_scripts': [

@@ -4,7 +4,7 @@
 import asyncio
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -72,6 +72,10 @@ class World:
         """Keep what is drawn."""
         self.drawn.append((lines, rgba, size_m, kind, duration_s))
 
+    def trace(self, vehicle, rgba, size_m):
+        """Keep what is traced."""
+        self.drawn.append((vehicle, rgba, size_m))
+
     def clear_drawings(self):
         """Forget it."""
         self.drawn.clear()
@@ -87,7 +91,8 @@ class Vehicle:
         self.origin = Origin(home)
         self.home = world.to_geodetic(home)
         self.cameras = ['camera', 'oblique']
-        self.leads = False
+        self.leads, self.orders = False, 0
+        self.smells, self.light = False, None
         world.vehicles[name] = self
 
     def now(self):
@@ -115,9 +120,12 @@ class Vehicle:
         goals = [(*self.world.to_enu((p[0], p[1], 60.0))[:2], up + p[2]) for p in places]
         self._do(lambda: self.core.fly_along(goals, speed_mps))
 
-    async def at_velocity(self, velocity_enu, duration_s, turn_rate_radps):
+    async def at_velocity(self, velocity_enu, duration_s, turn):
         """Fly at a velocity."""
-        self._do(lambda: self.core.fly_at(velocity_enu, duration_s, turn_rate_radps))
+        await asyncio.sleep(0)
+        self.orders += 1
+        how = (turn.rate_radps, turn.yaw_enu_rad)
+        self._do(lambda: self.core.fly_at(velocity_enu, duration_s, *how))
 
     async def turn(self, yaw_enu_rad):
         """Turn."""
@@ -130,6 +138,19 @@ class Vehicle:
     async def set_home(self, position):
         """Stand elsewhere."""
         self._do(lambda: self.core.set_home(self.world.to_enu(position)))
+        self.origin = Origin(self.core.home_enu)
+
+    async def set_wind(self, east_mps, north_mps):
+        """Fly in another wind."""
+        self._do(lambda: self.core.set_wind((east_mps, north_mps)))
+
+    async def set_light(self, light):
+        """Keep it."""
+        self.light = light
+
+    async def point(self, camera, pitch_rad, yaw_rad):
+        """Keep it."""
+        self.pointed = (camera, pitch_rad, yaw_rad)
 
     async def look(self, camera, *, with_truth):
         """Return a picture."""
@@ -280,7 +301,7 @@ def test_images_have_what_clients_read(world):
     scene, depth, segments, packed = ask(world, ('simGetImages', requests, ''))
     assert (scene['width'], scene['height']) == (4, 3)
     assert scene['image_data_uint8'] == PIXELS.tobytes()
-    assert depth['image_data_float'][1:] == DEPTH.ravel().tolist()[1:]
+    assert depth['image_data_float'].tolist()[1:] == DEPTH.ravel().tolist()[1:]
     assert depth['image_data_float'][0] == 65_504.0
     colours = np.frombuffer(segments['image_data_uint8'], np.uint8).reshape(12, 3)
     assert len({tuple(colour) for colour in colours.tolist()}) == 12
@@ -291,6 +312,28 @@ def test_images_have_what_clients_read(world):
     assert math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))) == pytest.approx(-math.pi / 2)
 
 
+def test_a_camera_is_turned_by_its_gimbal(world):
+    """30 degrees down and 90 to the right; neither moved nor rolled."""
+
+    def pose(roll, pitch, yaw, x=0.0):
+        cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+        cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+        cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+        orientation = {
+            'w_val': cr * cp * cy + sr * sp * sy, 'x_val': sr * cp * cy - cr * sp * sy,
+            'y_val': cr * sp * cy + sr * cp * sy, 'z_val': cr * cp * sy - sr * sp * cy,
+        }  # fmt: skip
+        return {'position': {'x_val': x, 'y_val': 0.0, 'z_val': 0.0}, 'orientation': orientation}
+
+    ask(world, ('simSetCameraPose', '0', pose(0.0, math.radians(-30.0), math.pi / 2), ''))
+    camera, pitch_rad, yaw_rad = world.vehicles['rav1'].pointed
+    assert camera == 'camera'
+    assert (pitch_rad, yaw_rad) == pytest.approx((math.radians(-30.0), -math.pi / 2))
+    for wrong, words in ((pose(0.3, 0, 0), 'roll is 17.2 deg'), (pose(0, 0, 0, 1.0), 'position')):
+        with pytest.raises(AirsimError, match=words):
+            ask(world, ('simSetCameraPose', '0', wrong, ''))
+
+
 def test_segmentation_ids_are_chosen_by_name(world):
     """By a regular expression or the name; what is not there is -1."""
     assert ask(world, ('simGetSegmentationObjectID', 'WAGON_1')) == 3
@@ -299,6 +342,134 @@ def test_segmentation_ids_are_chosen_by_name(world):
     assert ask(world, chosen, ('simGetSegmentationObjectID', 'wagon_1')) == 20
     assert ask(world, ('simSetSegmentationObjectID', 'x', 20, False)) is False
     assert ask(world, ('simListSceneObjects', '.*')) == ['wagon_1', 'drum']
+
+
+def test_a_loop_of_orders_is_obeyed_at_the_pace_of_the_vehicle(world):
+    """As orbit sends them: the newest of those that came meanwhile; the others answer false."""
+    api = Api(world, print)
+    vehicle = world.vehicles['rav1']
+
+    def ask_for(method, *arguments):
+        return api.handle(Call(call_id=1, method=method, arguments=arguments))
+
+    async def flood():
+        for method, *arguments in LED:
+            await ask_for(method, *arguments)
+        moves = [
+            ask_for('moveByVelocityZ', n / 40, 0.0, -3.0, 1, 0, {'is_rate': False,
+                    'yaw_or_rate': 90.0}, '')
+            for n in range(200)
+        ]  # fmt: skip
+        return await asyncio.gather(*moves)
+
+    answers = asyncio.run(flood())
+    assert answers.count(True) == 1
+    assert answers[-1] is True
+    assert vehicle.orders < 5
+    assert vehicle.core.flight.command.velocity_enu[1] == pytest.approx(199 / 40)
+
+
+def test_a_velocity_upwards_takes_off(world):
+    """As pause_continue_drone begins; one that is level stays refused on the ground."""
+    calls = ('moveByVelocityZ', 0.0, 0.0, -9.0, 8.0, 0, ANY_YAW, '')
+    state = ask(world, LED[0], calls, ('getMultirotorState', ''))
+    assert position(state)[2] == pytest.approx(-9.0, abs=0.5)
+    on_ground = World()
+    Vehicle(on_ground, 'rav1', (0.0, 0.0, 0.0))
+    with pytest.raises(AirsimError, match='disarmed'):
+        ask(on_ground, LED[0], ('moveByVelocity', 1.0, 0.0, 0.0, 1.0, 0, ANY_YAW, ''))
+
+
+def test_reset_answers_when_the_vehicles_stand_at_home(world):
+    """Also one that is landing already; what takes off then takes off from the ground."""
+    core = world.vehicles['rav1'].core
+    ask(world, *LED, ('reset',))
+    assert (core.mode, world.vehicles['rav1'].leads) == (Mode.LANDED, False)
+    ask(world, *LED)
+    core.land()
+    ask(world, LED[0], ('reset',))
+    assert core.mode is Mode.LANDED
+    ask(world, *LED)
+    core.land()
+    assert ask(world, *LED) is True
+    assert core.mode is Mode.HOLDING
+
+
+def test_a_wait_ends_with_the_flight(world):
+    """A battery that runs low brings the vehicle home: the movement answers false."""
+    core = world.vehicles['rav1'].core
+    core.airframe = replace(core.airframe, endurance_s=120.0)
+    far = ('moveByVelocity', 0.05, 0.0, 0.0, 3000.0, 0, ANY_YAW, '')
+    assert ask(world, *LED, far) is False
+    assert core.mode is Mode.LANDED
+
+
+def test_disarming_needs_no_control(world):
+    """As hello_drone ends: after its reset."""
+    assert ask(world, LED[0], ('reset',), ('armDisarm', False, '')) is True
+
+
+def test_wind_is_set_for_all_simulated_vehicles(world):
+    """North, east, down; not beside gas, which drifts with the scenario's wind."""
+    ask(world, ('simSetWind', {'x_val': 4.0, 'y_val': 1.0, 'z_val': 0.0}))
+    assert world.vehicles['rav1'].core.record.wind_mps == (1.0, 4.0)
+    with pytest.raises(AirsimError, match='wind_mps is 90'):
+        ask(world, ('simSetWind', {'x_val': 90.0, 'y_val': 0.0, 'z_val': 0.0}))
+    world.vehicles['rav1'].smells = True
+    with pytest.raises(AirsimError, match='a wind of its own'):
+        ask(world, ('simSetWind', {'x_val': 1.0, 'y_val': 1.0, 'z_val': 0.0}))
+
+
+def test_weather_counts_when_it_is_enabled(world):
+    """What the scene does not draw is refused by its name, but may be switched off."""
+    vehicle = world.vehicles['rav1']
+    ask(world, ('simSetWeatherParameter', 7, 0.5))
+    assert vehicle.light.fog == 0.0
+    fog, wet = ('simSetWeatherParameter', 7, 0.5), ('simSetWeatherParameter', 1, 0.25)
+    ask(world, ('simEnableWeather', True), fog, wet, ('simSetWeatherParameter', 0, 0.0))
+    assert (vehicle.light.fog, vehicle.light.wetness) == (0.5, 0.25)
+    ask(world, ('simEnableWeather', True), fog, ('simEnableWeather', False))
+    assert vehicle.light.fog == 0.0
+    for call, words in (
+        (('simSetWeatherParameter', 0, 0.5), 'Rain is not drawn here'),
+        (('simSetWeatherParameter', 7, 1.5), 'Fog is 1.5'),
+        (('simSetWeatherParameter', 8, 0.5), 'parameter is 8'),
+    ):
+        with pytest.raises(AirsimError, match=words):
+            ask(world, call)
+
+
+def test_the_sun_follows_the_time_of_day(world):
+    """In UTC, an hour less in summer time; without a time, from now."""
+    vehicle = world.vehicles['rav1']
+    ask(world, ('simSetTimeOfDay', True, '2025-06-01 18:00:00', True, 60.0, 30.0, True))
+    assert (vehicle.light.sun_ns, vehicle.light.sun_speed) == (1_748_797_200_000_000_000, 60.0)
+    ask(world, ('simSetTimeOfDay', True, '', False, 60.0, 30.0, False))
+    assert (vehicle.light.sun_ns, vehicle.light.sun_speed) == (world.now_ns, 0.0)
+    ask(world, ('simSetTimeOfDay', False, '', False, 1.0, 60.0, True))
+    assert vehicle.light.sun_ns is None
+    with pytest.raises(AirsimError, match='must be as 2025'):
+        ask(world, ('simSetTimeOfDay', True, 'noon', False, 1.0, 60.0, True))
+
+
+def test_detections_are_boxes_of_the_wanted_instances_within_the_radius(world):
+    """The label 3 is the last pixel of the first row, 49.3 m deep; instance 300 is not seen."""
+    wanted = ('simAddDetectionFilterMeshName', '0', 0, 'Wagon*', '')
+    assert ask(world, ('simGetDetections', '0', 0, '')) == []
+    (found,) = ask(world, wanted, ('simGetDetections', '0', 0, ''))
+    depth_m = float(DEPTH[0, 3])
+    assert found['name'] == 'wagon_1'
+    assert found['box2D'] == {key: {'x_val': 3.0, 'y_val': 0.0} for key in ('min', 'max')}
+    ahead = found['relative_pose']['position']['x_val']
+    assert ahead == pytest.approx(depth_m)
+    # The camera looks down from 33 m, the top of its image to the east: right is south.
+    east, north, up = world.to_enu(tuple(found['geo_point'].values()))
+    slope = math.tan(math.radians(35.0)) / 2.0 * depth_m
+    assert (east, north, up) == pytest.approx((1 + slope, 2 - 1.5 * slope, 33 - depth_m), abs=1e-3)
+    near = ('simSetDetectionFilterRadius', '0', 0, 100.0 * (depth_m - 1.0), '')
+    assert ask(world, wanted, near, ('simGetDetections', '0', 0, '')) == []
+    gone = ('simClearDetectionMeshNames', '0', 0, '')
+    assert ask(world, wanted, gone, ('simGetDetections', '0', 0, '')) == []
 
 
 def test_time_is_paused_and_goes_on_for_some_seconds(world):
@@ -315,8 +486,11 @@ def test_time_is_paused_and_goes_on_for_some_seconds(world):
 @pytest.mark.slow
 def test_a_vehicle_is_placed_before_its_first_flight(world):
     """Its origin goes with it, as that of a start pose does."""
-    pose = {'position': {'x_val': 5.0, 'y_val': 6.0, 'z_val': 0.0}, 'orientation': {}}
-    ask(world, ('simSetVehiclePose', pose, True, ''))
+    pose = {'position': {'x_val': 5.0, 'y_val': 6.0, 'z_val': -4.0}, 'orientation': {}}
+    with pytest.raises(AirsimError, match='enableApiControl first'):
+        ask(world, ('simSetVehiclePose', pose, True, ''))
+    ask(world, LED[0], ('simSetVehiclePose', pose, True, ''))
+    assert world.vehicles['rav1'].origin.home_enu == world.vehicles['rav1'].core.home_enu
     assert world.vehicles['rav1'].core.home_enu[:2] == pytest.approx((-34.0, 30.0), abs=1e-6)
     with pytest.raises(AirsimError, match='has flown'):
         ask(world, *LED, ('simSetVehiclePose', pose, True, ''))

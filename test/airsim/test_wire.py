@@ -6,6 +6,7 @@ import tracemalloc
 from contextlib import suppress
 
 import msgpack
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -36,6 +37,17 @@ def test_answers_are_as_clients_read_them():
     assert msgpack.unpackb(answer(3, {'x_val': 1.5})) == [1, 3, None, {'x_val': 1.5}]
     assert msgpack.unpackb(refusal(4, 'land: no')) == [1, 4, 'land: no', None]
     assert msgpack.unpackb(answer(5, b'\x00\xff')) == [1, 5, None, b'\x00\xff']
+
+
+def test_an_array_is_a_list_of_its_floats():
+    """Wherever it lies; what is beside it is packed as ever."""
+    depth = np.linspace(0.0, 100.0, 70_000, dtype=np.float32)
+    sent = [{'width': 3, 'data': depth, 'more': [b'\x00', None, 'text', depth[:2]]}]
+    _, _, _, (found,) = msgpack.unpackb(answer(9, sent))
+    assert found['data'] == depth.tolist()
+    assert (found['width'], found['more']) == (3, [b'\x00', None, 'text', depth[:2].tolist()])
+    with pytest.raises(TypeError):
+        answer(9, [object()])
 
 
 @pytest.mark.parametrize(

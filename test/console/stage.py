@@ -27,6 +27,7 @@ TOKEN = 'token-of-the-stage'  # noqa: S105 - of tests
 ORIGIN = (53.2800, -9.0633)
 M_PER_DEG = 111_320.0
 CELLS = 80
+ROVER = 'rgv1'
 SCENARIOS = Path(__file__).parents[2] / 'config' / 'scenarios'
 
 
@@ -45,6 +46,14 @@ class Crew:
         outcome = Outcome.REFUSED if self.refusal else Outcome.DONE
         finish(tuple(Result(vehicle=n, outcome=outcome, text=self.refusal) for n in names))
 
+    def plan_drive(self, order: Order, finish: Callable[[dict | None, str], None]) -> None:
+        """Offer a drive at once, or refuse it."""
+        if self.refusal:
+            finish(None, self.refusal)
+            return
+        target, (name,) = order.target, order.revisions
+        finish(drive_to((target.latitude_deg, target.longitude_deg), name), '')
+
 
 def place_of(east_m: float, north_m: float) -> tuple[float, float]:
     """Return latitude and longitude of a point beside the origin, degrees."""
@@ -52,13 +61,29 @@ def place_of(east_m: float, north_m: float) -> tuple[float, float]:
     return ORIGIN[0] + north_m / M_PER_DEG, ORIGIN[1] + east_m / scale
 
 
+def drive_to(place: tuple[float, float], vehicle: str = 'rgv1') -> dict:
+    """Return a drive from the home of the vehicle to a place and back."""
+    home = place_of(-150.0, 0.0)
+    return {
+        'route_id': 'r1', 'vehicle': vehicle, 'line': [home, place_of(-80.0, 20.0), place, home],
+        'stands': [{'id': 'anna-1', 'place': place}], 'duration_s': 184.0, 'dose_usv': 49.3,
+        'dose_upper_usv': 61.0, 'dose_budget_usv': 100.0, 'lower_bound_s': 183.0, 'left_out': [],
+    }  # fmt: skip
+
+
 class Stage:
     """A picture in which a mission flies."""
 
     def __init__(
-        self, folder: Path, vehicles: int = 3, users: dict[str, User] | None = None
+        self,
+        folder: Path,
+        vehicles: int = 3,
+        users: dict[str, User] | None = None,
+        *,
+        has_rover: bool = False,
     ) -> None:
         self.names = [f'rav{number + 1}' for number in range(vehicles)]
+        self.names += [ROVER] if has_rover else []
         self.crew = Crew()
         self.steps = 0
         self.state = dict.fromkeys(self.names, 4)
@@ -134,6 +159,8 @@ class Stage:
                 },
             )
             self._images(now_s)
+            if ROVER in self.names:
+                put('drive', drive_to(place_of(0.0, 25.0)))
         self.step()
 
     def step(self) -> None:
@@ -147,6 +174,8 @@ class Stage:
             for number, name in enumerate(self.names):
                 angle = self.steps * 0.02 + number * 2 * math.pi / len(self.names)
                 east, north = 100 * math.cos(angle), 60 * math.sin(angle)
+                if name == ROVER:
+                    east, north = -150.0 + self.steps % 700 * 0.1, 0.03 * (self.steps % 700)
                 place = place_of(east, north)
                 if self.steps % 10 == number % 10 or self.state[name] != 4:
                     picture.on_report(self._report(name, now_s), now_s)
@@ -176,7 +205,7 @@ class Stage:
         return VehicleReport(
             name=name, state=self.state[name], stamp_s=now_s, is_simulated=True,
             viewpoint_count=20, viewpoints_visited=7, battery_fraction=0.8 - self.steps * 1e-4,
-            speed_mps=8.0,
+            speed_mps=8.0, is_ground=name == ROVER,
         )  # fmt: skip
 
     def _plan(self) -> dict:

@@ -4,6 +4,7 @@
 import math
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 
@@ -11,21 +12,26 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from geometry_msgs.msg import Point, TransformStamped, Vector3
 from nav_msgs.msg import OccupancyGrid
+from rclpy.action import ActionServer
 from rclpy.node import Node
+from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import ColorRGBA
+from std_srvs.srv import Trigger
+from test.console.test_video import jpeg_of
 from test.orchestrator.test_fleet_verbs import Stand, Vehicle
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_console.console_node import ConsoleNode
 from rocsafe_console.evidence.desk import Desk
-from rocsafe_console.orders.order_book import Order, Outcome, Result, Target
+from rocsafe_console.orders.order_book import Errand, Order, Outcome, Result, Target
 from rocsafe_console.people.roles import Action
 from rocsafe_console.picture.live import Live
 from rocsafe_console.picture.picture import Picture
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, ecef_m
-from rocsafe_interfaces.msg import MissionState, VehicleState
+from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
+from rocsafe_interfaces.msg import GroundRoute, MissionState, VehicleState
 from rocsafe_ros import topics
 
 DEADLINE_S = 60.0
@@ -177,3 +183,128 @@ def test_what_lies_in_the_frame_is_drawn_when_the_frame_is_known(console):
     assert console.live.images['plume']
     plumes.publish(OccupancyGrid())
     console.ros.spin_until(lambda: value('plume') is None, DEADLINE_S)
+
+
+def test_a_new_plan_is_asked_of_the_mission(console):
+    """What it answers holds for each vehicle; without a mission that is said."""
+    results = console.order(Action.REPLAN, *NAMES)
+    assert {one.outcome for one in results.values()} == {Outcome.REFUSED}
+    assert 'cannot be reached' in results['rav1'].text
+    asked = []
+
+    def on_replan(_request, response):
+        asked.append('replan')
+        response.success, response.message = False, 'cannot plan anew: nothing flies'
+        return response
+
+    console.speaker.create_service(Trigger, topics.REPLAN.name, on_replan)
+    client = console.node.orders._mission[Action.REPLAN]
+    console.ros.spin_until(client.service_is_ready, DEADLINE_S)
+    results = console.order(Action.REPLAN, *NAMES)
+    assert asked == ['replan'], 'once for all vehicles'
+    assert {one.text for one in results.values()} == {'cannot plan anew: nothing flies'}
+
+
+def test_a_camera_is_heard_only_while_somebody_looks(console):
+    """The subscription begins with the first and ends with the last one."""
+    video, spin = console.live.video, console.ros.spin_until
+    camera = topics.create_publisher(console.speaker, topics.CAMERA_IMAGE_COMPRESSED, 'rav1')
+    assert camera.get_subscription_count() == 0
+    video.join('rav1')
+    spin(lambda: camera.get_subscription_count() == 1, DEADLINE_S)
+    camera.publish(CompressedImage(format='jpeg', data=jpeg_of(7)))
+    spin(lambda: video.newest('rav1') is not None, DEADLINE_S)
+    assert video.newest('rav1').jpeg == jpeg_of(7)
+    video.leave('rav1')
+    spin(lambda: camera.get_subscription_count() == 0, DEADLINE_S)
+
+
+class Rover:
+    """A router and a ground vehicle that answer as they are told."""
+
+    def __init__(self, console: Console) -> None:
+        self.goals: list = []
+        self.driven: list = []
+        self.planning_error = self.refusal = ''
+        self.node = console.speaker
+        self._servers = [
+            ActionServer(self.node, PlanGroundRoute, 'plan_ground_route', self._plan),
+            ActionServer(self.node, DriveRoute, 'rav1/drive_route', self._drive),
+        ]
+        live = console.live.picture.vehicles
+        console.ros.spin_until(lambda: live['rav1'].report.is_ground, DEADLINE_S)
+        drives = console.node.orders.drives
+        clients = [drives._router, *drives._vehicles.values()]
+        console.ros.spin_until(lambda: all(c.server_is_ready() for c in clients), DEADLINE_S)
+
+    def close(self) -> None:
+        """Destroy the servers."""
+        for server in self._servers:
+            server.destroy()
+
+    def _plan(self, handle):
+        self.goals.append(handle.request)
+        handle.succeed()
+        if self.planning_error:
+            error = PlanGroundRoute.Result.BEYOND_BUDGET
+            return PlanGroundRoute.Result(error_code=error, error_msg=self.planning_error)
+        route = GroundRoute(route_id='r1', vehicle='rav1', duration_s=184.0, dose_upper_usv=61.0)
+        return PlanGroundRoute.Result(route=route)
+
+    def _drive(self, handle):
+        self.driven.append(handle.request)
+        if self.refusal:
+            handle.abort()
+            rejected = DriveRoute.Result.REJECTED
+            return DriveRoute.Result(outcome=rejected, error_msg=self.refusal)
+        handle.publish_feedback(DriveRoute.Feedback())
+        handle.succeed()
+        return DriveRoute.Result()
+
+
+def test_a_ground_vehicle_is_sent_by_the_route_that_was_offered(console):
+    """From where it stands to the place and home, under the lease of who asks."""
+    spin = console.ros.spin_until
+    state = VehicleState(vehicle='rav1', state=VehicleState.LANDED)
+
+    def speak() -> bool:
+        console.states['rav1'].publish(state)
+        return False
+
+    timer = console.speaker.create_timer(SPEAK_S, speak)
+    rover = Rover(console)
+    console.live.picture.on_fix('rav1', (53.28, -9.0633, 60.0), 1.0, 1.0)
+    errand = Errand(latitude_deg=53.2805, longitude_deg=-9.0633, dose_budget_usv=100.0)
+    order = Order(
+        request_id='a' * 32, session='s', user='anna', verb=Action.SEND,
+        revisions={'rav1': 1}, target=errand,
+    )  # fmt: skip
+    offers: list = []
+    console.node.plan_drive(order, lambda drive, why: offers.append((drive, why)))
+    spin(lambda: bool(offers), DEADLINE_S)
+    assert offers[0][0]['dose_upper_usv'] == 61.0
+    goal = rover.goals[0]
+    assert (goal.start.latitude, goal.dose_budget_usv) == (53.28, 100.0)
+    assert [one.position.latitude for one in goal.evidence] == [53.2805]
+    assert console.order(Action.TAKE, 'rav1')['rav1'].outcome is Outcome.DONE
+    rover.refusal = 'rav1: the route begins 12 m from here'
+    results = console.order(Action.SEND, 'rav1', target=errand)
+    assert results['rav1'].text == rover.refusal
+    assert rover.driven[0].lease == console.node.orders._held['rav1'].lease
+    # What was offered once is driven once.
+    assert 'cannot be reached' in console.order(Action.SEND, 'rav1', target=errand)['rav1'].text
+    rover.refusal = ''
+    console.node.plan_drive(order, lambda drive, why: offers.append((drive, why)))
+    spin(lambda: len(offers) == 2, DEADLINE_S)
+    assert console.order(Action.SEND, 'rav1', target=errand)['rav1'].outcome is Outcome.DONE
+    rover.planning_error = 'a budget of 130 uSv would do'
+    console.node.plan_drive(order, lambda drive, why: offers.append((drive, why)))
+    spin(lambda: len(offers) == 3, DEADLINE_S)
+    assert offers[2] == (None, 'router: a budget of 130 uSv would do')
+    console.node.plan_drive(
+        replace(order, revisions={'rav2': 1}), lambda drive, why: offers.append((drive, why))
+    )
+    spin(lambda: len(offers) == 4, DEADLINE_S)
+    assert offers[3] == (None, 'rav2 does not drive')
+    timer.cancel()
+    rover.close()

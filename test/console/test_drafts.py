@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 import yaml
+from test.console.stage import SCENARIOS
 
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.runs.drafts import Drafts, with_drawn
+from rocsafe_console.runs.faults import faults_of
 
 RING = [[53.0, -9.0], [53.0, -8.99], [53.01, -8.99]]
 TEXT = """\
@@ -112,3 +114,56 @@ def test_scenarios_and_drafts_are_listed(drafts, tmp_path: Path):
     without = Drafts(tmp_path, tmp_path / 'scenarios', {'PATH': str(tmp_path / 'nothing')})
     with pytest.raises(ConsoleError, match='is not on the PATH'):
         without.check('mission')
+
+
+SCENARIO = """\
+name: x
+seed: abc
+survey:
+  height_agl_m: -32.0
+vehicles:
+- name: rav1
+  home: [53.28, -9.06]
+- name: rav2
+  cruise_spd: 8.0
+"""
+
+
+@pytest.mark.parametrize(
+    ('printed', 'fault'),
+    [
+        ("seed = 'abc': must be a valid integer", ('seed', 2, "= 'abc': must be a valid integer")),
+        ('survey.height_agl_m = -32.0: must be', ('survey.height_agl_m', 4, '= -32.0: must be')),
+        ('vehicles[1].cruise_spd: unknown key', ('vehicles[1].cruise_spd', 9, 'unknown key')),
+        # What is missing is told where it belongs.
+        ('vehicles[1].home: is missing', ('vehicles[1].home', 8, 'is missing')),
+        ('survey.camera.width: must be', ('survey.camera.width', 3, 'must be')),
+        ('region: is missing', ('region', 0, 'is missing')),
+        ("line 3: expected ',' or ']', but got ':'", ('', 3, "expected ',' or ']', but got ':'")),
+        ('two vehicles would meet', ('', 0, 'two vehicles would meet')),
+    ],
+)
+def test_a_mistake_is_told_beside_its_field(printed, fault):
+    """Its path, its line in the text, and the words of `rocsafe check`."""
+    (found,) = faults_of(f'some table\nrocsafe: x.yaml: {printed}\n', SCENARIO)
+    assert (found.field, found.line, found.text) == fault
+
+
+def test_a_scenario_without_mistakes_has_no_faults():
+    """Whatever else is printed."""
+    assert faults_of('x: 59 viewpoints\nwarning: windy', SCENARIO) == ()
+
+
+@pytest.mark.slow
+def test_the_mistakes_that_the_command_finds_stand_on_their_lines(tmp_path):
+    """The real `rocsafe check` on a real scenario with four mistakes."""
+    text = (SCENARIOS / 'derailment.yaml').read_text()
+    text = text.replace('height_agl_m: ', 'height_agl_m: -').replace('seed: ', 'seed: x')
+    (tmp_path / 'scenarios').mkdir()
+    drafts = Drafts(tmp_path, tmp_path / 'scenarios', os.environ)
+    saved = drafts.save('mission', text, {}).splitlines()
+    step = drafts.check('mission')
+    assert not step.is_done
+    lines = {one.field: saved[one.line - 1].strip() for one in step.faults}
+    assert lines['survey.height_agl_m'].startswith('height_agl_m: -')
+    assert lines['seed'].startswith('seed: x')

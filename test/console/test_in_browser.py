@@ -4,6 +4,8 @@
 import shutil
 import socket
 import stat
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Iterator
@@ -12,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from test.console.stage import TOKEN, Stage, place_of, served
+from test.console.test_video import jpeg_of
 
 from rocsafe_console.people.roles import Action, Role
 from rocsafe_console.people.session_file import load_sessions
@@ -62,7 +65,9 @@ class Pilot:
 class View:
     """A page that is open, with everything that it must not do."""
 
-    def __init__(self, browser, address: str, size: str = 'desktop', **options) -> None:
+    def __init__(
+        self, browser, address: str, size: str = 'desktop', *, token: str = TOKEN, **options
+    ) -> None:
         width, height = SIZES[size]
         self.page = browser.new_page(viewport={'width': width, 'height': height}, **options)
         self.page.set_default_timeout(WAIT_MS)
@@ -70,7 +75,7 @@ class View:
         self.page.on('pageerror', lambda error: self.faults.append(str(error)))
         self.page.on('console', self._on_console)
         self.page.on('request', lambda request: self._on_request(request.url, address))
-        self.page.goto(f'{address}#token={TOKEN}')
+        self.page.goto(f'{address}#token={token}')
 
     def _on_console(self, message) -> None:
         # A server that is gone is told by the browser, too.
@@ -145,6 +150,101 @@ def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
     server.close()
 
 
+SPEAKER = """
+import sys, time
+import rclpy
+from rclpy.node import Node
+from rocsafe_interfaces.msg import MissionState, VehicleState
+from rocsafe_ros import topics
+rclpy.init()
+node = Node('speaker')
+mission = topics.create_publisher(node, topics.MISSION_STATE)
+state = topics.create_publisher(node, topics.STATE, 'rav1')
+def speak():
+    stamp = node.get_clock().now().to_msg()
+    a, b = MissionState(mission_id='m1', phase=2), VehicleState(vehicle='rav1', state=4)
+    a.header.stamp = b.header.stamp = stamp
+    mission.publish(a)
+    state.publish(b)
+timer = node.create_timer(0.2, speak)
+print('speaks', flush=True)
+end = time.time() + 120
+while time.time() < end:
+    rclpy.spin_once(node, timeout_sec=0.1)
+    if sys.stdin in __import__('select').select([sys.stdin], [], [], 0)[0] and timer is not None:
+        sys.stdin.readline()
+        timer.cancel()
+        print('silent', flush=True)
+        timer = None
+"""
+# Counts, each 20 ms, whether a vehicle is shown as live.
+WATCH = """() => { window.seenLive = 0; setInterval(() => {
+    window.seenLive += document.querySelectorAll('.vehicle:not(.grey)').length; }, 20); }"""
+
+
+class RealServer:
+    """`rocsafe console` in a process of its own, always at the same port."""
+
+    def __init__(self, runs: Path) -> None:
+        with socket.create_server(('127.0.0.1', 0)) as free:
+            self.port = free.getsockname()[1]
+        self.runs = runs
+        self.process = None
+
+    def begin(self) -> str:
+        """Start it, and return the address that it prints."""
+        self.process = subprocess.Popen(
+            [sys.executable, '-m', 'rocsafe_console.serve_node', '--runs', str(self.runs),
+             '--port', str(self.port)], stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        return self.process.stdout.readline().removeprefix('console: ').strip()
+
+    def kill(self) -> None:
+        """End it without a word."""
+        self.process.kill()
+        self.process.wait()
+
+
+def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(browser, tmp_path):
+    """SIGKILL, twice: the mission goes on, then it has fallen silent meanwhile."""
+    pytest.importorskip('rclpy', reason='no ROS 2 here')
+    speaker = subprocess.Popen(
+        [sys.executable, '-c', SPEAKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    server = RealServer(tmp_path)
+    try:
+        assert speaker.stdout.readline().strip() == 'speaks'
+        address, token = server.begin().split('#token=')
+        view = View(browser, address, token=token)
+        shown = 'document.querySelectorAll(".vehicle:not(.grey)").length === 1'
+        view.wait(shown)
+        server.kill()
+        view.wait('document.documentElement.classList.contains("not-live")')
+        assert view.page.locator('.vehicle:not(.grey)').count() == 0
+        server.begin()
+        view.wait(shown)
+        assert view.page.inner_text('#pulse') == 'live'
+        # Logged in as before, with another token.
+        assert view.page.evaluate('rocsafe.link.sections.session.role') == 'commander'
+        speaker.stdin.write('be silent\n')
+        speaker.stdin.flush()
+        assert speaker.stdout.readline().strip() == 'silent'
+        view.wait('document.querySelectorAll(".vehicle.grey").length === 1')
+        server.kill()
+        view.wait('document.documentElement.classList.contains("not-live")')
+        view.page.evaluate(WATCH)
+        server.begin()
+        # What DDS has kept for late subscribers is heard, and is old.
+        view.wait('rocsafe.link.isLive && rocsafe.link.sections.mission?.id === "m1"')
+        view.wait('!document.querySelector("#banner").hidden')
+        assert view.page.evaluate('window.seenLive') == 0
+        view.page.close()
+    finally:
+        speaker.kill()
+        speaker.wait()
+        server.kill()
+
+
 def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     """The first sends nothing; Escape takes it back; keys do the same as the mouse."""
     stage, _, address = flight
@@ -169,6 +269,40 @@ def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     assert stage.crew.sent[1][1] == ('rav2',)
     assert not view.faults
     view.page.close()
+
+
+def test_a_ground_vehicle_is_sent_by_clicks(browser, tmp_path):
+    """Its drive is shown with time and dose before it is confirmed; it is drawn on the map."""
+    stage = Stage(tmp_path, has_rover=True)
+    stage.begin()
+    with served(stage) as address:
+        pilot = Pilot(stage)
+        view = View(browser, address)
+        view.wait('document.querySelectorAll(".vehicle").length === 4')
+        assert 'driving' in view.page.inner_text('.vehicles')
+        latitude, longitude = place_of(-60.0, -40.0)
+        point = view.page.evaluate(
+            f'rocsafe.map.map.latLngToContainerPoint([{latitude}, {longitude}])'
+        )
+        view.page.click('#map', position={'x': point['x'], 'y': point['y']})
+        view.page.click('[data-send="rgv1"]')
+        view.page.wait_for_selector('.order-confirm')
+        assert '95 of 100 cases below 61' in view.page.inner_text('.order-offer')
+        assert view.page.evaluate('rocsafe.map.offered.vehicle') == 'rgv1'
+        assert not stage.crew.sent
+        view.page.click('.order-confirm')
+        view.page.wait_for_selector('.results li.done')
+        ((order, names),) = stage.crew.sent
+        assert (order.verb, names) == (Action.SEND, ('rgv1',))
+        assert order.target.latitude_deg == pytest.approx(latitude, abs=1e-5)
+        assert view.page.evaluate('rocsafe.map.offered') is None
+        view.page.keyboard.press('p')
+        view.page.click('.order-confirm')
+        view.wait('document.querySelector(".results-head").textContent.includes("Plan anew")')
+        assert (stage.crew.sent[1][0].verb, len(stage.crew.sent[1][1])) == (Action.REPLAN, 4)
+        assert not view.faults
+        view.page.close()
+        pilot.stop()
 
 
 def test_a_touch_must_last(browser, flight):
@@ -198,6 +332,63 @@ def test_an_alarm_is_seen_at_once_and_until_somebody_says_so(browser, flight):
     view.page.keyboard.press('a')
     view.page.wait_for_selector('.alarm.seen')
     assert 'seen by anna' in view.page.inner_text('.alarm.seen')
+    assert not view.faults
+    view.page.close()
+
+
+def test_a_camera_is_looked_at_and_left(browser, flight):
+    """Its pictures have their age; old ones are grey; nothing is sent while nobody looks."""
+    stage, _, address = flight
+    video = stage.context.live.video
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    assert not video.wanted
+    view.page.select_option('#video-vehicle', 'rav2')
+    view.wait('rocsafe.video.socket?.readyState === 1')
+    assert video.wanted == {'rav2'}
+    with stage.context.live.lock:
+        video.put('rav2', jpeg_of(200), time.time())
+    view.wait('document.querySelector(".fact-camera img").naturalWidth === 64')
+    assert 'taken' in view.page.inner_text('.fact-camera')
+    view.wait('document.querySelector(".fact-camera img").classList.contains("old-picture")')
+    assert 'old' in view.page.inner_text('.fact-camera .line')
+    view.page.select_option('#video-vehicle', '')
+    end_s = time.monotonic() + WAIT_MS / 1000
+    while video.wanted:
+        assert time.monotonic() < end_s
+        view.page.wait_for_timeout(30)
+    assert not view.faults
+    view.page.close()
+
+
+def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, flight):
+    """Before, the button says that nothing is heard; critical alarms repeat; mute is silent."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    stage.state['rav2'] = 9
+    view.page.wait_for_selector('.alarm.critical')
+    assert view.page.evaluate('rocsafe.sound.played') == []
+    assert 'No sound' in view.page.inner_text('#sound')
+    view.page.click('#sound')
+    view.wait('document.querySelector("#sound").textContent === "Sound on"')
+    # The alarm from before is still open.
+    view.wait('rocsafe.sound.played.length >= 2')
+    assert set(view.page.evaluate('rocsafe.sound.played')) == {'critical'}
+    stage.state['rav3'] = 9
+    view.wait('rocsafe.link.sections.alarms.length === 2')
+    view.page.keyboard.press('a')
+    view.wait('document.querySelectorAll(".alarm.seen").length === 1')
+    view.page.keyboard.press('a')
+    view.wait('rocsafe.sound.open.length === 0')
+    heard = view.page.evaluate('rocsafe.sound.played.length')
+    view.page.evaluate('rocsafe.sound.repeat()')
+    assert view.page.evaluate('rocsafe.sound.played.length') == heard
+    view.page.click('#sound')
+    assert view.page.inner_text('#sound') == 'Sound off'
+    stage.state['rav1'] = 9
+    view.wait('rocsafe.link.sections.alarms.length === 3')
+    assert view.page.evaluate('rocsafe.sound.played.length') == heard
     assert not view.faults
     view.page.close()
 
@@ -257,6 +448,39 @@ def test_a_mission_is_drawn_planned_approved_and_launched_by_clicks(browser, tmp
     assert 'name: mission' in scenario
     assert not view.faults
     view.page.close()
+
+
+def test_a_mistake_stands_beside_its_field(browser, tmp_path):
+    """On the line of the text and in a list that leads there; a change of the text clears both."""
+    stage = Stage(tmp_path)
+    stage.begin()
+    tools = tmp_path / 'bin'
+    tools.mkdir()
+    command = tools / 'rocsafe'
+    words = 'rocsafe: mission.yaml: seed = abc: must be a number'
+    command.write_text(f'#!/bin/sh\necho "{words}"\nexit 2\n')
+    command.chmod(command.stat().st_mode | stat.S_IXUSR)
+    stage.context.environment['PATH'] = f'{tools}:{stage.context.environment["PATH"]}'
+    with served(stage) as address:
+        view = View(browser, address)
+        view.page.click('[data-view="draft"]')
+        view.page.click('#draft summary')
+        view.page.fill('#draft-text', 'name: x\nseed: abc\n')
+        view.page.click('#draft-check')
+        view.page.wait_for_selector('.draft-mark')
+        assert 'must be a number' in view.page.inner_text('.draft-mark')
+        mark = view.page.locator('.draft-mark').bounding_box()
+        text = view.page.locator('#draft-text').bounding_box()
+        assert 20 <= mark['y'] - text['y'] <= 40, 'beside the second line'
+        view.page.click('.draft-faults button')
+        chosen = 't => t.value.slice(t.selectionStart, t.selectionEnd)'
+        assert view.page.eval_on_selector('#draft-text', chosen) == 'seed: abc'
+        view.page.fill('#draft-text', 'name: x\nseed: [1\n')
+        assert view.page.locator('.draft-mark').count() == 0
+        view.page.click('#draft-check')
+        view.page.wait_for_selector('.draft-mark')
+        assert not [fault for fault in view.faults if '400' not in fault]
+        view.page.close()
 
 
 def draw_and_launch(view: View) -> int:

@@ -6,6 +6,7 @@ import pytest
 from rocsafe_console.errors import RefusedError
 from rocsafe_console.orders.order_book import (
     CONFIRM_S,
+    TARGETS,
     Order,
     OrderBook,
     Outcome,
@@ -65,7 +66,9 @@ def test_a_confirmation_that_fits_no_order_is_refused(request_id, session, now_s
         book.confirm(request_id, session, now_s)
 
 
-@pytest.mark.parametrize('verb', sorted(VERBS - {Action.GO_TO}, key=lambda verb: verb.value))
+@pytest.mark.parametrize(
+    'verb', sorted(VERBS - TARGETS.keys() - {Action.REPLAN}, key=lambda verb: verb.value)
+)
 def test_a_vehicle_that_has_moved_on_is_left_out_unless_it_is_to_hold(verb):
     """A hold makes no state more dangerous, and must not wait for a second look."""
     found = stale(order(verb, revisions={'rav1': 3, 'rav2': 5}), {'rav1': 4, 'rav2': 5})

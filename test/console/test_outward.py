@@ -51,6 +51,15 @@ def test_events_have_what_a_receiver_needs(stage):
     assert len(ElementTree.tostring(found[kinds.index('u-d-f')])) < 1400
 
 
+def test_a_ground_vehicle_is_told_as_one(tmp_path):
+    """On the ground, not as a rotary aircraft, and with the words for what drives."""
+    stage = Stage(tmp_path, vehicles=1, has_rover=True)
+    stage.begin()
+    found = events_of(stage.context.live.picture, time.time())
+    told = {event.callsign: (event.kind, event.remarks.split(',')[0]) for event in found[:2]}
+    assert told == {'rav1': ('a-f-A-M-H-Q', 'flying'), 'rgv1': ('a-f-G-E-V', 'driving')}
+
+
 def test_a_vehicle_that_is_silent_is_not_sent(stage):
     """The receiver would take an old place for a new one."""
     now_s = time.time() + STALE_S + 1.0

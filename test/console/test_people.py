@@ -16,11 +16,11 @@ EXPECTED = {
     'viewer': {'see'},
     'operator': {
         'see', 'acknowledge', 'mark', 'draft', 'hold', 'resume', 'return', 'land', 'take',
-        'release', 'go_to',
+        'release', 'go_to', 'send',
     },
     'commander': {
         'see', 'acknowledge', 'mark', 'draft', 'hold', 'resume', 'return', 'land', 'take',
-        'release', 'go_to', 'launch', 'seal', 'revoke',
+        'release', 'go_to', 'send', 'replan', 'launch', 'seal', 'revoke',
     },
 }  # fmt: skip
 

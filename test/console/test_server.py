@@ -79,6 +79,51 @@ def test_a_vehicle_that_has_moved_on_gets_no_order(stage, caller):
     assert sorted(stage.crew.sent[0][1]) == ['rav1', 'rav3']
 
 
+def test_one_vehicle_that_has_moved_on_stops_a_new_plan_for_all(stage, caller):
+    """The operator decided on a picture of the whole fleet that is no longer true."""
+    seen = revisions_of(stage)
+    stage.state['rav2'] = 6
+    stage.step()
+    _, answer = caller.order('replan', seen)
+    assert [one['outcome'] for one in answer['results']] == ['state has changed'] * 3
+    assert not stage.crew.sent
+
+
+def test_a_drive_is_offered_before_it_is_confirmed(stage, caller):
+    """With its time and dose; where there is no way, that is said and nothing can be confirmed."""
+    target = {'latitude_deg': 53.2801, 'longitude_deg': -9.0633, 'dose_budget_usv': 100.0}
+    body = {'verb': 'send', 'revisions': {'rav1': revisions_of(stage)['rav1']}, 'target': target}
+    status, offer = caller.ask('/api/orders', {**body, 'request_id': 'a' * 32})
+    assert (status, offer['drive']['dose_upper_usv']) == (201, 61.0)
+    assert not stage.crew.sent
+    assert caller.ask(f'/api/orders/{"a" * 32}/confirm', {})[0] == 200
+    assert [order.verb for order, _ in stage.crew.sent] == [Action.SEND]
+    stage.crew.refusal = 'router: nothing drivable leads there'
+    status, answer = caller.ask('/api/orders', {**body, 'request_id': 'b' * 32})
+    assert (status, answer['error']) == (403, stage.crew.refusal)
+    assert caller.ask(f'/api/orders/{"b" * 32}/confirm', {})[0] == 403
+    assert len(stage.crew.sent) == 1
+
+
+@pytest.mark.parametrize(
+    ('verb', 'target', 'words'),
+    [
+        ('send', None, 'target'),
+        ('send', {'latitude_deg': 53.0, 'longitude_deg': -9.0, 'dose_budget_usv': 0.0}, 'above 0'),
+        ('send', {'latitude_deg': 99.0, 'longitude_deg': 0.0, 'dose_budget_usv': 9.0}, 'on the'),
+        ('hold', {'latitude_deg': 53.0, 'longitude_deg': -9.0, 'height_m': 50.0}, 'has none'),
+        ('send', {'latitude_deg': 53.0, 'longitude_deg': -9.0, 'height_m': 50.0}, 'height_m'),
+    ],
+)
+def test_a_target_that_does_not_fit_its_order_is_refused(stage, caller, verb, target, words):
+    """In one line that names it."""
+    more = {'target': target} if target else {}
+    body = {'request_id': 'c' * 32, 'verb': verb, 'revisions': {'rav1': 1000}, **more}
+    status, answer = caller.ask('/api/orders', body)
+    assert status == 400
+    assert words in answer['error']
+
+
 def test_a_confirmation_that_is_sent_twice_sends_the_order_once(stage, caller):
     """And is answered the same."""
     request_id = secrets.token_hex(16)
@@ -166,7 +211,11 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
     with served(stage) as address:
         caller = Caller(address)
         assert caller.ask('/api/login', {'name': role.value, 'password': PASSWORD})[0] == 200
-        target = {'latitude_deg': 53.0, 'longitude_deg': -9.0, 'height_m': 50.0}
+        on_earth = {'latitude_deg': 53.0, 'longitude_deg': -9.0}
+        targets = {
+            Action.GO_TO: {**on_earth, 'height_m': 50.0},
+            Action.SEND: {**on_earth, 'dose_budget_usv': 100.0},
+        }
         tried = {
             Action.SEE: lambda: caller.ask('/api/runs'),
             Action.ACKNOWLEDGE: lambda: caller.ask('/api/alarms/99/acknowledge', {}),
@@ -174,7 +223,7 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             Action.REVOKE: lambda: caller.ask('/api/sessions'),
         }
         for verb in VERBS:
-            more = {'target': target} if verb is Action.GO_TO else {}
+            more = {'target': targets[verb]} if verb in targets else {}
             revisions = {'rav1': revisions_of(stage)['rav1']}
             tried[verb] = lambda verb=verb, more=more, revisions=revisions: caller.order(
                 verb.value, revisions, **more

@@ -49,6 +49,18 @@ def test_limits_hold_and_nothing_jumps(before, after, flown_s):
         assert jump <= math.hypot(2.0, 1.0) * step_s + 1e-6
 
 
+@pytest.mark.parametrize('period_s', [0.05, 0.2, 0.5])
+def test_a_velocity_that_turns_is_followed_by_one_order_after_the_other(period_s):
+    """A stream that turns by 0.2 rad/s at 3 m/s: needs 0.6 of 2 m/s^2; it lags by seconds only."""
+    state, time_s = REST, 0.0
+    for n in range(round(40.0 / period_s)):
+        time_s = n * period_s
+        wanted = (3.0 * math.cos(0.2 * time_s), 3.0 * math.sin(0.2 * time_s), 0.0)
+        state = VelocityMotion(state, wanted, 1.0, LEVEL, VERTICAL).state(period_s)
+    assert math.dist(state.velocity_enu, wanted) < 0.8
+    assert math.hypot(*state.velocity_enu) == pytest.approx(3.0, abs=0.3)
+
+
 @given(velocities, st.floats(0.1, 10.0))
 def test_distance_is_the_length_of_the_path(velocity, flown_s):
     """Compared with chords; knots are where the polynomial changes."""

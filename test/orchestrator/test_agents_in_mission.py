@@ -99,6 +99,31 @@ def test_without_agents_losses_are_handled_here():
     assert mission.faults == []
 
 
+def test_resumed_mission_plans_nothing_and_gives_no_route():
+    """It lets time run and watches; what is missing when the agents are done is a fault."""
+    mission = Mission(CREW, Deadlines(), has_agents=True, first=Phase.FLYING)
+    orders = mission.advance(100.0, situation())
+    assert orders == [Order(kind=OrderKind.RUN_CLOCK)]
+    assert mission.phase is Phase.FLYING
+    mission.advance(101.0, situation(done=True, stored=6))
+    mission.advance(105.0, situation(done=True, stored=6))
+    assert mission.phase is Phase.COLLECTING
+    mission.advance(105.1, situation(done=True, stored=6))
+    assert mission.phase is Phase.MAPPING
+    assert mission.faults == []
+
+
+@pytest.mark.parametrize(('stored', 'faults'), [(6, []), (5, ['only 5 of 6 photographs are'])])
+def test_resumed_after_the_flight_only_map_and_products_are_made(stored, faults):
+    """What was not photographed stays a fault."""
+    mission = Mission(CREW, Deadlines(), has_agents=True, first=Phase.MAPPING)
+    mission.advance(100.0, situation(stored=stored))
+    assert mission.phase is Phase.MAPPING
+    assert [text[: len(faults[0])] for text in mission.faults] == faults
+    orders = mission.advance(100.1, situation(stored=stored))
+    assert orders == [Order(kind=OrderKind.SAVE_MOSAIC)]
+
+
 @pytest.mark.parametrize(
     ('changes', 'text'),
     [

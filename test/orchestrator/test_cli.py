@@ -45,6 +45,8 @@ def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]
         (['run', 'x.yaml', '--seed', '1.5'], '--seed: 1.5: must be a whole number, 0 to'),
         (['plan', 'x.kml', '--vehicles', '0'], '--vehicles: 0: must be a whole number, 1 to'),
         (['plan', 'x.kml', '--height', 'nan'], '--height: nan: must be within 1 to 500 m'),
+        (['run'], 'one of the arguments SCENARIO --resume is required'),
+        (['run', 'x.yaml', '--resume', 'runs/x'], 'not allowed with argument'),
         (['fly'], "invalid choice: 'fly'"),
         ([], 'required'),
     ],
@@ -215,3 +217,27 @@ def test_version_is_that_of_every_package(capsys: pytest.CaptureFixture[str]) ->
     assert re.fullmatch(
         rf'rocsafe {re.escape(version)}( \(git [0-9a-f]{{12}}.*\))?\n', capsys.readouterr().out
     )
+
+
+@pytest.mark.parametrize(
+    ('files', 'options', 'line'),
+    [
+        ((), (), 'is no run directory'),
+        (('scenario.yaml',), (), 'cannot be resumed: it is over, or its vehicles have no agents'),
+        (('scenario.yaml', 'session.json'), (), 'cannot be resumed: it had no plan yet'),
+        ((), ('--seed', '3'), '--seed: a run that is resumed keeps its own'),
+    ],
+)
+def test_run_that_cannot_be_resumed_is_refused_by_one_line(
+    files: tuple[str, ...],
+    options: tuple[str, ...],
+    line: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Saying why."""
+    for name in files:
+        (tmp_path / name).touch()
+    assert main(['run', '--resume', str(tmp_path), *options]) == errors.EXIT_SETUP
+    (text,) = capsys.readouterr().err.splitlines()
+    assert line in text

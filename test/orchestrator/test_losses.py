@@ -329,3 +329,37 @@ def test_vehicle_that_cannot_fly_that_way_returns_home_by_its_own() -> None:
     flying.advance(seen())
     flying.mission.refused(order(OrderKind.RETREAT, 'rav2'), 'rav2: cannot fly a route: landing')
     assert order(OrderKind.RETURN, 'rav2') in flying.advance(seen())
+
+
+def test_an_operator_has_the_rest_planned_anew() -> None:
+    """All hold, the rest is planned, and all fly on: also where no loss is replaced."""
+    flying = Airborne(replans=False)
+    assert flying.mission.replan() == ''
+    holds = flying.advance()
+    assert holds == [order(OrderKind.HOLD, name) for name in NAMES]
+    flying.accept(*holds)
+    flying.accept(*flying.advance(still(*NAMES)))
+    assert flying.advance(still(*NAMES)) == [order(OrderKind.PLAN)]
+    assert 'cannot plan anew' in flying.mission.replan(), 'not twice at a time'
+    flying.mission.planned(NAMES, visited=4)
+    assert flying.advance() == [order(OrderKind.FLY, name) for name in NAMES]
+    assert flying.mission.fleet.lost == {}
+
+
+def test_what_an_operator_leads_himself_is_left_out_of_the_new_plan() -> None:
+    """It would refuse its route, and the mission would fail."""
+    flying = Airborne(replans=False)
+    assert flying.mission.replan(['rav2']) == ''
+    assert flying.advance() == [order(OrderKind.HOLD, 'rav1'), order(OrderKind.HOLD, 'rav3')]
+    assert flying.mission.fleet.others == ['rav1', 'rav3']
+
+
+def test_nothing_is_planned_anew_where_no_plan_is_flown() -> None:
+    """Before the start, after a cancellation, with agents, and for nobody."""
+    early = Mission(CREW, Deadlines())
+    assert 'do not fly' in early.replan()
+    cancelled = Airborne()
+    cancelled.mission.cancel('by the operator')
+    assert 'do not fly' in cancelled.mission.replan()
+    alone = Airborne()
+    assert 'no vehicle takes orders' in alone.mission.replan(NAMES)

@@ -322,6 +322,16 @@ def test_map_that_cannot_be_written_is_told(stage: Stage) -> None:
     assert stage.mission.text == 'mosaic/save: disk full'
 
 
+def test_an_operator_who_wants_a_new_plan_is_answered(stage: Stage) -> None:
+    """Nothing flies yet: why not is said."""
+    client = stage.servers.create_client(Trigger, topics.REPLAN.name)
+    stage.until(client.service_is_ready)
+    answer = client.call_async(Trigger.Request())
+    stage.until(answer.done)
+    assert not answer.result().success
+    assert 'cannot plan anew' in answer.result().message
+
+
 def test_what_nodes_say_is_gathered(stage: Stage) -> None:
     """States, readings and receipts reach the monitor."""
     state = topics.create_publisher(stage.servers, topics.STATE, 'rav1')

@@ -17,6 +17,7 @@ from rocsafe_planner.routing.costs import finish_s
 from rocsafe_planner.routing.methods import nearest_to_shortest
 from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.routing.tour_splitting import makespan_s
+from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
 from .fleets import problem, vehicle
 
@@ -59,7 +60,7 @@ def bound_of(world):
     """Return the bound, steered by a real plan's makespan."""
     orders = nearest_to_shortest(world)
     makespan = max(world.duration_s(k, order) for k, order in enumerate(orders))
-    return lower_bound(world, makespan, lambda _bound: True)
+    return lower_bound(world, makespan, lambda _bound: True, PriceOptions())
 
 
 @settings(max_examples=40, deadline=None)
@@ -189,7 +190,9 @@ def test_bound_holds_where_batteries_are_changed(points, count, data):
     world = dataclasses.replace(problem(points, places[0], fleet), ends=places[1])
     best = best_finish(world)
     if np.isfinite(best):
-        found = lower_bound(world, data.draw(st.floats(1.0, 1e4)), lambda _bound: True)
+        found = lower_bound(
+            world, data.draw(st.floats(1.0, 1e4)), lambda _bound: True, PriceOptions()
+        )
         assert found.makespan_s <= best + ROUNDING_S
 
 
@@ -198,7 +201,7 @@ def test_every_battery_pays_its_way():
     spec = vehicle('rav1', endurance_s=150.0, battery_swap_s=100.0, hover_s=20.0)
     world = problem([(400.0 + k, 0.0) for k in range(4)], [(0.0, 0.0)], (spec,))
     best = best_finish(world)
-    bound = bound_of(world)
+    bound = lower_bound(world, best, lambda _bound: True, PriceOptions())
     assert bound.method == 'batteries'
     assert 0.97 * best < bound.makespan_s <= best + ROUNDING_S
 

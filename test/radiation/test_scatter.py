@@ -135,3 +135,10 @@ def test_a_kernel_of_counts_has_that_of_the_dose():
     values, slopes = kernel.values_and_slopes(squares)
     ahead = kernel.values(squares * 1.001)
     assert slopes == pytest.approx((ahead - values) / (0.001 * squares), rel=0.02)
+
+
+@pytest.mark.parametrize('kernel', [Kernel(), Kernel(is_lossy=False)])
+def test_one_value_is_that_of_many_to_the_last_bit(kernel):
+    """From the surface of the source to beyond the end of the table."""
+    squares = np.concatenate([[0.0, 1e-4], np.geomspace(1e-3, 1e8, 500)])
+    assert [kernel.value(float(one)) for one in squares] == kernel.values(squares).tolist()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A node's process ends cleanly on both signals, on a wrong parameter and with its supervisor."""
 
+import fcntl
 import os
 import signal
 import subprocess
@@ -8,6 +9,8 @@ import sys
 import time
 
 import pytest
+
+from rocsafe_ros.run import is_orphan
 
 DEADLINE_S = 60.0
 
@@ -117,6 +120,18 @@ def test_node_ends_when_its_supervisor_is_killed(own_domain):
     while _is_running(node_pid):
         assert time.monotonic() < end, f'process {node_pid} is still there'
         time.sleep(0.05)
+
+
+def test_orphan_is_no_orphan_while_another_supervisor_holds_the_lock(tmp_path, monkeypatch):
+    """The one that started a node may die; one that resumes its run takes its place."""
+    lock = tmp_path / 'run.lock'
+    monkeypatch.setenv('ROCSAFE_SUPERVISOR_PID', '1')
+    monkeypatch.setenv('ROCSAFE_SUPERVISOR_LOCK', str(lock))
+    assert is_orphan()
+    with lock.open('wb') as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        assert not is_orphan()
+    assert is_orphan()
 
 
 def _is_running(pid):

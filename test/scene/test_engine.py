@@ -39,7 +39,7 @@ def environment():
 def renderer(environment, drawing):
     """Return a renderer of it."""
     time = environment.description.light.time
-    return Renderer(environment, lighting(sun_direction(time, 53.28, -9.06), 'clear'), 'clear')
+    return Renderer(environment, lighting(sun_direction(time, 53.28, -9.06), 'clear'))
 
 
 @pytest.fixture(scope='module')
@@ -153,7 +153,7 @@ def test_what_moves_is_where_its_path_says(drawing):
         {'name': 'van', 'make': 'ambulance', 'at': (0.0, 0.0), 'path': path}
     )
     light = lighting(sun_direction(moving.description.light.time, 53.28, -9.06), 'clear')
-    renderer = Renderer(moving, light, 'clear')
+    renderer = Renderer(moving, light)
     eye = renderer.camera(LENS)
     places, frames = [], []
     for time_s in (0.0, 5.0, 10.0):

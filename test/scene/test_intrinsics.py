@@ -63,7 +63,7 @@ def targets(tmp_path_factory):
 def renderer(targets, drawing):
     """Return a renderer of it."""
     time = targets.description.light.time
-    return Renderer(targets, lighting(sun_direction(time, 53.28, -9.06), 'clear'), 'clear')
+    return Renderer(targets, lighting(sun_direction(time, 53.28, -9.06), 'clear'))
 
 
 def shares_of(renderer, settings, position, rotation):

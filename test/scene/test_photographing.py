@@ -44,7 +44,7 @@ def test_things_are_where_their_boxes_are_however_high_they_stand(drawing):
     grey = np.full_like(environment.inner.colours, 120)
     environment = replace(environment, inner=replace(environment.inner, colours=grey))
     light = lighting(np.array([0.0, 0.0, 1.0]), 'clear')
-    image = photograph_of(Renderer(environment, light, 'clear'), OPTIONS).astype(int)
+    image = photograph_of(Renderer(environment, light), OPTIONS).astype(int)
     assert image.shape == (512, 1024, 3)
     boxes = {box.name: box for box in boxes_of(environment.objects, (25.6, 12.8))}
     blue, green, red = np.moveaxis(image, -1, 0)

@@ -62,7 +62,7 @@ def shots(environment: Environment, level_m: float = 0.0) -> list:
     """
     time = environment.description.light.time
     light = lighting(sun_direction(time, 53.28, -9.06), 'clear')
-    studio = OversampledCamera(Renderer(environment, light, 'clear'), LENS)
+    studio = OversampledCamera(Renderer(environment, light), LENS)
     step = (1.0 - OVERLAP) * LENS.footprint_m(HEIGHT_M - level_m)[1]
     found = []
     for north in (0.0, step):

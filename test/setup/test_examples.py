@@ -9,10 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test.system.airsim_server import airsim_server
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / 'examples'
+SMALL = ROOT / 'test/system/small.yaml'
 LIMIT_S = 240.0
+# A Python with the package cosysairsim.
+CLIENT = os.environ.get('ROCSAFE_AIRSIM_PYTHON', '')
 
 
 def example(name):
@@ -64,6 +68,37 @@ def test_train_source_search(monkeypatch, capsys):
     with pytest.raises(SystemExit, match='0'):
         example('train_source_search')()
     assert '--rounds' in capsys.readouterr().out
+
+
+@pytest.mark.all
+def test_campaign_heights(tmp_path, capsys):
+    """Errors at both heights, of few missions."""
+    shipped = ROOT / 'config/campaigns/one_source.yaml'
+    text = shipped.read_text().replace('seeds: 50 ', 'seeds: 3 ')
+    scenario = shipped.with_name('one_source_scenario.yaml')
+    file = tmp_path / 'campaign.yaml'
+    file.write_text(text.replace('one_source_scenario.yaml', str(scenario)))
+    found = example('campaign_heights')(str(file))
+    assert list(found) == [25.0, 35.0]
+    assert all(0.0 < error_m < 50.0 for error_m in found.values())
+    assert capsys.readouterr().out.count('beside the source') == 2
+
+
+@pytest.mark.all
+@pytest.mark.system
+@pytest.mark.skipif(not CLIENT, reason='ROCSAFE_AIRSIM_PYTHON names no Python with cosysairsim')
+def test_airsim_photographs(tmp_path, ros_domain_id):
+    """Four photographs and four readings; the vehicle is home again."""
+    script = EXAMPLES / 'airsim_photographs.py'
+    with airsim_server(SMALL, tmp_path / 'out', ros_domain_id, 5.0) as port:
+        folder = tmp_path / 'pictures'
+        done = subprocess.run(
+            [CLIENT, str(script), '--port', str(port), '--folder', str(folder), '--side', '8'],
+            capture_output=True, text=True, timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.count('uSv/h') == 4
+    assert [path.read_bytes()[:4] for path in folder.iterdir()] == [b'\x89PNG'] * 4
 
 
 @pytest.mark.all

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from test.sim.flights import AIRFRAME, HOME, START_NS, at_s, vehicle_on
 
+from rocsafe_geo.angle import wrap_rad
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.fence import Fence
@@ -70,6 +71,51 @@ def test_a_velocity_is_flown_and_ends_in_a_stand() -> None:
     assert end.pose.yaw_rad == pytest.approx(0.3 * 4.0)
 
 
+def test_it_turns_at_a_rate_as_long_as_it_flies() -> None:
+    """More than a whole turn in one order, and none in the stop after it."""
+    vehicle = in_the_air()
+    vehicle.fly_at((6.0, 0.0, 0.0), 10.0, turn_rate_radps=0.8)
+    for second in range(1, 11):
+        seen = later(vehicle, 1.0)
+        assert wrap_rad(seen.pose.yaw_rad - 0.8 * second) == pytest.approx(0.0, abs=1e-9)
+    end = later(vehicle, 10.0)
+    assert end.pose.motion.is_still
+    assert wrap_rad(end.pose.yaw_rad - 8.0) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_it_turns_to_a_yaw_while_it_flies() -> None:
+    """At the rate of its turns, the shorter way; then the yaw stays."""
+    vehicle = in_the_air()
+    vehicle.fly_at((3.0, 0.0, 0.0), 8.0, yaw_rad=-math.pi / 2)
+    assert later(vehicle, 1.0).pose.yaw_rad == pytest.approx(-math.pi / 4)
+    assert later(vehicle, 1.5).pose.yaw_rad == pytest.approx(-math.pi / 2)
+    assert later(vehicle, 15.0).pose.yaw_rad == pytest.approx(-math.pi / 2)
+
+
+def test_a_wind_that_changes_costs_charge_and_leaves_the_goal() -> None:
+    """A headwind empties the battery more; the way goes on to the same place."""
+    charges = []
+    for wind in ((0.0, 0.0), (-6.0, 0.0)):
+        vehicle = in_the_air()
+        vehicle.fly_along([(120.0, 0.0, 20.0)], 6.0)
+        later(vehicle, 5.0)
+        vehicle.set_wind(wind)
+        end = later(vehicle, 60.0)
+        assert end.pose.position_enu == (120.0, 0.0, 20.0)
+        charges.append(end.battery_fraction)
+    assert charges[1] < charges[0] - 0.001
+
+
+def test_a_velocity_goes_on_in_another_wind_for_the_rest_of_its_time() -> None:
+    """Neither its end nor what it does is changed."""
+    vehicle = in_the_air()
+    vehicle.fly_at((3.0, 0.0, 0.0), 10.0)
+    later(vehicle, 4.0)
+    vehicle.set_wind((4.0, 0.0))
+    assert later(vehicle, 5.9).pose.velocity_enu == pytest.approx((3.0, 0.0, 0.0))
+    assert later(vehicle, 6.0).pose.motion.is_still
+
+
 def test_its_own_speeds_limit_every_order() -> None:
     """The direction over ground stays."""
     vehicle = in_the_air()
@@ -114,7 +160,10 @@ def test_a_restart_changes_nothing(tmp_path: Path) -> None:
     [
         (lambda v: v.fly_at((math.nan, 0.0, 0.0), 1.0), 'three finite numbers'),
         (lambda v: v.fly_at((1.0, 0.0, 0.0), -1.0), 'duration_s is -1'),
-        (lambda v: v.fly_at((1.0, 0.0, 0.0), 10.0, 2.0), 'the turn is 2'),
+        (lambda v: v.fly_at((1.0, 0.0, 0.0), 10.0, 7.0), 'turn_rate_radps is 7'),
+        (lambda v: v.fly_at((1.0, 0.0, 0.0), 10.0, 0.0, math.nan), 'yaw_rad is nan'),
+        (lambda v: v.set_wind((math.nan, 0.0)), 'wind_mps is nan'),
+        (lambda v: v.set_wind((80.0, 0.0)), 'wind_mps is 80'),
         (lambda v: v.fly_along([(0.0, 0.0, -1.0)]), 'height_m is -1'),
         (lambda v: v.fly_along([(0.0, math.nan, 9.0)]), 'three finite numbers'),
         (lambda v: v.fly_along([]), 'must be one at least'),

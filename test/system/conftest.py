@@ -27,7 +27,7 @@ DEADLINE_S = 120.0
 
 
 class Flight:
-    """One `rocsafe run`, of the small mission unless another scenario is named."""
+    """One `rocsafe run`, of the small mission unless another scenario is named; or resumed."""
 
     def __init__(
         self,
@@ -38,15 +38,17 @@ class Flight:
         scenario: Path = SCENARIO,
         has_reader: bool = True,
         runs: Path | None = None,
+        is_new: bool = True,
     ) -> None:
         self._runs = runs or folder / 'runs'
         self._name = scenario.stem
         self._output = folder / 'output.txt'
         folder.mkdir()
         self._output.touch()
+        what = [scenario, '--out', self._runs] if is_new else []
         with self._output.open('wb') if has_reader else _pipe_without_reader() as output:
             self.process = subprocess.Popen(
-                [command, 'run', scenario, '--out', self._runs, *options],
+                [command, 'run', *what, *options],
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 start_new_session=True,

@@ -53,6 +53,52 @@ def test_mission_goes_on_without_its_orchestrator(fly: Fly) -> None:
     assert 'simulated time goes on without' in log
 
 
+def test_resumed_mission_is_joined_and_brought_to_its_end(fly: Fly) -> None:
+    """The orchestrator is killed in the flight and comes back: no process but it was started anew.
+
+    Every viewpoint is photographed once, nothing that was stored is lost, and map, report and
+    recording are those of the whole mission.
+    """
+    flight = fly('--speed', '6')
+    flight.wait_for_images(2)
+    run, before = flight.run, flight.living()
+    flight.process.send_signal(signal.SIGKILL)
+    flight.process.wait()
+    stored = flight.images()
+    resumed = fly('--resume', run.path, is_new=False)
+    assert resumed.end() == 0, resumed.output
+    assert f'{len(before)} processes run' in resumed.output
+    shots = read_photographs(run.images)
+    assert sorted(shot.viewpoint_id for shot in shots) == sorted(planned(flight))
+    assert stored.items() <= flight.images().items()
+    assert flight.living() == []
+    summary = json.loads(run.summary.read_text())
+    assert summary['outcome'] == 'complete', summary
+    assert run.mosaic.is_file()
+    assert '<h2>Agents</h2>' in run.report.read_text()
+    assert len(flight.info()['resumed']) == 1
+    assert not run.session.exists()
+
+
+@pytest.mark.all
+def test_resumed_after_the_last_landing_the_run_gets_its_map_and_report(fly: Fly) -> None:
+    """All processes have ended: nothing flies again, what was recorded is finished."""
+    flight = fly('--speed', '12')
+    flight.wait_for_images(2)
+    flight.process.send_signal(signal.SIGKILL)
+    flight.process.wait()
+    end = time.monotonic() + DEADLINE_S
+    while flight.living() and time.monotonic() < end:
+        time.sleep(0.1)
+    resumed = fly('--resume', flight.run.path, is_new=False)
+    assert resumed.end() == 0, resumed.output
+    assert photographed(flight) == planned(flight)
+    assert flight.run.mosaic.is_file()
+    again = fly('--resume', flight.run.path, is_new=False)
+    assert again.end() == 3
+    assert 'cannot be resumed: it is over' in again.output
+
+
 @pytest.mark.all
 def test_agents_take_over_from_a_lost_vehicle(fly: Fly) -> None:
     """With an orchestrator, too: it only watches, and the mission is complete."""

@@ -2,22 +2,21 @@
 """A script of AirSim's API flies a simulated vehicle: whole processes, and the real client."""
 
 import os
-import signal
 import socket
 import subprocess
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import msgpack
 import pytest
+from test.system.airsim_server import airsim_server
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 pytestmark = [pytest.mark.system, pytest.mark.all]
 
 SMALL = Path(__file__).with_name('small.yaml')
-READY_S, CALL_S, END_S = 90.0, 60.0, 30.0
+CALL_S = 60.0
 # A Python with the package cosysairsim, for the real client.
 CLIENT = os.environ.get('ROCSAFE_AIRSIM_PYTHON', '')
 SCRIPT = """
@@ -64,29 +63,8 @@ class Client:
 @pytest.fixture
 def port(tmp_path, ros_domain_id) -> Iterator[int]:
     """Return the port at which the vehicles of a small scenario are served."""
-    with socket.create_server(('127.0.0.1', 0)) as free:
-        number = free.getsockname()[1]
-    command = ['rocsafe', 'airsim', str(SMALL), '--out', str(tmp_path), '--port', str(number),
-               '--speed', '5']  # fmt: skip
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(ros_domain_id)}
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
-    try:
-        end_s = time.monotonic() + READY_S
-        while True:
-            assert process.poll() is None, process.stdout.read()
-            assert time.monotonic() < end_s, 'not ready'
-            try:
-                socket.create_connection(('127.0.0.1', number), 1.0).close()
-                break
-            except OSError:
-                time.sleep(0.2)
+    with airsim_server(SMALL, tmp_path, ros_domain_id, 5.0) as number:
         yield number
-        process.send_signal(signal.SIGINT)
-        assert process.wait(END_S) == 128 + signal.SIGINT
-        assert 'AirSim clients are served' in process.stdout.read()
-    finally:
-        process.kill()
-        process.wait()
 
 
 def test_a_script_flies_photographs_and_lands(port):

@@ -2,7 +2,7 @@
 """Images as AirSim's clients expect them.
 
 Pixels are blue, green, red, as the clients' own examples take them (`cv2.imwrite`). Depth as
-floats is a list: the clients read no other form.
+floats is sent as a list, which is what the clients read; here it is an array.
 """
 
 from collections.abc import Mapping
@@ -102,13 +102,13 @@ def response(
         'height': height,
         'image_type': kind,
         'annotation_name': '',
-        'image_data_uint8': b'',
         'image_data_float': [],
+        'image_data_uint8': b'',
     }
     if as_float:
         plane = pixels if pixels.ndim == 2 else pixels.mean(axis=-1)
         values = np.minimum(plane, SKY_M).astype(np.float32)
-        return {**common, 'image_data_float': values.ravel().tolist()}
+        return {**common, 'image_data_float': values.ravel()}
     shown = _shown(pixels)
     data = png(shown) if is_packed else shown.tobytes()
     return {**common, 'image_data_uint8': data}

@@ -32,7 +32,9 @@ def attitude_ned(body_flu_in_enu: Quaternion) -> Quaternion:
     body_flu_in_enu
         Attitude of the body (forward, left, up) in ENU.
     """
-    return _product(_product(_ENU_IN_NED, body_flu_in_enu), _FRD_IN_FLU)
+    x, y, z, w = _product(_product(_ENU_IN_NED, body_flu_in_enu), _FRD_IN_FLU)
+    # Of the two that are the same attitude, the one that AirSim gives.
+    return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
 
 def heading(yaw_enu_rad: float) -> Quaternion:
@@ -57,6 +59,10 @@ class Origin:
         """Return a place about home, north, east, down."""
         a, b = place_enu, self.home_enu
         return swapped((a[0] - b[0], a[1] - b[1], a[2] - b[2]))
+
+    def is_over(self, place_enu: Vector, nearest_m: float) -> bool:
+        """Return whether a place is above or below home, to within a distance over ground."""
+        return math.dist(self.home_enu[:2], place_enu[:2]) <= nearest_m
 
     def to_enu(self, place_ned: Vector) -> Vector:
         """Return a place in the mission's frame."""

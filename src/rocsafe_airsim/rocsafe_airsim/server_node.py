@@ -10,9 +10,8 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool
-from visualization_msgs.msg import Marker, MarkerArray
 
-from rocsafe_airsim.conversions import marker_of
+from rocsafe_airsim.drawings_node import Drawings
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.api import Api
 from rocsafe_airsim.ned import Vector
@@ -27,7 +26,6 @@ from rocsafe_ros.run import run
 STATE_TYPE, LOOK_TYPE = 'rocsafe_interfaces/msg/VehicleState', 'rocsafe_interfaces/srv/Look'
 LOOK_S = 0.5
 START_S = 10.0
-MOST_DRAWINGS = 500
 
 
 class AirsimNode(Node):
@@ -35,7 +33,8 @@ class AirsimNode(Node):
 
     Subscribes, of each vehicle: state, odom, fix, ground_truth/fix, home, radiation, gas, and the
     label_table of its cameras. Publishes: drawings. Calls: lease, move, go_to, hold, land,
-    return_home, set_home, the look of its cameras, world/run. Parameters: see `AirsimOptions`.
+    return_home, set_home, set_wind, set_light, the look of its cameras, world/run. Parameters: see
+    `AirsimOptions`.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -44,9 +43,7 @@ class AirsimNode(Node):
         self._frame = options.frame()
         self._by_name: dict[str, RosVehicle] = {}
         self._is_paused = False
-        self._drawings: dict[int, Marker] = {}
-        self._drawn = 0
-        self._publisher = topics.create_publisher(self, topics.DRAWINGS)
+        self._drawings = Drawings(self)
         self._run = self.create_client(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
@@ -110,19 +107,15 @@ class AirsimNode(Node):
         duration_s: float,
     ) -> None:
         """Show points or lines to viewers of the topic drawings."""
-        self._drawn += 1
-        marker = marker_of(self._drawn, lines, rgba, size_m, kind)
-        marker.lifetime.sec = int(duration_s)
-        marker.lifetime.nanosec = int(duration_s % 1.0 * 1e9)
-        self._drawings[self._drawn] = marker
-        while len(self._drawings) > MOST_DRAWINGS:
-            del self._drawings[next(iter(self._drawings))]
-        self._publisher.publish(MarkerArray(markers=list(self._drawings.values())))
+        self._drawings.draw(lines, rgba, size_m, kind=kind, duration_s=duration_s)
+
+    def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
+        """Show where a vehicle flies from now on."""
+        self._drawings.trace(vehicle, rgba, size_m)
 
     def clear_drawings(self) -> None:
         """Remove what was drawn."""
         self._drawings.clear()
-        self._publisher.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
     def destroy_node(self) -> None:
         """Stop serving."""
@@ -169,6 +162,7 @@ class AirsimNode(Node):
             camera, _, call = rest.partition('/')
             if LOOK_TYPE in types and call == 'look' and vehicle in self._by_name:
                 self._by_name[vehicle].add_camera(camera)
+        self._drawings.follow(lambda name: self._by_name[name].now().true_enu)
         if not self.port and self._is_complete():
             self._open()
 

@@ -2,7 +2,7 @@
 """A vehicle and the world as the methods need them, whatever carries the orders."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -83,6 +83,41 @@ class Picture:
     labels: NDArray[np.uint16] | None = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Turn:
+    """How a vehicle turns in flight: at a rate, anticlockwise, or to a yaw if that is given."""
+
+    rate_radps: float = 0.0
+    yaw_enu_rad: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Light:
+    """Sun and air of the scene.
+
+    Attributes
+    ----------
+    sun_ns
+        Time by which the sun stands now, nanoseconds since 1970; None: as the scenario says.
+    sun_speed
+        Time of the sun over mission time.
+    sun_step_s
+        The sun moves whenever so much mission time has passed, seconds.
+    fog, wetness
+        0 to 1.
+    """
+
+    sun_ns: int | None = None
+    sun_speed: float = 0.0
+    sun_step_s: float = 60.0
+    fog: float = 0.0
+    wetness: float = 0.0
+
+    def changed(self, **values: Any) -> 'Light':
+        """Return it with other values."""
+        return replace(self, **values)
+
+
 class Vehicle(Protocol):
     """A vehicle that is listened to and given orders.
 
@@ -94,6 +129,10 @@ class Vehicle(Protocol):
     origin: Origin
     home: Vector
     cameras: Sequence[str]
+
+    @property
+    def smells(self) -> bool:
+        """Whether it carries a gas sensor."""
 
     def now(self) -> VehicleNow:
         """Return what was last heard; raises `AirsimError` before anything was."""
@@ -107,9 +146,7 @@ class Vehicle(Protocol):
     async def along(self, places: Sequence[Vector], speed_mps: float) -> None:
         """Fly along places: latitude, longitude in degrees and height above home in metres."""
 
-    async def at_velocity(
-        self, velocity_enu: Vector, duration_s: float, turn_rate_radps: float
-    ) -> None:
+    async def at_velocity(self, velocity_enu: Vector, duration_s: float, turn: Turn) -> None:
         """Fly at a velocity for some time."""
 
     async def turn(self, yaw_enu_rad: float) -> None:
@@ -119,7 +156,19 @@ class Vehicle(Protocol):
         """Give one of the orders ``hold``, ``land``, ``return_home``."""
 
     async def set_home(self, position: Vector) -> None:
-        """Stand elsewhere: latitude and longitude in degrees, altitude in metres."""
+        """Stand on the ground elsewhere; home and origin are then there.
+
+        `position` is latitude and longitude in degrees, and altitude in metres.
+        """
+
+    async def set_wind(self, east_mps: float, north_mps: float) -> None:
+        """Fly in another wind."""
+
+    async def set_light(self, light: Light) -> None:
+        """Let its cameras see the scene in another light."""
+
+    async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:
+        """Point a camera in a gimbal: above the horizon, and from the nose, anticlockwise."""
 
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""
@@ -157,6 +206,9 @@ class World(Protocol):
     def draw(self, lines: Sequence[Sequence[Vector]], rgba: Sequence[float], size_m: float,
              *, kind: str, duration_s: float) -> None:  # fmt: skip
         """Show ``points`` or ``lines`` to viewers, places in the mission's frame."""
+
+    def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
+        """Show where a vehicle flies from now on."""
 
     def clear_drawings(self) -> None:
         """Remove what was drawn."""

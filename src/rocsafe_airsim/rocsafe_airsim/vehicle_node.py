@@ -14,13 +14,14 @@ from std_srvs.srv import Trigger
 
 from rocsafe_airsim import conversions
 from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.gimbals_node import Gimbals
 from rocsafe_airsim.ned import Origin, Vector
-from rocsafe_airsim.vehicle import Picture, VehicleNow
+from rocsafe_airsim.vehicle import Light, Picture, Turn, VehicleNow
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import GeoPoint, VehicleState
-from rocsafe_interfaces.srv import GoTo, Lease, Look, Move, SetHome
+from rocsafe_interfaces.srv import GoTo, Lease, Look, Move, SetHome, SetLight, SetWind
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 
 HOLDER = 'airsim'
 # A client whose script ends without a word leads for no longer.
@@ -28,6 +29,8 @@ LEASE_S = 60.0
 RENEW_S = 15.0
 # A vehicle answers orders at once; a picture is drawn first.
 ANSWER_S, PICTURE_S = 5.0, 30.0
+# A home is heard by its topic.
+HEARD_S, SAME_PLACE_M = 0.02, 0.5
 _PLAIN = {'hold': topics.HOLD, 'land': topics.LAND, 'return_home': topics.RETURN_HOME}
 _NAN3 = (float('nan'),) * 3
 
@@ -54,6 +57,7 @@ class RosVehicle:
         self._node, self._frame = node, frame
         self._lock = threading.Lock()
         self._heard: dict[str, Any] = {}
+        self._gimbals = Gimbals(node, name)
         self._tables: dict[str, Sequence[Mapping[str, Any]]] = {}
         self._lease = ''
         own = (topics.STATE, topics.ODOM, topics.FIX, topics.GROUND_TRUTH_FIX)
@@ -62,6 +66,7 @@ class RosVehicle:
             topics.create_subscription(node, spec, partial(self._on_message, spec.name), name)
         topics.create_subscription(node, topics.HOME, self._on_home, name)
         calls = (*_PLAIN.values(), topics.LEASE, topics.MOVE, topics.GO_TO, topics.SET_HOME)
+        calls = (*calls, topics.SET_WIND, topics.SET_LIGHT)
         self._clients = {spec.name: self._client(spec) for spec in calls}
 
     def add_camera(self, camera: str) -> None:
@@ -72,12 +77,18 @@ class RosVehicle:
         self._clients[spec.name] = self._client(spec)
         table = topics.of_camera(topics.CAMERA_LABEL_TABLE, camera)
         topics.create_subscription(self._node, table, partial(self._on_table, camera), self.name)
+        self._gimbals.add(camera)
         self.cameras = sorted([*self.cameras, camera], key=lambda c: (c != 'camera', c))
 
     @property
     def is_heard(self) -> bool:
         """Whether its state and its place are known."""
         return {'state', 'odom', 'fix'} <= self._heard.keys()
+
+    @property
+    def smells(self) -> bool:
+        """Whether it has told of gas."""
+        return 'gas' in self._heard
 
     def now(self) -> VehicleNow:
         """Return what was last heard; raises `AirsimError` before anything was."""
@@ -157,11 +168,11 @@ class RosVehicle:
             speed_mps=speed_mps,
         )  # fmt: skip
 
-    async def at_velocity(
-        self, velocity_enu: Vector, duration_s: float, turn_rate_radps: float
-    ) -> None:
+    async def at_velocity(self, velocity_enu: Vector, duration_s: float, turn: Turn) -> None:
         """Fly at a velocity."""
-        request = {'duration_s': duration_s, 'turn_rate_radps': turn_rate_radps}
+        request: dict[str, Any] = {'duration_s': duration_s, 'turn_rate_radps': turn.rate_radps}
+        if turn.yaw_enu_rad is not None:
+            request |= {'to_yaw': True, 'yaw_rad': turn.yaw_enu_rad}
         move = Move.Request(kind=Move.Request.AT_VELOCITY, lease=self._lease, **request)
         move.velocity.x, move.velocity.y, move.velocity.z = velocity_enu
         await self._order_move(move)
@@ -174,11 +185,37 @@ class RosVehicle:
         """Give an order that every holder may give."""
         await self._order(verb, Trigger.Request())
 
+    async def set_wind(self, east_mps: float, north_mps: float) -> None:
+        """Fly in another wind."""
+        await self._order('set_wind', SetWind.Request(east_mps=east_mps, north_mps=north_mps))
+
+    async def set_light(self, light: Light) -> None:
+        """Let its cameras see the scene in another light."""
+        request = SetLight.Request(
+            sun_as_scenario=light.sun_ns is None,
+            sun_time=stamp_of_ns(light.sun_ns or 0),
+            sun_speed=light.sun_speed,
+            sun_step_s=light.sun_step_s,
+            fog=light.fog,
+            wetness=light.wetness,
+        )
+        await self._order('set_light', request)
+
     async def set_home(self, position: Vector) -> None:
-        """Stand elsewhere."""
+        """Stand on the ground elsewhere, and hear that home and origin are there."""
         latitude, longitude, altitude = position
         point = GeoPoint(latitude=latitude, longitude=longitude, altitude=altitude)
         await self._order('set_home', SetHome.Request(lease=self._lease, position=point))
+        wanted = self.to_enu(position)
+        end_s = asyncio.get_running_loop().time() + ANSWER_S
+        while not self.origin.is_over(wanted, SAME_PLACE_M):
+            if asyncio.get_running_loop().time() > end_s:
+                raise AirsimError(f'{self.name}: was not heard at its new home')
+            await asyncio.sleep(HEARD_S)
+
+    async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:
+        """Turn the gimbal of a camera."""
+        await self._gimbals.point(camera, pitch_rad, yaw_rad)
 
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""

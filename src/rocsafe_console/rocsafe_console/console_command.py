@@ -16,7 +16,7 @@ from rocsafe_console.people.sessions import Sessions
 from rocsafe_console.people.users import Users, read_users
 from rocsafe_console.picture.live import Live
 from rocsafe_console.picture.picture import Picture
-from rocsafe_console.runs.base_map import BaseMap
+from rocsafe_console.runs.base_map import open_base_map
 from rocsafe_console.web.context import Context, WebOptions
 from rocsafe_console.web.server import require_safe
 
@@ -63,7 +63,7 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
         users=Users(users),
         sessions=sessions,
         clock=time.time,
-        base_map=BaseMap(given.base_map) if given.base_map else None,
+        base_map=open_base_map(given.base_map) if given.base_map else None,
         environment=dict(os.environ),
     )
 
@@ -85,7 +85,10 @@ def _parser() -> argparse.ArgumentParser:
         help='scenarios to begin a new mission with [config/scenarios]',
     )  # fmt: skip
     parser.add_argument(
-        '--base-map', type=Path, metavar='FILE', help='MBTiles file of raster tiles to show below'
+        '--base-map',
+        type=Path,
+        metavar='FILE',
+        help='MBTiles, PMTiles or GeoTIFF file to show below',
     )
     parser.add_argument(
         '--host', default='127.0.0.1', help='address to listen at (default: 127.0.0.1)'

@@ -15,10 +15,14 @@ from typing import Any
 from nav_msgs.msg import OccupancyGrid
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import CompressedImage
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from rocsafe_console import conversions, gas_conversions
+from rocsafe_console.drive_conversions import drive_of
+from rocsafe_console.drives_node import Offer
 from rocsafe_console.evidence.desk import Desk, Event
 from rocsafe_console.orders.order_book import Order
 from rocsafe_console.orders_node import Finish, Orders
@@ -40,6 +44,8 @@ from rocsafe_interfaces.msg import (
 from rocsafe_ros import topics
 
 STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
+# What only a ground vehicle offers.
+DRIVE_TYPE = 'rocsafe_interfaces/action/DriveRoute_FeedbackMessage'
 LOOK_S = 0.5
 POSTED_S = 0.02
 
@@ -63,6 +69,8 @@ class ConsoleNode(Node):
         # What lies in the frame of the mission and may be heard before it, by section.
         self._placed: dict[str, Callable[[LocalFrame], None]] = {}
         self._vehicles: set[str] = set()
+        self._ground: set[str] = set()
+        self._cameras: dict[str, Subscription] = {}
         self._posted: deque[Callable[[], None]] = deque()
         self.orders = Orders(self)
         for spec, heard in (
@@ -71,6 +79,7 @@ class ConsoleNode(Node):
             (topics.HAZARD_SOURCES, self._on_section('sources', conversions.sources_of)),
             (topics.REGION, self._on_section('region', conversions.region_of)),
             (topics.PLAN, self._on_section('plan', conversions.plan_of)),
+            (topics.GROUND_ROUTE, self._on_section('drive', drive_of)),
             (topics.RELEASES, self._on_section('releases', gas_conversions.releases_of)),
             (topics.DOSE_MAP, self._on_grid('dose_map', DOSE)),
             (topics.PLUME, self._on_grid('plume', PLUME)),
@@ -93,6 +102,24 @@ class ConsoleNode(Node):
         """Send an order, and give `finish` one result of each vehicle; from any thread."""
         self.post(lambda: self.orders.send(order, names, finish))
 
+    def plan_drive(self, order: Order, finish: Offer) -> None:
+        """Plan the drive of an order, and give it to `finish`; from any thread."""
+        self.post(lambda: self._plan_drive(order, finish))
+
+    def _plan_drive(self, order: Order, finish: Offer) -> None:
+        (name,) = order.revisions
+        if name not in self._ground:
+            finish(None, f'{name} does not drive')
+            return
+        with self._live.lock:
+            vehicle = self._live.picture.vehicles[name]
+        self.orders.drives.plan(order, vehicle, finish)
+
+    def destroy_node(self) -> None:
+        """Destroy the node and its clients of actions."""
+        self.orders.drives.close()
+        super().destroy_node()
+
     def _do_posted(self) -> None:
         while self._posted:
             self._posted.popleft()()
@@ -106,6 +133,29 @@ class ConsoleNode(Node):
             if STATE_TYPE in types and '/' not in name and name not in self._vehicles:
                 self._vehicles.add(name)
                 self._watch(name)
+            if DRIVE_TYPE in types and (driver := full.split('/')[1]) not in self._ground:
+                self._ground.add(driver)
+                self.orders.drives.add(driver)
+
+        self._look_through_cameras()
+
+    def _look_through_cameras(self) -> None:
+        """Listen to the cameras that somebody looks at, and to no others."""
+        with self._live.lock:
+            wanted = self._live.video.wanted
+        for name in self._cameras.keys() - wanted:
+            self.destroy_subscription(self._cameras.pop(name))
+        for name in wanted - self._cameras.keys():
+            self._cameras[name] = topics.create_subscription(
+                self, topics.CAMERA_IMAGE_COMPRESSED, partial(self._on_camera, name), name
+            )
+
+    def _on_camera(self, name: str, message: CompressedImage) -> None:
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        with self._live.lock:
+            # What DDS keeps for late subscribers is as old as its stamp.
+            taken_s = self._live.picture.clock.wall_of(stamp_s, time.time())
+            self._live.video.put(name, bytes(message.data), taken_s)
 
     def _watch(self, name: str) -> None:
         self.orders.add(name)
@@ -122,9 +172,10 @@ class ConsoleNode(Node):
         ):
             topics.create_subscription(self, spec, partial(heard, name), name)
 
-    def _on_state(self, _name: str, message: VehicleState) -> None:
+    def _on_state(self, name: str, message: VehicleState) -> None:
+        report = conversions.report_of(message, is_ground=name in self._ground)
         with self._live.lock:
-            self._live.picture.on_report(conversions.report_of(message), time.time())
+            self._live.picture.on_report(report, time.time())
 
     def _on_fix(self, name: str, message: Any) -> None:
         place = (message.latitude, message.longitude, message.altitude)

@@ -59,7 +59,7 @@ def mission_of(message: MissionState) -> MissionNow:
     )
 
 
-def report_of(message: VehicleState) -> VehicleReport:
+def report_of(message: VehicleState, *, is_ground: bool = False) -> VehicleReport:
     """Return the state of a vehicle."""
     return VehicleReport(
         name=message.vehicle,
@@ -78,6 +78,8 @@ def report_of(message: VehicleState) -> VehicleReport:
         altitude_m=message.position.altitude,
         speed_mps=message.speed_mps,
         taken_by=message.taken_by,
+        plan_id=message.plan_id,
+        is_ground=is_ground,
     )
 
 

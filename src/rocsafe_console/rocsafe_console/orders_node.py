@@ -8,6 +8,7 @@ for all; where there is none, and for what it does not serve, the vehicle itself
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from rclpy.client import Client
@@ -15,7 +16,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from rocsafe_console.orders.order_book import Order, Outcome, Result
+from rocsafe_console.drives_node import Drives
+from rocsafe_console.orders.order_book import Order, Outcome, Result, Target
 from rocsafe_console.people.roles import Action
 from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_interfaces.srv import FleetCommand, GoTo, Lease, Resume
@@ -37,6 +39,7 @@ ALONE = {
     Action.RETURN: topics.RETURN_HOME,
     Action.LAND: topics.LAND,
 }
+MISSION_CALLS = {Action.REPLAN: topics.REPLAN}
 VEHICLE_CALLS = (*ALONE.values(), topics.RESUME, topics.LEASE, topics.GO_TO)
 
 Finish = Callable[[tuple[Result, ...]], None]
@@ -72,6 +75,11 @@ class Orders:
         self._fleet = {
             action: node.create_client(spec.call_type, spec.name) for action, spec in FLEET.items()
         }
+        self._mission = {
+            action: node.create_client(spec.call_type, spec.name)
+            for action, spec in MISSION_CALLS.items()
+        }
+        self.drives = Drives(node)
         self._calls: dict[tuple[topics.CallSpec, str], Client] = {}
         self._waiting: list[_Waiting] = []
         self._held: dict[str, _Held] = {}
@@ -87,6 +95,9 @@ class Orders:
         """Send an order to some of its vehicles; `finish` gets one result of each, in time."""
         waiting = _Waiting(names, finish, time.monotonic() + ANSWER_S)
         self._waiting.append(waiting)
+        if order.verb in self._mission:
+            self._send_to_mission(order.verb, waiting)
+            return
         led = {name for name in names if self._is_held(name, order.user)}
         fleet = self._fleet.get(order.verb)
         if fleet is not None and fleet.service_is_ready():
@@ -106,6 +117,23 @@ class Orders:
             request = FleetCommand.Request(vehicles=names)
             client.call_async(request).add_done_callback(on_answer)
 
+    def _send_to_mission(self, verb: Action, waiting: _Waiting) -> None:
+        """Ask the mission; what it answers holds for each of its vehicles."""
+
+        def note_all(success: bool, text: str) -> None:
+            for name in waiting.names:
+                self._note(waiting, name, success, text)
+
+        client = self._mission[verb]
+        if not client.service_is_ready():
+            note_all(False, 'the mission cannot be reached')
+            return
+
+        def on_answer(future: Any) -> None:
+            note_all(future.result().success, future.result().message)
+
+        client.call_async(Trigger.Request()).add_done_callback(on_answer)
+
     def _send_to_one(self, order: Order, name: str, waiting: _Waiting) -> None:
         held = self._held.get(name)
         lease = held.lease if held is not None and held.user == order.user else ''
@@ -113,7 +141,9 @@ class Orders:
             self._ask(ALONE[order.verb], Trigger.Request(), name, waiting)
         elif order.verb is Action.RESUME:
             self._ask(topics.RESUME, Resume.Request(lease=lease), name, waiting)
-        elif order.verb is Action.GO_TO and order.target is not None:
+        elif order.verb is Action.SEND:
+            self.drives.drive(order, name, lease, partial(self._note, waiting, name))
+        elif isinstance(order.target, Target):
             target = order.target
             point = GeoPoint(latitude=target.latitude_deg, longitude=target.longitude_deg)
             request = GoTo.Request(lease=lease, position=point, height_m=target.height_m)
@@ -172,6 +202,7 @@ class Orders:
 
     def _look(self) -> None:
         """Finish the orders that are answered or late, and renew leases."""
+        self.drives.look()
         now_s = time.monotonic()
         for waiting in list(self._waiting):
             if len(waiting.results) == len(waiting.names) or now_s > waiting.until_s:

@@ -72,7 +72,7 @@ class DatasetCamera:
         place = self._environment.description.place
         sun = sun_direction(state.time, place.latitude_deg, place.longitude_deg)
         light = lighting(sun, state.weather)
-        self._renderer.rearrange(state.objects, light, state.weather)
+        self._renderer.rearrange(state.objects, light)
         for number in numbers:
             self._folder.write(self._picture(number, state), self._frame)
             yield number

@@ -3,6 +3,7 @@
 
 import fcntl
 import os
+import re
 import time
 from functools import partial
 from pathlib import Path
@@ -15,10 +16,14 @@ from std_srvs.srv import SetBool
 from rocsafe_fleet.agreement.agent import Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan
 from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_of
-from rocsafe_fleet.fleet_start import FleetStart, fleet_start
+from rocsafe_fleet.dds_link_node import DdsLink
+from rocsafe_fleet.errors import LinkError
+from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
+from rocsafe_fleet.link.fleet_link import FleetLink
+from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
-from rocsafe_interfaces.msg import FleetPacket, StepDone, SurveyPlan
+from rocsafe_interfaces.msg import StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
 from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
@@ -30,11 +35,13 @@ from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import FLEET_LOCK_VARIABLE, is_orphan, run
 
 NAME = 'agents'
-STEP_S = 0.1
+STEP_S = 0.05
 LOOK_S = 0.05
 REPORT_S = 1.0
 # Without an orchestrator the agents end so long after the last landing.
 LINGER_S = 10.0
+# Nor do they wait longer where all vehicles stand although points are left, or time stands still.
+IDLE_S = 300.0
 _NS = 1e-9
 
 
@@ -54,12 +61,14 @@ class AgentsNode(Node):
         self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, (0, 0))
         self._is_paused = False
-        self._step_s = self._report_s = self._active_s = time.monotonic()
+        self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
+        self._needed_s = 0.0
+        self._plan_id = ''
         self._has_flown = False
         self._steps: dict[str, int] = {}
         self._steps_watch: Any = None
         self._lock = _locked()
-        self._packets = topics.create_publisher(self, topics.FLEET_DELTA)
+        self._link = self._linked(options)
         self._states = topics.create_publisher(self, topics.AGENTS)
         self._done = topics.create_publisher(self, topics.STEP_DONE)
         self._world = self.create_client(SetBool, topics.WORLD_RUN.name)
@@ -75,24 +84,46 @@ class AgentsNode(Node):
         # While the other nodes start: the first loss need not wait for it.
         BackgroundJob(lambda _report: load_kernels(), 'loading', None)
         topics.create_subscription(self, topics.PLAN, self._on_plan)
-        topics.create_subscription(self, topics.FLEET_DELTA, self._on_packet)
         if options.lock_step:
-            self._participant = Participant(self, NAME, self._on_step)
+            # The agents of each host have a name of their own.
+            self._participant = Participant(self, self.get_name(), self._on_step)
         else:
             self.create_timer(STEP_S, lambda: self._on_step(self.get_clock().now().nanoseconds))
         self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        if has_started(options.state_directory):
+            # The planner, which told the plan, may be gone.
+            self._begin()
 
     def destroy_node(self) -> None:
         """Destroy the node and the clients that it made."""
         for link in self._links.values():
             link.close()
+        self._link.close()
+        sent, received = self._link.bytes_sent, self._link.bytes_received
+        self.get_logger().info(f'link: {sent} bytes sent, {received} bytes received')
         super().destroy_node()
+
+    def _linked(self, options: AgentOptions) -> FleetLink:
+        """Return the way of packets to the agents of other processes."""
+        if options.link == 'dds':
+            return DdsLink(self)
+        fleet = re.sub('[^A-Za-z0-9_-]', '_', options.mission) or 'fleet'
+        try:
+            return ZenohLink(fleet, options.link_listen, options.link_peers)
+        except LinkError as error:
+            raise ParameterError(f'agents: {error}') from error
 
     @property
     def is_needed(self) -> bool:
         """Whether an orchestrator lives, or something is left to fly."""
         now_s = time.monotonic()
-        is_flying = self._has_flown and not self._is_done()
+        if now_s < self._needed_s:
+            return True
+        self._needed_s = now_s + LOOK_S
+        if not all(link.is_down for link in self._links.values()):
+            self._aloft_s = now_s
+        still_s = now_s - min(self._aloft_s, self._step_s)
+        is_flying = self._has_flown and not self._is_done() and still_s < IDLE_S
         if is_flying or not is_orphan():
             self._active_s = now_s
         return now_s - self._active_s < (LINGER_S if self._has_flown else LOOK_S)
@@ -103,23 +134,25 @@ class AgentsNode(Node):
     # What the agents hear.
 
     def _on_plan(self, message: SurveyPlan) -> None:
-        if self._fleet is not None:
-            return
+        self._plan_id = message.plan_id
+
+    def _begin(self, plan_id: str = '') -> None:
+        """Begin with the plan of the survey; no id: with the plan of an earlier start."""
+        token = os.environ.get(MISSION_VARIABLE, '')
         try:
-            self._fleet = fleet_start(
-                self._options, message.plan_id, os.environ.get(MISSION_VARIABLE, ''), self._now_s()
-            )
-        except ValueError as error:
+            self._fleet = fleet_start(self._options, plan_id, token, self._now_s())
+        except (ValueError, OSError) as error:
             self.get_logger().error(f'no agents: {error}')
+            self._plan_id = ''
             return
         known = self._fleet.load()
         for name, link in self._links.items():
-            link.routes[message.plan_id] = self._fleet.first_route(name)
+            link.routes[self._fleet.plan_id] = self._fleet.first_route(name)
             link.routes.update((k, tuple(route)) for k, route in known.get(name, {}).items())
 
-    def _on_packet(self, message: FleetPacket) -> None:
-        if self._fleet is not None:
-            self._fleet.local.receive(bytes(message.data), self._now_s())
+    def _receive(self, fleet: FleetStart) -> None:
+        for data in self._link.receive():
+            fleet.local.receive(data, self._now_s())
 
     def _on_step(self, time_ns: int) -> bool:
         """Let the agents think at one time; return whether they have nothing to do."""
@@ -127,10 +160,11 @@ class AgentsNode(Node):
         if self._fleet is None:
             return True
         fleet = self._fleet
+        self._receive(fleet)
         for name, link in self._links.items():
             self._tell_agent(fleet, name, link, time_ns * _NS)
         for data in fleet.local.advance(time_ns * _NS):
-            self._packets.publish(FleetPacket(data=data))
+            self._link.send(data)
         self._plan(fleet)
         return self._is_done()
 
@@ -166,6 +200,9 @@ class AgentsNode(Node):
         for link in self._links.values():
             link.look()
         if self._fleet is None:
+            # On another host than the planner's the file comes later than the message.
+            if self._plan_id and Path(self._options.plan_file).is_file():
+                self._begin(self._plan_id)
             return
         if self._job is not None and self._job[1].is_done:
             (wanted, job), self._job = self._job, None
@@ -216,12 +253,17 @@ class AgentsNode(Node):
             self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_done)
         elif stalled_s > limit_s and self._steps:
             newest = max(self._steps.values())
-            for name in self._options.participants:
-                if self._steps.get(name, -1) < newest and name in self._links:
-                    self._warn(f'{name}: its process is silent, simulated time goes on without')
-                    self._done.publish(StepDone(participant=name, has_left=True))
-                    fleet.silent.add(name)
-                    fleet.agent(name).disable('its process is silent')
+            for name in (*self._options.participants, *self._options.others):
+                if self._steps.get(name, -1) < newest:
+                    self._do_without(fleet, name)
+
+    def _do_without(self, fleet: FleetStart, name: str) -> None:
+        """Let time go on without a participant; its vehicle, if it is one of these, is lost."""
+        self._warn(f'{name}: its process is silent, simulated time goes on without')
+        self._done.publish(StepDone(participant=name, has_left=True))
+        if name in self._links:
+            fleet.silent.add(name)
+            fleet.agent(name).disable('its process is silent')
 
     def _on_done(self, message: StepDone) -> None:
         self._steps[message.participant] = ns_of_stamp(message.step)
@@ -235,7 +277,7 @@ class AgentsNode(Node):
         now_s = self._now_s()
         gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent
         is_down = all(link.is_down or link.name in gone for link in links)
-        return is_down and fleet.is_done
+        return is_down and fleet.is_done and not fleet.others_aloft
 
     def _report(self, fleet: FleetStart) -> None:
         fleet.save({name: link.routes for name, link in self._links.items()})

@@ -8,3 +8,7 @@ class FleetError(Exception):
 
 class PacketError(FleetError):
     """A packet is damaged, or of another fleet."""
+
+
+class LinkError(FleetError):
+    """The link to other agents cannot be opened."""

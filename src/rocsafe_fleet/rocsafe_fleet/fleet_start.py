@@ -88,6 +88,17 @@ class FleetStart:
         return self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
 
     @property
+    def others_aloft(self) -> bool:
+        """Whether a vehicle whose agent is heard, and runs elsewhere, is in the air."""
+        own = self.local.agents
+        return any(not agent.aloft.issubset(own) for agent in own.values())
+
+    @property
+    def plan_id(self) -> str:
+        """Id of the plan with which the survey begins."""
+        return self._survey.plan_id
+
+    @property
     def is_done(self) -> bool:
         """Whether no agent here has anything left that somebody could fly."""
         return all(
@@ -97,7 +108,7 @@ class FleetStart:
 
 
 def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -> FleetStart:
-    """Return the agents of a process that fly a plan.
+    """Return the agents of a process that fly a plan; no id: whichever is in the file.
 
     Raises
     ------
@@ -106,17 +117,22 @@ def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -
     """
     terrain = read_terrain(options.terrain_file) if options.terrain_file else None
     survey = read_plan(options.plan_file, terrain)
-    if survey.plan_id != plan_id:
+    if plan_id and survey.plan_id != plan_id:
         raise ValueError(f'{options.plan_file}: has plan {survey.plan_id}, not {plan_id}')
     names = [route.vehicle.name for route in survey.routes]
     strangers = sorted(set(options.vehicles) - set(names))
     if strangers:
         raise ValueError(f'vehicles has {strangers[0]!r}: must be of {", ".join(names)}')
     first = first_plan(survey)
-    key = hashlib.sha256(f'{options.mission}/{plan_id}/{token}'.encode()).digest()
+    key = hashlib.sha256(f'{options.mission}/{survey.plan_id}/{token}'.encode()).digest()
     start = _count_start(options.state_directory)
     agents = [Agent(names.index(name), first, key, now_s, start) for name in options.vehicles]
     return FleetStart(survey, LocalAgents(agents), key, options.state_directory)
+
+
+def has_started(folder: str) -> bool:
+    """Return whether agents with this folder have begun a survey before."""
+    return bool(folder) and (Path(folder) / _STARTS).is_file()
 
 
 def _count_start(folder: str) -> int:

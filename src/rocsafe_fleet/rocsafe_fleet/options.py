@@ -22,9 +22,22 @@ class AgentOptions:
     state_directory: str = field(
         default='', metadata={'doc': 'folder in which agents count their starts'}
     )
+    link: str = field(
+        default='dds',
+        metadata={'doc': 'way of packets to agents of other processes: dds or zenoh'},
+    )
+    link_listen: str = field(
+        default='', metadata={'doc': 'address of this process with zenoh, host:port'}
+    )
+    link_peers: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'addresses of the other processes with zenoh'}
+    )
     lock_step: bool = field(default=False, metadata={'doc': 'take part in simulated time'})
     participants: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'vehicles that simulated time waits for'}
+        default=(), metadata={'doc': 'vehicles here that simulated time waits for'}
+    )
+    others: tuple[str, ...] = field(
+        default=(), metadata={'doc': 'who takes part in simulated time on other hosts'}
     )
     lost_after_s: float = field(
         default=12.0,
@@ -39,3 +52,7 @@ class AgentOptions:
             raise ValueError(f'vehicles = {list(self.vehicles)}: must be one or more that differ')
         if not self.plan_file:
             raise ValueError('plan_file is empty: must name the plan of the survey')
+        if self.link not in ('dds', 'zenoh'):
+            raise ValueError(f'link = {self.link!r}: must be dds or zenoh')
+        if bool(self.link_listen) != (self.link == 'zenoh'):
+            raise ValueError('link_listen: must be given with link = zenoh, and only then')

@@ -152,6 +152,8 @@ class SourceBelief:
         self._centres_m = tables.area_m / tables.cells * (np.arange(tables.cells) + 0.5)
         self.cells: Float32Array = self._joint.sum(axis=0)
         self.entropy_nats = float(np.log(np.prod(shape)))
+        self._squares_m2 = self._centres_m * self._centres_m
+        self._placed: tuple[Place, float] | None = None
 
     @property
     def joint(self) -> Float32Array:
@@ -171,19 +173,27 @@ class SourceBelief:
         # What is less likely than this by far is left at it: no product is infinite.
         np.maximum(logs, _SMALLEST, out=logs)
         np.exp(logs, out=self._joint)
-        total = float(self._joint.sum())
-        self._joint *= np.float32(1.0 / total)
+        self.cells = self._joint.sum(axis=0)
+        total = float(self.cells.sum())
+        share = np.float32(1.0 / total)
+        self._joint *= share
+        self.cells *= share
+        self._placed = None
         before = self.entropy_nats
         self.entropy_nats = float(np.log(total) - np.vdot(self._joint, logs))
-        self.cells = self._joint.sum(axis=0)
         return before - self.entropy_nats
 
     def mean_and_spread_m(self) -> tuple[Place, float]:
         """Return the mean place, and the root mean square distance from it, metres."""
+        if self._placed is None:
+            self._placed = self._mean_and_spread_m()
+        return self._placed
+
+    def _mean_and_spread_m(self) -> tuple[Place, float]:
         centres = self._centres_m
         east, north = self.cells.sum(axis=0), self.cells.sum(axis=1)
         middle = float(east @ centres), float(north @ centres)
-        squares = (east + north) @ (centres * centres)
+        squares = (east + north) @ self._squares_m2
         return middle, float(max(squares - middle[0] ** 2 - middle[1] ** 2, 0.0)) ** 0.5
 
     def reading_spread(self, place_m: Place) -> tuple[float, float]:

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``collector``: every photograph into the image store, and a receipt for it."""
 
+from collections import deque
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -15,7 +17,9 @@ from rocsafe_mapping.conversions import numbers_of, receipt_of_answer, record_of
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.options import CollectorOptions
 from rocsafe_mapping.photographs.label_images import LabelKeeper
+from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_mapping.repository.copying import Copier
+from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.repository.sink import open_sink, token_of_file
 from rocsafe_mapping.store.catalogue import read_store
 from rocsafe_mapping.store.listings import write_listings
@@ -29,6 +33,8 @@ from rocsafe_ros.run import run
 
 # The folder's lists are written when no photograph came for so long.
 QUIET_S = 2.0
+# Between two looks for photographs that other hosts have handed over.
+ARRIVED_S = 0.1
 
 
 class CollectorNode(Node):
@@ -52,16 +58,20 @@ class CollectorNode(Node):
             raise ParameterError(f'collector: store_directory: {error}') from error
         self._copier = None
         if options.copy_to:
-            token = self._token(options)
+            token = self._token('copy_token_file', options.copy_token_file)
             self._copier = Copier(
                 self._folder, partial(open_sink, options.copy_to, token), self.get_logger().warning
             )
+        self._arrived: deque[tuple[ShotRecord, Answer]] = deque()
+        self._repository = self._serving(options) if options.serve_host else None
         self._failing = False
         self._is_listed, self._is_quiet = False, True
         self._listing: BackgroundJob[None, None] | None = None
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(QUIET_S, self._on_quiet, clock=steady)
         self._receipts = topics.create_publisher(self, topics.RECEIPTS)
+        if self._repository is not None:
+            self.create_timer(ARRIVED_S, self._on_arrived, clock=steady)
         self._labels = LabelKeeper(self._folder) if options.store_labels else None
         for vehicle in options.vehicles:
             topics.create_subscription(self, topics.SHOT, self._on_shot, vehicle)
@@ -76,16 +86,47 @@ class CollectorNode(Node):
             self._list()
         if self._copier is not None:
             self._copier.close()
+        if self._repository is not None:
+            self._repository.shutdown()
+            self._repository.server_close()
         self._store.close()
         super().destroy_node()
 
     @staticmethod
-    def _token(options: CollectorOptions) -> str:
-        """Return the token of the repository. Raises ParameterError if its file has none."""
+    def _token(name: str, path: str) -> str:
+        """Return the token of a repository. Raises ParameterError if its file has none."""
         try:
-            return token_of_file(options.copy_token_file)
+            return token_of_file(path)
         except StoreError as error:
-            raise ParameterError(f'collector: copy_token_file: {error}') from error
+            raise ParameterError(f'collector: {name}: {error}') from error
+
+    def _serving(self, options: CollectorOptions) -> Repository:
+        """Take photographs of other hosts into the store, in threads."""
+        token = self._token('serve_token_file', options.serve_token_file)
+        address = options.serve_host, options.serve_port
+
+        def on_stored(record: ShotRecord, answer: Answer) -> None:
+            self._arrived.append((record, answer))
+
+        try:
+            server = Repository(self._folder, address, token, self._store, on_stored)
+        except (StoreError, ValueError, OSError) as error:
+            where = f'{address[0]}:{address[1]}'
+            raise ParameterError(f'collector: serve_host: {where}: {error}') from error
+        Thread(target=server.serve_forever, name='repository', daemon=True).start()
+        return server
+
+    def _on_arrived(self) -> None:
+        """Tell of photographs that other hosts have handed over."""
+        while self._arrived:
+            record, answer = self._arrived.popleft()
+            self._is_listed = self._is_quiet = False
+            self._tell(record.vehicle, record.shot_id, answer)
+
+    def _tell(self, vehicle: str, shot_id: str, answer: Answer) -> None:
+        receipt = receipt_of_answer(vehicle, shot_id, answer)
+        receipt.header.stamp = self.get_clock().now().to_msg()
+        self._receipts.publish(receipt)
 
     def _listen_to_labels(self, vehicle: str) -> None:
         on_labels = partial(self._on_labels, vehicle)
@@ -140,9 +181,7 @@ class CollectorNode(Node):
             self._keep_labels_of(message)
             if self._copier is not None:
                 self._copier.wake()
-        receipt = receipt_of_answer(message, answer)
-        receipt.header.stamp = self.get_clock().now().to_msg()
-        self._receipts.publish(receipt)
+        self._tell(message.vehicle, message.shot_id, answer)
 
     def _keep_labels_of(self, message: GeotaggedImage) -> None:
         if self._labels is None:
@@ -154,6 +193,12 @@ class CollectorNode(Node):
             self.get_logger().warning(str(error), once=True)
 
     def _stored(self, message: GeotaggedImage) -> Answer:
+        if self._repository is None:
+            return self._put(message)
+        with self._repository.lock:
+            return self._put(message)
+
+    def _put(self, message: GeotaggedImage) -> Answer:
         image = bytes(message.image.data)
         try:
             record = record_of_message(message)

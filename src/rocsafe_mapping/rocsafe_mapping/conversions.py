@@ -87,11 +87,11 @@ def numbers_of(message: Image) -> NDArray[np.uint16]:
     return numbers.astype(np.uint16)
 
 
-def receipt_of_answer(message: GeotaggedImage, answer: Answer) -> ShotReceipt:
-    """Return the receipt, without a stamp, for the photograph of `message`."""
+def receipt_of_answer(vehicle: str, shot_id: str, answer: Answer) -> ShotReceipt:
+    """Return the receipt, without a stamp, for a photograph of a vehicle."""
     return ShotReceipt(
-        vehicle=message.vehicle,
-        shot_id=message.shot_id,
+        vehicle=vehicle,
+        shot_id=shot_id,
         sha256=answer.sha256,
         status=RECEIPT_STATUS[answer.status],
         path='' if answer.path is None else str(answer.path),

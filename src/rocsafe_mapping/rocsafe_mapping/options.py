@@ -38,6 +38,16 @@ class CollectorOptions:
         default='',
         metadata={'doc': 'file that holds the token of the HTTP repository; or none is needed'},
     )
+    serve_host: str = field(
+        default='',
+        metadata={'doc': 'address at which photographs of other hosts are taken; empty: none are'},
+    )
+    serve_port: int = field(
+        default=47612, metadata={'doc': 'its port; 0: any', 'min': 0, 'max': 65_535}
+    )
+    serve_token_file: str = field(
+        default='', metadata={'doc': 'file with the token that they must bring'}
+    )
     store_labels: bool = field(
         default=False,
         metadata={'doc': 'keep the label images of simulated photographs beside them'},

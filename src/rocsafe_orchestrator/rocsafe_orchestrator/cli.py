@@ -103,6 +103,7 @@ def _parser() -> argparse.ArgumentParser:
         check,
         clear,
         fleet,
+        join,
         plan,
         preflight,
         replan,
@@ -121,7 +122,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--version', action=_Version, help='print version and git revision')
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     modules = (
-        run, fleet, check, plan, replan, whatif, preflight, report, replay, clear, airsim,
+        run, join, fleet, check, plan, replan, whatif, preflight, report, replay, clear, airsim,
         passed_on,
     )  # fmt: skip
     for module in modules:

@@ -45,14 +45,16 @@ from rocsafe_scenario.scenario import Scenario
 NAME = 'orchestrator'
 # Requests are few, and their answers may wait so long.
 ANSWER_PERIOD_S = 0.02
+# Agents that have told nothing for so long are not waited for, seconds of wall time.
+AGENT_SILENCE_S = 60.0
 
 
 class OrchestratorNode(Node):
     """Receives the state of the nodes and publishes the state of the mission.
 
-    Publishes ``region``, ``mission/state`` and ``decisions``. Subscribes ``<vehicle>/state``,
-    ``<vehicle>/radiation``, ``<vehicle>/dose_alarm``, ``hazard/sources``, ``shots/receipts`` and,
-    while time stands still, ``sim/step_done``.
+    Publishes ``region``, ``mission/state`` and ``decisions``. Service: ``mission/replan``.
+    Subscribes ``<vehicle>/state``, ``<vehicle>/radiation``, ``<vehicle>/dose_alarm``,
+    ``hazard/sources``, ``shots/receipts`` and, while time stands still, ``sim/step_done``.
     Its `requests` call the other nodes, from a lean node of their own, `requester`.
     """
 
@@ -67,7 +69,7 @@ class OrchestratorNode(Node):
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
-        self._agents: dict[str, bool] = {}
+        self._agents: dict[str, tuple[bool, float]] = {}
         self._steps_watch: Any = None
         self.requester = Node(
             f'{NAME}_requests',
@@ -78,6 +80,7 @@ class OrchestratorNode(Node):
             enable_rosout=False,
         )
         self.requests = Requests(self.requester, scenario, monitor, identity.mission)
+        self.create_service(topics.REPLAN.call_type, topics.REPLAN.name, self._on_replan)
         self._wire()
 
     def _wire(self) -> None:
@@ -165,12 +168,18 @@ class OrchestratorNode(Node):
         self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
 
     def _on_agent(self, message: AgentState) -> None:
-        self._agents[message.vehicle] = message.is_done
+        self._agents[message.vehicle] = message.is_done, time.monotonic()
 
     @property
     def agents_are_done(self) -> bool:
-        """Whether all agents that were heard have nothing left to fly."""
-        return bool(self._agents) and all(self._agents.values())
+        """Whether all agents that are heard have nothing left to fly.
+
+        Agents of a host that is cut off are not waited for.
+        """
+        heard_s = time.monotonic() - AGENT_SILENCE_S
+        return bool(self._agents) and all(
+            is_done or told_s < heard_s for is_done, told_s in self._agents.values()
+        )
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)
@@ -189,6 +198,11 @@ class OrchestratorNode(Node):
             self._monitor.on_rejected(message.shot_id, message.reason)
         else:
             self._monitor.on_stored(message.shot_id)
+
+    def _on_replan(self, _request: Any, response: Any) -> Any:
+        response.message = self.requests.replan()
+        response.success = not response.message
+        return response
 
     def _on_step(self, message: StepDone) -> None:
         self._steps[message.participant] = ns_of_stamp(message.step)

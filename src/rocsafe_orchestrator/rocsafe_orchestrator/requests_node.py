@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -11,6 +12,7 @@ from rclpy.client import Client
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
+from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
 from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
 from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
@@ -25,6 +27,8 @@ from rocsafe_orchestrator.parameters.node_parameters import AGENTS, FLEET
 from rocsafe_orchestrator.processes.process_table import Endpoint
 from rocsafe_orchestrator.watches.operator_watch import Verb
 from rocsafe_orchestrator.watches.retreat import retreat
+from rocsafe_planner.conversions import message_of_plan
+from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_ros import topics
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_ros.plan_digest import plan_digest, route_digest
@@ -140,6 +144,22 @@ class Requests:
         self._mission = mission
         if self._drives is not None:
             self._drives.begin(mission)
+
+    def resume(self, path: Path) -> None:
+        """Take the plan that the mission flies already from its file."""
+        terrain = self._scenario.survey.terrain_file
+        plan = message_of_plan(read_plan(path, read_terrain(terrain) if terrain else None))
+        self._plan = self._plans[plan.plan_id] = plan
+        self._replaces = True
+        self._routes.update(((plan.plan_id, route.vehicle), route) for route in plan.routes)
+        self._monitor.images_expected = goal_conversions.viewpoint_count(plan)
+        self._monitor.begin_plan(plan.plan_id, self._monitor.images_expected)
+
+    def replan(self) -> str:
+        """Have the rest of the mission planned anew; return why not, empty if it is."""
+        if self._mission is None:
+            return 'cannot plan anew: no mission has begun'
+        return self._mission.replan(self._leases.lost)
 
     def close(self) -> None:
         """Destroy the clients of actions, which keep their node in the graph."""

@@ -95,6 +95,26 @@ class RunDirectory:
         """Report of the run as HTML."""
         return self.path / 'report.html'
 
+    @property
+    def session(self) -> Path:
+        """What a resumed run needs to find its processes; there until the run is over."""
+        return self.path / 'session.json'
+
+    @property
+    def lock(self) -> Path:
+        """File that the process which flies the run keeps locked."""
+        return self.path / 'run.lock'
+
+    @property
+    def agents_lock(self) -> Path:
+        """File that the agents of the vehicles keep locked."""
+        return self.path / 'agents.lock'
+
+    @property
+    def photographs_token(self) -> Path:
+        """File with the token by which other hosts hand over photographs."""
+        return self.path / 'photographs.token'
+
     def log_of(self, process: str) -> Path:
         """Return the log file of `process`."""
         return self.logs / f'{process}.log'

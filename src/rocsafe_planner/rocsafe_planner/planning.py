@@ -25,6 +25,8 @@ from rocsafe_planner.site.survey_site import SurveySite, survey_site
 if TYPE_CHECKING:
     from rocsafe_planner.routing.bound import LowerBound
 
+PRICE_WORK_PER_S = 1e8
+"""Work for the prices of a bound in relation to the budget of a search: a third of its time."""
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""
 
@@ -180,12 +182,21 @@ def _bound(
     """Return the best bound of the makespan: that of the search, or a later one."""
     # Loaded when it is asked for: see `_found`.
     from rocsafe_planner.routing.bound import LowerBound, lower_bound
+    from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
     has_proof = site.request.effort.minimises_makespan and found.bound > 0.0
     proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
     if has_proof and len(site.problem.points) > MANY_POINTS:
         return proven  # a forest of so many points takes longer than it is worth beside a proof
-    later = lower_bound(site.problem, makespan_s, lambda seconds: on_progress(makespan_s, seconds))
+    budget_s = site.request.effort.budget_s
+    work = PRICE_WORK_PER_S * budget_s or PriceOptions().work
+    is_urgent = any(vehicle.aloft for vehicle in site.request.vehicles)
+    later = lower_bound(
+        site.problem,
+        makespan_s,
+        lambda seconds: on_progress(makespan_s, seconds),
+        prices=None if is_urgent else dataclasses.replace(PriceOptions(), work=work),
+    )
     return proven if has_proof and found.bound > later.makespan_s else later
 
 

@@ -46,6 +46,11 @@ class Leases:
         What the node is for the vehicles: the name of the holder, before that of the machine.
     is_reserve
         Whether it takes a lease only when an order needs it, and then from another holder, too.
+
+    Attributes
+    ----------
+    lost
+        Vehicles whose lease is lost.
     """
 
     def __init__(
@@ -68,7 +73,7 @@ class Leases:
             for name in vehicles
         }
         self._held: dict[str, str] = {}
-        self._lost: set[str] = set()
+        self.lost: set[str] = set()
         self._due_s = dict.fromkeys(self._clients, 0.0)
         self._waiting: dict[str, tuple[Send, Callable[[str], None]]] = {}
         node.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -86,7 +91,7 @@ class Leases:
         now_s = time.monotonic()
         for vehicle, client in self._clients.items():
             is_wanted = not self._is_reserve or vehicle in self._held or vehicle in self._waiting
-            is_due = now_s >= self._due_s[vehicle] and is_wanted and vehicle not in self._lost
+            is_due = now_s >= self._due_s[vehicle] and is_wanted and vehicle not in self.lost
             if is_due and client.service_is_ready():
                 self._due_s[vehicle] = now_s + REPEAT_S
                 answer = client.call_async(self._request(vehicle))
@@ -110,7 +115,7 @@ class Leases:
             self._held[vehicle] = answer.control.lease
             self._due_s[vehicle] = time.monotonic() + RENEW_S
         elif vehicle in self._held:
-            self._lost.add(vehicle)
+            self.lost.add(vehicle)
             self._say(f'{answer.message}: it takes no orders of this mission')
         waiting = self._waiting.pop(vehicle, None)
         if waiting is not None:

@@ -41,6 +41,8 @@ _PR_SET_PDEATHSIG = 1
 # on without their supervisor.
 FLEET_LOCK_VARIABLE = 'ROCSAFE_FLEET_LOCK'
 FLEET_LOOK_S = 1.0
+# A file that the supervisor of such a mission keeps locked, also one that resumes it.
+SUPERVISOR_LOCK_VARIABLE = 'ROCSAFE_SUPERVISOR_LOCK'
 
 
 class StopRequest:
@@ -134,7 +136,9 @@ def _spin(
 
 
 def is_orphan() -> bool:
-    """Return whether the supervisor that started this process has died."""
+    """Return whether the supervisor of this process has died, and no other has taken its place."""
+    if lock := os.environ.get(SUPERVISOR_LOCK_VARIABLE):
+        return not is_locked(lock)
     supervisor = os.environ.get(SUPERVISOR_VARIABLE)
     return bool(supervisor) and os.getppid() != int(supervisor or 0)
 

@@ -79,7 +79,9 @@ from rocsafe_interfaces.srv import (
     QueryRadiationField,
     Resume,
     SetHome,
+    SetLight,
     SetSpeed,
+    SetWind,
     SuggestViewpoints,
 )
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
@@ -268,6 +270,13 @@ CAMERA_LABEL_TABLE = _vehicle(
 CAMERA_POSE = _vehicle(
     'camera/pose', PoseStamped, _pictures(), 'as image_raw', 'true, of the optical frame'
 )
+CMD_VEL = _vehicle(
+    'cmd_vel',
+    TwistStamped,
+    _stream(),
+    'by a program',
+    'see move; simulated vehicles only',
+)
 GIMBAL_COMMAND = _vehicle(
     'camera/gimbal/command', GimbalCommand, _stream(), 'by the operator', 'where to point it'
 )
@@ -371,6 +380,8 @@ LOOK = _call(
     'camera/look', Look, 'service', Scope.VEHICLE, 'an image now; simulated vehicles only'
 )
 MOVE = _call('move', Move, 'service', Scope.VEHICLE, 'fly freely; simulated vehicles only')
+SET_WIND = _call('set_wind', SetWind, 'service', Scope.VEHICLE, 'wind of simulated vehicles only')
+SET_LIGHT = _call('set_light', SetLight, 'service', Scope.VEHICLE, 'sun and fog of a drawn scene')
 SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'speed over ground')
 PUSH_FENCE = _call('geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence')
 PUSH_RALLY = _call('rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'replace rally points')
@@ -401,6 +412,7 @@ FLEET_RETURN_HOME = _call(
     'fleet/return_home', FleetCommand, 'service', Scope.FLEET, 'all give up their routes'
 )
 FLEET_LAND = _call('fleet/land', FleetCommand, 'service', Scope.FLEET, 'all land where they are')
+REPLAN = _call('mission/replan', Trigger, 'service', Scope.FLEET, 'plan the rest anew')
 SAVE_MOSAIC = _call('mosaic/save', Trigger, 'service', Scope.FLEET, 'write the map now')
 
 CALLS = tuple(value for value in tuple(globals().values()) if isinstance(value, CallSpec))

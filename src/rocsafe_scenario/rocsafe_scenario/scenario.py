@@ -11,6 +11,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_scenario.air_blocks import AirBlock
 from rocsafe_scenario.camera_blocks import CameraBlock, OtherCameraBlock
 from rocsafe_scenario.ground_blocks import GroundVehicleBlock
+from rocsafe_scenario.host_blocks import MOST_HOSTS, HostBlock
 from rocsafe_scenario.limits import LARGEST_FLEET, LARGEST_SEED
 from rocsafe_scenario.radiation_blocks import RadiationBlock
 from rocsafe_scenario.scenario_blocks import (
@@ -43,6 +44,7 @@ class Scenario(Block):
     scene: str = 'none'
     simulation: SimulationBlock = SimulationBlock()
     fleet: FleetBlock = FleetBlock()
+    hosts: tuple[HostBlock, ...] = Field(default=(), max_length=MOST_HOSTS)
     replan: Literal['never', 'on_loss'] = 'on_loss'
     on_operator_lost: Literal['hold_then_return', 'return', 'go_on'] = 'hold_then_return'
     vehicles: tuple[VehicleBlock, ...] = Field(min_length=1, max_length=LARGEST_FLEET)
@@ -75,6 +77,10 @@ class Scenario(Block):
         """Real vehicles."""
         return tuple(vehicle for vehicle in self.vehicles if vehicle.link)
 
+    def linked_on(self, host: str) -> tuple[VehicleBlock, ...]:
+        """Return the real vehicles of a host."""
+        return tuple(vehicle for vehicle in self.linked if self.host_of(vehicle.name) == host)
+
     @property
     def with_simulated_detector(self) -> tuple[VehicleBlock, ...]:
         """Vehicles whose readings are those of the simulated field."""
@@ -92,6 +98,15 @@ class Scenario(Block):
         """Names of those vehicles, and of the ground vehicle."""
         drones = (vehicle.name for vehicle in self.with_simulated_detector)
         return (*drones, *([self.driver_name] if self.driver_name else []))
+
+    @property
+    def head(self) -> str:
+        """Name of the host of `rocsafe run`; empty: all is on one machine."""
+        return self.hosts[0].name if self.hosts else ''
+
+    def host_of(self, vehicle: str) -> str:
+        """Return the name of the host of a vehicle; empty: all is on one machine."""
+        return next((h.name for h in self.hosts if vehicle in h.vehicles), self.head)
 
     def area(self) -> SurveyArea:
         """Return the region.

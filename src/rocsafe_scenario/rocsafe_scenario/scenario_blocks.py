@@ -152,9 +152,13 @@ class SeparationBlock(Block):
 
 
 class FleetBlock(Block):
-    """Whether each vehicle has an agent: they go on without an orchestrator."""
+    """Whether each vehicle has an agent: they go on without an orchestrator.
+
+    `link`: the way of their packets between hosts.
+    """
 
     agents: bool = False
+    link: Literal['dds', 'zenoh'] = 'dds'
 
 
 class EffortBlock(Block):

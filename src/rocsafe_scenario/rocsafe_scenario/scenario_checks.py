@@ -11,6 +11,7 @@ from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import distance_m
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_scenario.camera_blocks import FIRST_CAMERA
+from rocsafe_scenario.host_blocks import host_mistakes
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import PLANNING_KEYS
 from rocsafe_scenario.survey_size import fewest_viewpoints
@@ -43,6 +44,7 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_unused_shields(scenario),
         *_unclear_releases(scenario),
         *_unfit_for_agents(scenario),
+        *host_mistakes(scenario),
     ]
     try:
         area = scenario.area()

@@ -13,12 +13,14 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.conversions import fence_of, places_of
 from rocsafe_sim.order_answers import OrderAnswers
 from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.velocity_stream_node import VelocityStream
 
 
 class CommandServices:
     """Services: hold, return_home and land, always taken; with the lease all others.
 
-    These are resume, go_to, move, set_speed, set_home, fence and rally.
+    These are resume, go_to, move, set_speed, set_home, fence and rally; and set_wind, which is
+    not the vehicle's. `cmd_vel` is followed as `VelocityStream` says.
 
     Parameters
     ----------
@@ -61,7 +63,10 @@ class CommandServices:
             topics.PUSH_FENCE,
             answers.to(lambda request: vehicle.push_fence(fence_of(request, self._frame))),
         )
+        self._stream = VelocityStream(node, rav, lease, on_command)
         lease.serve(topics.MOVE, answers.to(self._move))
+        wind = answers.to(lambda told: vehicle.set_wind((told.east_mps, told.north_mps)))
+        node.create_service(topics.SET_WIND.call_type, topics.SET_WIND.name, wind)
         lease.serve(topics.PUSH_RALLY, answers.to(self._push_rally))
 
     def _go_to(self, request: GoTo.Request) -> None:
@@ -87,11 +92,14 @@ class CommandServices:
             vehicle.fly_along(places, request.speed_mps)
         elif request.kind == Move.Request.AT_VELOCITY:
             velocity = (request.velocity.x, request.velocity.y, request.velocity.z)
-            vehicle.fly_at(velocity, request.duration_s, request.turn_rate_radps)
+            yaw_rad = request.yaw_rad if request.to_yaw else None
+            vehicle.fly_at(velocity, request.duration_s, request.turn_rate_radps, yaw_rad)
         elif request.kind == Move.Request.TURN:
             vehicle.turn_to(request.yaw_rad)
+        elif request.kind == Move.Request.FOLLOW:
+            self._stream.begin(request.lease, request.duration_s)
         else:
-            raise ValueError(f'kind is {request.kind}: must be ALONG, AT_VELOCITY or TURN')
+            raise ValueError(f'kind is {request.kind}: must be ALONG, AT_VELOCITY, TURN or FOLLOW')
 
     def _push_rally(self, request: PushRally.Request) -> None:
         # It returns at the height at which it is.

@@ -13,6 +13,7 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.camera_node import CameraInterface
 from rocsafe_sim.command_node import CommandServices
 from rocsafe_sim.fly_route_node import FlyRouteServer
+from rocsafe_sim.light_node import LightService
 from rocsafe_sim.messages.picture_conversions import mounts_of
 from rocsafe_sim.messages.sensor_conversions import sensor_mounts
 from rocsafe_sim.rav.rav import Rav
@@ -26,7 +27,8 @@ class VehicleInterface:
 
     Publishes: ground_truth/fix, fix, velocity, odom, battery_state, state, path, route_markers,
     home, camera/*, control, /tf, /tf_static, and the topics of `SensorTopics`.
-    Subscribes: shots/receipts. Services: lease, and those of `CommandServices`. Action: fly_route.
+    Subscribes: shots/receipts, cmd_vel. Services: lease, set_light, and those of
+    `CommandServices`. Action: fly_route.
 
     Parameters
     ----------
@@ -64,6 +66,7 @@ class VehicleInterface:
         self._sensors = SensorTopics(node, rig)
         self._telemetry = Telemetry(node, rav, fix_period_ns, frames)
         self._delivery = make_shot_delivery(node, rav, self._publish_state)
+        self._light = LightService(node, rav)
         self._cameras = [CameraInterface(node, rav, each, frames) for each in rav.parts.cameras]
         self.lease = LeaseServer(node, rav.spool)
         self._flights = FlyRouteServer(node, rav, self.lease, self._after_command)

@@ -84,6 +84,13 @@ class Access:
             raise AirsimError(f'{vehicle.name} is a real vehicle: sim methods are refused')
         return vehicle
 
+    def all_simulated(self) -> list[Vehicle]:
+        """Return all simulated vehicles, of which there must be one."""
+        found = [each for each in self.world.vehicles.values() if each.is_simulated]
+        if not found:
+            raise AirsimError('there are only real vehicles: sim methods are refused')
+        return found
+
     def led(self, name: Any) -> Vehicle:
         """Return a vehicle that clients lead."""
         vehicle = self.vehicle(name)
@@ -120,10 +127,14 @@ class Access:
         origin = self.vehicle('').origin
         lines = [[origin.to_enu(place) for place in line] for line in lines_ned]
         duration_s = 0.0 if lasting[1] else max(float(lasting[0]), 0.0)
-        colour = tuple(map(float, rgba or _WHITE))
-        # AirSim's sizes are pixels or centimetres of its engine.
-        size_m = max(float(size) / 100.0, 0.05)
+        colour, size_m = pen(rgba, size)
         self.world.draw(lines, colour, size_m, kind=kind, duration_s=duration_s)
+
+
+def pen(rgba: Any, size: Any) -> tuple[tuple[float, ...], float]:
+    """Return colour and width, metres, of a drawing."""
+    # AirSim's sizes are pixels or centimetres of its engine.
+    return tuple(map(float, rgba or _WHITE)), max(float(size) / 100.0, 0.05)
 
 
 def parameters(call: tuple[Any, ...], least: int) -> tuple[Any, ...]:

@@ -7,7 +7,9 @@ from typing import Any
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, methods_of
 from rocsafe_airsim.methods.control_methods import ControlMethods
+from rocsafe_airsim.methods.detection_methods import DetectionMethods
 from rocsafe_airsim.methods.sensing_methods import SensingMethods
+from rocsafe_airsim.methods.weather_methods import WeatherMethods
 from rocsafe_airsim.methods.world_methods import WorldMethods
 from rocsafe_airsim.protocol.wire import Call
 from rocsafe_airsim.vehicle import World
@@ -26,7 +28,13 @@ class Api:
 
     def __init__(self, world: World, tell: Callable[[str], None]) -> None:
         at = Access(world, tell)
-        parts = (ControlMethods(at), SensingMethods(at), WorldMethods(at))
+        parts = (
+            ControlMethods(at),
+            SensingMethods(at),
+            DetectionMethods(at),
+            WeatherMethods(at),
+            WorldMethods(at),
+        )
         self._methods = {name: f for part in parts for name, f in methods_of(part).items()}
 
     @property

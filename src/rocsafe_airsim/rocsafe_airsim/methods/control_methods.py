@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Methods of the connection, of control and of movements."""
 
+import asyncio
 import json
 import math
 from typing import Any
 
 from rocsafe_airsim import values
 from rocsafe_airsim.methods.access import Access, at_least, parameters, served
-from rocsafe_airsim.methods.moving import vector_of
+from rocsafe_airsim.methods.moving import LONGEST_S, vector_of
 from rocsafe_airsim.ned import yaw_of
 from rocsafe_airsim.vehicle import AIRBORNE, Vehicle
 
@@ -50,21 +51,24 @@ class ControlMethods:
 
     @served('armDisarm')
     async def _arm_disarm(self, arm: bool, name: str = '') -> bool:
-        vehicle = self._at.led(name)
-        # Vehicles of this suite arm for a flight and disarm after the landing by themselves.
+        vehicle = self._at.vehicle(name)
+        # Nothing is moved, so no control is needed: vehicles of this suite arm for a flight and
+        # disarm after the landing by themselves.
         return arm or vehicle.now().state not in AIRBORNE
 
     @served('reset')
     async def _reset(self) -> None:
-        """Call all simulated vehicles home; nothing is teleported."""
-        for name in sorted(self._at.controlled):
-            vehicle = self._at.vehicle(name)
-            self._at.mover.cancel(vehicle)
-            if vehicle.is_simulated and vehicle.now().state in AIRBORNE:
-                await vehicle.plain('return_home')
-            await vehicle.release()
-        self._at.controlled.clear()
+        """Call all simulated vehicles home; nothing is teleported. Answers when they stand."""
+        led = [self._at.vehicle(name) for name in sorted(self._at.controlled)]
         self._at.world.clear_drawings()
+        await asyncio.gather(*map(self._bring_home, led))
+
+    async def _bring_home(self, vehicle: Vehicle) -> None:
+        if vehicle.is_simulated:
+            await self._at.mover.go_home(vehicle, LONGEST_S)
+        if vehicle.name in self._at.controlled:
+            self._at.controlled.discard(vehicle.name)
+            await vehicle.release()
 
     @served('listVehicles')
     async def _list_vehicles(self) -> list[str]:

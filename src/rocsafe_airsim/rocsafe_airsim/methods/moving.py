@@ -3,27 +3,35 @@
 
 import asyncio
 import math
-from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any
 
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.ned import Vector, swapped, yaw_ned, yaw_of
 from rocsafe_airsim.values import vector
-from rocsafe_airsim.vehicle import AIRBORNE, HOLDING, LANDED, Vehicle, VehicleNow, World
+from rocsafe_airsim.vehicle import (
+    AIRBORNE,
+    CRASHED,
+    HOLDING,
+    LANDED,
+    LANDING,
+    Turn,
+    Vehicle,
+    VehicleNow,
+    World,
+)
 from rocsafe_geo.angle import wrap_rad
 
 NS_PER_S = 1_000_000_000
 POLL_S = 0.02
 # AirSim climbs to 3 m.
-TAKE_OFF_M = 3.0
+TAKE_OFF_M, TAKE_OFF_S = 3.0, 60.0
 # A vehicle that stands as near to its goal is there.
 NEAR_M, NEAR_RAD, SLOW_MPS = 0.5, math.radians(2.0), 0.15
 # Real ones are known by their receiver.
 NEAR_BY_FIX_M = 2.0
 FORWARD_ONLY = 1
-# Half a turn in one order has no shorter way.
-WIDEST_TURN_RAD = 2.0
 LONGEST_S = 3600.0
 
 
@@ -31,12 +39,14 @@ class Mover:
     """Moves vehicles, and waits for the end of each movement.
 
     Another movement of the same vehicle, or its cancelling, ends the wait: the answer is then
-    false.
+    false. A vehicle has one order at a time in hand: of those that come meanwhile it gets the
+    newest, so that a script that sends orders in a loop is obeyed at the pace of the vehicle.
     """
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._tasks: Counter[str] = Counter()
+        self._in_hand: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
 
     def cancel(self, vehicle: Vehicle) -> None:
         """Let what is awaited of a vehicle end without success."""
@@ -44,13 +54,19 @@ class Mover:
 
     async def take_off(self, vehicle: Vehicle, timeout_s: float) -> bool:
         """Climb above home, if on the ground."""
+        task = self._begin(vehicle)
+        if vehicle.now().state == LANDING and not await self._until(
+            vehicle, task, lambda now: now.state != LANDING, timeout_s
+        ):
+            return False
         now = vehicle.now()
         if now.state in AIRBORNE:
             return True
         latitude, longitude, _ = self._world.to_geodetic(now.true_enu)
-        task = self._begin(vehicle)
         height_m = max(now.true_enu[2] - vehicle.origin.home_enu[2], 0.0) + TAKE_OFF_M
-        await vehicle.along([(latitude, longitude, height_m)], 0.0)
+        place = (latitude, longitude, height_m)
+        if not await self._give(vehicle, task, lambda: vehicle.along([place], 0.0)):
+            return False
         goal = (*now.true_enu[:2], vehicle.origin.home_enu[2] + height_m)
         return await self._until(vehicle, task, _is_at(vehicle, goal), timeout_s)
 
@@ -64,9 +80,8 @@ class Mover:
 
     async def hover(self, vehicle: Vehicle) -> bool:
         """Stop."""
-        self.cancel(vehicle)
-        await vehicle.plain('hold')
-        return True
+        task = self._begin(vehicle)
+        return await self._give(vehicle, task, lambda: vehicle.plain('hold'))
 
     async def along(
         self,
@@ -88,24 +103,33 @@ class Mover:
         task = self._begin(vehicle)
         goals = [vehicle.origin.to_enu(place) for place in places_ned]
         await self._face(vehicle, task, goals[0], aim)
-        if self._tasks[vehicle.name] != task:
-            return False
         home_up_m = vehicle.origin.home_enu[2]
         places = []
         for goal in goals:
             latitude, longitude, _ = self._world.to_geodetic(goal)
             places.append((latitude, longitude, goal[2] - home_up_m))
-        await vehicle.along(places, _speed(speed_mps))
+        speed = _speed(speed_mps)
+        if not await self._give(vehicle, task, lambda: vehicle.along(places, speed)):
+            return False
         return await self._until(vehicle, task, _is_at(vehicle, goals[-1]), timeout_s)
 
     async def at_velocity(
         self, vehicle: Vehicle, velocity_ned: Vector, duration_s: float, yaw_mode: Any = None
     ) -> bool:
-        """Fly at a velocity for some time."""
+        """Fly at a velocity for some time; upwards from the ground it takes off first."""
+        seconds, turn = _duration(duration_s), _turn(yaw_mode)
+        if velocity_ned[2] < 0.0:
+            await self.take_off(vehicle, TAKE_OFF_S)
+        return await self._fly_at(vehicle, swapped(velocity_ned), seconds, turn)
+
+    async def _fly_at(
+        self, vehicle: Vehicle, velocity_enu: Vector, seconds: float, turn: Turn
+    ) -> bool:
         task = self._begin(vehicle)
-        seconds = _duration(duration_s)
-        rate = -math.radians(_yaw_rate_deg(yaw_mode))
-        await vehicle.at_velocity(swapped(velocity_ned), seconds, rate)
+        if not await self._give(
+            vehicle, task, lambda: vehicle.at_velocity(velocity_enu, seconds, turn)
+        ):
+            return False
         return await self._for(vehicle, task, seconds)
 
     async def at_height(
@@ -117,40 +141,48 @@ class Mover:
         yaw_mode: Any = None,
     ) -> bool:
         """Fly at a horizontal velocity (north, east), and reach a height meanwhile."""
+        seconds, turn = _duration(duration_s), _turn(yaw_mode)
+        if down_m < vehicle.origin.to_ned(vehicle.now().true_enu)[2]:
+            await self.take_off(vehicle, TAKE_OFF_S)
         place = vehicle.origin.to_ned(vehicle.now().true_enu)
-        seconds = _duration(duration_s)
         down_mps = (down_m - place[2]) / max(seconds, 1.0)
-        return await self.at_velocity(vehicle, (*velocity, down_mps), seconds, yaw_mode)
+        return await self._fly_at(vehicle, swapped((*velocity, down_mps)), seconds, turn)
 
     async def turn(self, vehicle: Vehicle, yaw_deg: float, timeout_s: float) -> bool:
         """Turn to a yaw, degrees clockwise from north."""
         task = self._begin(vehicle)
         yaw = yaw_ned(math.radians(float(yaw_deg)))
-        await vehicle.turn(yaw)
+        if not await self._give(vehicle, task, lambda: vehicle.turn(yaw)):
+            return False
         return await self._until(vehicle, task, _faces(yaw), timeout_s)
 
     async def spin(self, vehicle: Vehicle, rate_deg_s: float, duration_s: float) -> bool:
         """Turn at a yaw rate, degrees per second clockwise."""
-        task = self._begin(vehicle)
-        rate, left_s = -math.radians(float(rate_deg_s)), _duration(duration_s)
-        piece_s = WIDEST_TURN_RAD / abs(rate) if rate else LONGEST_S
-        while left_s > 0.0:
-            seconds = min(left_s, piece_s)
-            await vehicle.at_velocity((0.0, 0.0, 0.0), seconds, rate)
-            if not await self._for(vehicle, task, seconds):
-                return False
-            left_s -= seconds
-        return True
+        turn = Turn(rate_radps=-math.radians(float(rate_deg_s)))
+        return await self._fly_at(vehicle, (0.0, 0.0, 0.0), _duration(duration_s), turn)
 
     def _begin(self, vehicle: Vehicle) -> int:
         self.cancel(vehicle)
         return self._tasks[vehicle.name]
 
+    async def _give(
+        self, vehicle: Vehicle, task: int, order: Callable[[], Awaitable[None]]
+    ) -> bool:
+        """Give an order when the one before is answered; false if a newer one has come."""
+        async with self._in_hand[vehicle.name]:
+            if self._tasks[vehicle.name] != task:
+                return False
+            await order()
+            return True
+
     async def _down(self, vehicle: Vehicle, verb: str, timeout_s: float) -> bool:
         task = self._begin(vehicle)
-        if vehicle.now().state not in AIRBORNE:
+        state = vehicle.now().state
+        if state not in AIRBORNE:
             return True
-        await vehicle.plain(verb)
+        # One that lands already is on its way down.
+        if state != LANDING and not await self._give(vehicle, task, lambda: vehicle.plain(verb)):
+            return False
         return await self._until(vehicle, task, lambda now: now.state == LANDED, timeout_s)
 
     async def _face(
@@ -162,7 +194,7 @@ class Mover:
         if yaw is None or now.state not in AIRBORNE:
             return
         if abs(wrap_rad(yaw - yaw_of(now.attitude))) > NEAR_RAD:
-            await vehicle.turn(yaw)
+            await self._give(vehicle, task, lambda: vehicle.turn(yaw))
             await self._until(vehicle, task, _faces(yaw), LONGEST_S)
 
     async def _for(self, vehicle: Vehicle, task: int, seconds: float) -> bool:
@@ -178,15 +210,22 @@ class Mover:
         is_done: Callable[[VehicleNow], bool],
         timeout_s: float,
     ) -> bool:
-        """Wait by the time of the mission; false at its end, or if another order came."""
+        """Wait by the time of the mission; false at its end, or if another order came.
+
+        Also if the flight has ended otherwise: a failsafe landed the vehicle, or it crashed.
+        """
         limit_s = float(timeout_s)
         end_ns = math.inf
         if math.isfinite(limit_s) and limit_s < 1e9:
             end_ns = self._world.time_ns() + max(limit_s, 0.0) * NS_PER_S
+        has_flown = False
         while self._tasks[vehicle.name] == task:
-            if is_done(vehicle.now()):
+            now = vehicle.now()
+            if is_done(now):
                 return True
-            if self._world.time_ns() > end_ns:
+            has_flown |= now.state in AIRBORNE
+            is_down = now.state == CRASHED or (has_flown and now.state not in AIRBORNE)
+            if is_down or self._world.time_ns() > end_ns:
                 return False
             await asyncio.sleep(POLL_S)
         return False
@@ -225,9 +264,12 @@ def _asked_yaw(now: VehicleNow, goal: Vector, aim: Mapping[str, Any]) -> float |
     return None if mode.get('is_rate', True) else yaw_ned(math.radians(offset_deg))
 
 
-def _yaw_rate_deg(yaw_mode: Any) -> float:
+def _turn(yaw_mode: Any) -> Turn:
     mode = yaw_mode or {}
-    return float(mode.get('yaw_or_rate', 0.0)) if mode.get('is_rate') else 0.0
+    value = math.radians(float(mode.get('yaw_or_rate', 0.0)))
+    if mode.get('is_rate', True):
+        return Turn(rate_radps=-value)
+    return Turn(yaw_enu_rad=yaw_ned(value))
 
 
 def _speed(value: Any) -> float:

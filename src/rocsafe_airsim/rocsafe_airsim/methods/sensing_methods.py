@@ -10,8 +10,11 @@ from rocsafe_airsim import images, values
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, matches, served
 from rocsafe_airsim.methods.moving import vector_of
-from rocsafe_airsim.ned import Origin, Quaternion, attitude_ned
+from rocsafe_airsim.ned import Quaternion, attitude_ned
 from rocsafe_airsim.vehicle import DISARMED, Picture
+
+# A camera that is rolled by no more counts as level.
+LEVEL_RAD = math.radians(1.0)
 
 
 class SensingMethods:
@@ -39,12 +42,11 @@ class SensingMethods:
     async def _sim_set_vehicle_pose(
         self, pose: Any, _ignore_collision: Any = True, name: str = ''
     ) -> None:
-        vehicle = self._at.simulated(name)
+        vehicle = self._at.led(self._at.simulated(name).name)
         if vehicle.now().state != DISARMED:
             raise AirsimError(f'{vehicle.name} has flown: can be placed before its first flight')
         place = vehicle.origin.to_enu(vector_of(pose['position']))
         await vehicle.set_home(self._at.world.to_geodetic(place))
-        vehicle.origin = Origin(place)
 
     @served('simGetGroundTruthKinematics')
     async def _sim_get_ground_truth_kinematics(self, name: str = '') -> values.Plain:
@@ -130,6 +132,22 @@ class SensingMethods:
             'proj_mat': {'matrix': _projection(fov_deg, width / height)},
         }
 
+    @served('simSetCameraPose')
+    async def _sim_set_camera_pose(
+        self, camera: str, pose: Any, name: str = '', *_external: Any
+    ) -> None:
+        vehicle = self._at.simulated(name)
+        own = self._at.camera(vehicle, camera)
+        if any(vector_of(pose['position'])):
+            raise AirsimError('position must be 0, 0, 0: cameras stay where they are mounted')
+        roll, pitch, yaw = _roll_pitch_yaw(pose['orientation'])
+        if abs(roll) > LEVEL_RAD:
+            raise AirsimError(
+                f'roll is {math.degrees(roll):.1f} deg: must be 0, gimbals keep level'
+            )
+        # AirSim's yaw is clockwise.
+        await vehicle.point(own, pitch, -yaw)
+
     @served('simListSceneObjects')
     async def _sim_list_scene_objects(self, name_regex: str = '.*') -> list[str]:
         return [str(row['name']) for row in self._at.instances() if matches(name_regex, row)]
@@ -164,6 +182,20 @@ def _body_of_optical(attitude: Quaternion) -> Quaternion:
         w * by - x * bz + y * bw + z * bx,
         w * bz + x * by - y * bx + z * bw,
         w * bw - x * bx - y * by - z * bz,
+    )
+
+
+def _roll_pitch_yaw(orientation: Mapping[str, Any]) -> tuple[float, float, float]:
+    """Return the angles of a Quaternionr, rad: pitch is positive for up, yaw for clockwise."""
+    w, x, y, z = (float(orientation[f'{axis}_val']) for axis in 'wxyz')
+    size = math.sqrt(w * w + x * x + y * y + z * z)
+    if not (math.isfinite(size) and size > 0.0):
+        raise AirsimError('orientation must be a quaternion that is not zero')
+    w, x, y, z = w / size, x / size, y / size, z / size
+    return (
+        math.atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
+        math.asin(min(max(2.0 * (w * y - z * x), -1.0), 1.0)),
+        math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)),
     )
 
 

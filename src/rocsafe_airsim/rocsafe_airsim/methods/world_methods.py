@@ -4,7 +4,7 @@
 import asyncio
 from typing import Any
 
-from rocsafe_airsim.methods.access import Access, parameters, served
+from rocsafe_airsim.methods.access import Access, parameters, pen, served
 from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S, vector_of
 
 
@@ -56,6 +56,10 @@ class WorldMethods:
         starts, ends, rgba, size, _head, duration_s, is_lasting = parameters(call, 7)
         pairs = [[vector_of(a), vector_of(b)] for a, b in zip(starts, ends, strict=True)]
         self._at.draw(pairs, rgba, size, 'lines', (duration_s, is_lasting))
+
+    @served('simSetTraceLine')
+    async def _sim_set_trace_line(self, rgba: Any, thickness: float = 1.0, name: str = '') -> None:
+        self._at.world.trace(self._at.vehicle(name).name, *pen(rgba, thickness))
 
     @served('simFlushPersistentMarkers')
     async def _sim_flush_persistent_markers(self) -> None:

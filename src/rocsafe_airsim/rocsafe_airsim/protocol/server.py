@@ -10,7 +10,7 @@ from rocsafe_airsim.protocol.wire import Call, CallReader, answer, refusal
 
 PORT = 41451
 MOST_CLIENTS = 64
-# Calls of one client that wait for their end, such as movements.
+# Calls of one client that wait for their end, such as movements; no more are read meanwhile.
 MOST_PENDING = 64
 CHUNK = 65_536
 Handle = Callable[[Call], Awaitable[Any]]
@@ -72,7 +72,9 @@ class AirsimServer:
         while data := await reader.read(CHUNK):
             for call in calls.feed(data):
                 if len(pending) >= MOST_PENDING:
-                    raise ProtocolError(f'more than {MOST_PENDING} calls wait for their end')
+                    # Scripts send orders in a loop: what comes faster than it is done waits in
+                    # the connection.
+                    await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
                 task = asyncio.create_task(self._answer(call, writer))
                 pending.add(task)
                 task.add_done_callback(pending.discard)

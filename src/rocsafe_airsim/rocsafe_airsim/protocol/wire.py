@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import msgpack
+import numpy as np
+from numpy.typing import NDArray
 
 from rocsafe_airsim.errors import ProtocolError
 
@@ -77,7 +79,37 @@ def refusal(call_id: int, text: str) -> bytes:
 
 
 def _packed(message: list[Any]) -> bytes:
-    return bytes(msgpack.packb(message, use_bin_type=True))
+    try:
+        return bytes(msgpack.packb(message, use_bin_type=True))
+    except TypeError:
+        # It holds an array of floats.
+        return b''.join(_parts(message))
+
+
+def _parts(value: Any) -> Iterator[bytes]:
+    """Yield the bytes of a value with arrays in it; an array becomes a list of its floats."""
+    packer = msgpack.Packer()
+    if isinstance(value, np.ndarray):
+        yield packer.pack_array_header(value.size)
+        yield _floats(value)
+    elif isinstance(value, list):
+        yield packer.pack_array_header(len(value))
+        for each in value:
+            yield from _parts(each)
+    elif isinstance(value, dict):
+        yield packer.pack_map_header(len(value))
+        for key, each in value.items():
+            yield from _parts(key)
+            yield from _parts(each)
+    else:
+        yield bytes(msgpack.packb(value, use_bin_type=True))
+
+
+def _floats(values: NDArray[np.floating[Any]]) -> bytes:
+    """Return numbers as MessagePack has floats of 32 bits, without a Python object for each."""
+    packed = np.empty(values.size, np.dtype([('head', 'u1'), ('value', '>f4')]))
+    packed['head'], packed['value'] = 0xCA, values.ravel()
+    return packed.tobytes()
 
 
 def _call(message: Any) -> Call:

@@ -17,6 +17,8 @@ from rocsafe_console.people.roles import VERBS, Action
 CONFIRM_S = 8.0
 MOST_KEPT = 1000
 LOWEST_M, HIGHEST_M = 5.0, 500.0
+# A ground vehicle is spent before; a larger number is a mistake of the unit.
+MOST_DOSE_USV = 1e6
 _ID = re.compile(r'[A-Za-z0-9-]{16,64}')
 NEVER_STALE = frozenset({Action.HOLD})
 
@@ -39,14 +41,33 @@ class Target:
     height_m: float
 
     def __post_init__(self) -> None:
-        if not (-90.0 <= self.latitude_deg <= 90.0 and -180.0 <= self.longitude_deg <= 180.0):
-            raise ValueError(
-                f'target {self.latitude_deg}, {self.longitude_deg}: must be on the earth'
-            )
+        _require_on_earth(self.latitude_deg, self.longitude_deg)
         if not LOWEST_M <= self.height_m <= HIGHEST_M:
             raise ValueError(
                 f'height_m = {self.height_m}: must be within {LOWEST_M:g} and {HIGHEST_M:g} m'
             )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Errand:
+    """Place to which a ground vehicle drives, degrees, and dose that it may take on the way."""
+
+    latitude_deg: float
+    longitude_deg: float
+    dose_budget_usv: float
+
+    def __post_init__(self) -> None:
+        _require_on_earth(self.latitude_deg, self.longitude_deg)
+        if not 0.0 < self.dose_budget_usv <= MOST_DOSE_USV:
+            raise ValueError(
+                f'dose_budget_usv = {self.dose_budget_usv}: must be above 0 and at most '
+                f'{MOST_DOSE_USV:g} uSv'
+            )
+
+
+TARGETS: Mapping[Action, type[Target] | type[Errand]] = {
+    Action.GO_TO: Target, Action.SEND: Errand
+}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +89,7 @@ class Order:
     user: str
     verb: Action
     revisions: Mapping[str, int]
-    target: Target | None = None
+    target: Target | Errand | None = None
 
     def __post_init__(self) -> None:
         if not _ID.fullmatch(self.request_id):
@@ -77,10 +98,11 @@ class Order:
             raise ValueError(f'verb {self.verb.value!r} is no order to a vehicle')
         if not self.revisions:
             raise ValueError('vehicles: must be one or more')
-        if (self.verb is Action.GO_TO) != (self.target is not None):
-            raise ValueError('target: go_to needs one, and nothing else has one')
-        if self.verb is Action.GO_TO and len(self.revisions) > 1:
-            raise ValueError('go_to: must be for one vehicle: two would meet')
+        wanted = TARGETS.get(self.verb)
+        if type(self.target) is not (wanted or type(None)):
+            raise ValueError('target: go_to and send need one of their own, nothing else has one')
+        if wanted is not None and len(self.revisions) > 1:
+            raise ValueError(f'{self.verb.value}: must be for one vehicle: two would meet')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,7 +183,7 @@ def stale(order: Order, revisions: Mapping[str, int]) -> tuple[Result, ...]:
     """
     if order.verb in NEVER_STALE:
         return ()
-    return tuple(
+    changed = tuple(
         Result(
             vehicle=name,
             outcome=Outcome.STALE,
@@ -170,3 +192,15 @@ def stale(order: Order, revisions: Mapping[str, int]) -> tuple[Result, ...]:
         for name, seen in order.revisions.items()
         if revisions.get(name) != seen
     )
+    if order.verb is Action.REPLAN and changed:
+        # One plan for all: what was seen of one vehicle was seen of the fleet.
+        text = f'not planned anew: {changed[0].text}'
+        return tuple(
+            Result(vehicle=name, outcome=Outcome.STALE, text=text) for name in order.revisions
+        )
+    return changed
+
+
+def _require_on_earth(latitude_deg: float, longitude_deg: float) -> None:
+    if not (-90.0 <= latitude_deg <= 90.0 and -180.0 <= longitude_deg <= 180.0):
+        raise ValueError(f'target {latitude_deg}, {longitude_deg}: must be on the earth')

@@ -17,7 +17,8 @@ from rocsafe_view import formats
 
 # What the standard has for an unknown error or height.
 UNKNOWN_M = 9_999_999.0
-ROTARY_UAV, SPOT, SHAPE = 'a-f-A-M-H-Q', 'b-m-p-s-m', 'u-d-f'
+ROTARY_UAV, GROUND_VEHICLE = 'a-f-A-M-H-Q', 'a-f-G-E-V'
+SPOT, SHAPE = 'b-m-p-s-m', 'u-d-f'
 PERIOD_S = 1.0
 # Three periods without an event: the receiver shows it as old.
 STALE_S = 3.0 * PERIOD_S
@@ -86,7 +87,7 @@ def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
             rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_usvh))
             yield Event(
                 uid=f'{prefix}.{vehicle.name}',
-                kind=ROTARY_UAV,
+                kind=GROUND_VEHICLE if vehicle.report.is_ground else ROTARY_UAV,
                 callsign=vehicle.name,
                 latitude_deg=vehicle.latitude_deg,
                 longitude_deg=vehicle.longitude_deg,

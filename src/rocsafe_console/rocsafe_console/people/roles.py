@@ -27,24 +27,26 @@ class Action(Enum):
     TAKE = 'take'
     RELEASE = 'release'
     GO_TO = 'go_to'
+    SEND = 'send'
+    REPLAN = 'replan'
     DRAFT = 'draft'
     LAUNCH = 'launch'
     SEAL = 'seal'
     REVOKE = 'revoke'
 
 
-# Orders to vehicles; all else is to the console or to a mission.
+# Orders that vehicles fly or drive by; all else is to the console.
 VERBS = frozenset(
     {
         Action.HOLD, Action.RESUME, Action.RETURN, Action.LAND, Action.TAKE, Action.RELEASE,
-        Action.GO_TO,
+        Action.GO_TO, Action.SEND, Action.REPLAN,
     }
 )  # fmt: skip
-_OPERATOR = VERBS | {Action.SEE, Action.ACKNOWLEDGE, Action.MARK, Action.DRAFT}
+_OPERATOR = (VERBS - {Action.REPLAN}) | {Action.SEE, Action.ACKNOWLEDGE, Action.MARK, Action.DRAFT}
 MAY = {
     Role.VIEWER: frozenset({Action.SEE}),
     Role.OPERATOR: _OPERATOR,
-    Role.COMMANDER: _OPERATOR | {Action.LAUNCH, Action.SEAL, Action.REVOKE},
+    Role.COMMANDER: _OPERATOR | {Action.REPLAN, Action.LAUNCH, Action.SEAL, Action.REVOKE},
 }
 
 

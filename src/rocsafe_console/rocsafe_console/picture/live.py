@@ -7,6 +7,7 @@ from pathlib import Path
 from threading import Lock
 
 from rocsafe_console.picture.picture import Picture
+from rocsafe_console.picture.video import Video
 
 MOST_PHOTOGRAPHS = 2000
 
@@ -21,12 +22,15 @@ class Live:
         PNG of ``dose_map``, ``plume`` and ``mosaic``, by name.
     photographs
         Files of stored photographs by shot.
+    video
+        Cameras that somebody looks at.
     """
 
     picture: Picture
     lock: Lock = field(default_factory=Lock)
     images: dict[str, bytes] = field(default_factory=dict)
     photographs: 'OrderedDict[str, Path]' = field(default_factory=OrderedDict)
+    video: Video = field(default_factory=Video)
 
     def begin(self) -> None:
         """Forget the mission before."""

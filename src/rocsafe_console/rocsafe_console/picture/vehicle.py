@@ -14,6 +14,8 @@ STATE_NAMES = (
     'unknown', 'disarmed', 'armed', 'taking off', 'flying', 'holding', 'returning', 'landing',
     'landed', 'lost', 'crashed', 'waiting',
 )  # fmt: skip
+# The same states on wheels.
+GROUND_NAMES = {1: 'parked', 4: 'driving', 5: 'standing', 8: 'arrived'}
 LOST, CRASHED = 9, 10
 ON_GROUND = frozenset({1, 2, 8, 11})
 
@@ -38,10 +40,14 @@ class VehicleReport:
     altitude_m: float = math.nan
     speed_mps: float = math.nan
     taken_by: str = ''
+    plan_id: str = ''
+    is_ground: bool = False
 
     @property
     def state_name(self) -> str:
         """State in words."""
+        if self.is_ground and self.state in GROUND_NAMES:
+            return GROUND_NAMES[self.state]
         return STATE_NAMES[self.state] if self.state < len(STATE_NAMES) else 'unknown'
 
 
@@ -93,7 +99,9 @@ class Vehicle:
     @property
     def is_aloft(self) -> bool:
         """Whether it is in the air, as far as it tells."""
-        return self.report.state not in ON_GROUND | {0, LOST, CRASHED}
+        return not self.report.is_ground and self.report.state not in ON_GROUND | {
+            0, LOST, CRASHED,
+        }  # fmt: skip
 
     @property
     def way_home_s(self) -> float:
@@ -136,6 +144,8 @@ class Vehicle:
             'state': report.state,
             'state_name': report.state_name,
             'is_simulated': report.is_simulated,
+            'is_ground': report.is_ground,
+            'plan_id': report.plan_id,
             'text': report.text,
             'advice': report.advice,
             'taken_by': report.taken_by,

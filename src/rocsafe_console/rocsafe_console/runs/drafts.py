@@ -11,13 +11,14 @@ import re
 import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.runs.faults import Fault, faults_of
 from rocsafe_geo.storage.durable import replace_whole
 from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml
 
@@ -39,6 +40,7 @@ class Step:
 
     is_done: bool
     text: str
+    faults: tuple[Fault, ...] = ()
 
 
 class Drafts:
@@ -90,8 +92,10 @@ class Drafts:
         return merged
 
     def check(self, name: str) -> Step:
-        """Run `rocsafe check`."""
-        return self._step('check', str(self._path(name)))
+        """Run `rocsafe check`; its answer names the mistakes of the scenario."""
+        path = self._path(name)
+        step = self._step('check', str(path))
+        return replace(step, faults=faults_of(step.text, path.read_text(encoding='utf-8')))
 
     def plan(self, name: str) -> tuple[Step, Any, str]:
         """Run `rocsafe plan`; return its answer, the plan as GeoJSON, and what is approved."""

@@ -34,7 +34,10 @@ export class Draft {
     const option = (kind) => (name) => make('option', { value: `${kind}/${name}`, text: kind === 'drafts' ? `${name} *` : name });
     this.template = make('select', { id: 'draft-start', onchange: () => this.load() }, ...scenarios.map(option('scenarios')), ...drafts.map(option('drafts')));
     this.name = make('input', { id: 'draft-name', value: 'mission', maxlength: 60, pattern: '[A-Za-z0-9][A-Za-z0-9_-]*' });
-    this.text = make('textarea', { id: 'draft-text', spellcheck: 'false', oninput: () => this.changed() });
+    this.text = make('textarea', { id: 'draft-text', spellcheck: 'false', wrap: 'off', 'aria-describedby': 'draft-faults', oninput: () => { this.changed(); this.showFaults([]); }, onscroll: () => this.placeMarks() });
+    this.marks = make('div', { class: 'draft-marks', 'aria-hidden': 'true' });
+    this.faults = make('ul', { class: 'draft-faults', id: 'draft-faults', hidden: true });
+    this.editor = make('details', {}, make('summary', { text: t('draft_text') }), make('div', { class: 'draft-editor' }, this.text, this.marks), this.faults);
     this.word = make('p', { class: 'note', role: 'status' });
     this.output = make('pre', { class: 'draft-output', tabindex: 0, role: 'status', 'aria-live': 'polite', hidden: true });
     const button = (key, action, id) => make('button', { type: 'button', class: 'small', id, text: t(key), onclick: action });
@@ -52,7 +55,7 @@ export class Draft {
       this.homes,
       make('label', { for: 'draft-file', text: t('draft_import') }), this.file,
       this.word,
-      make('details', {}, make('summary', { text: t('draft_text') }), this.text),
+      this.editor,
       make('div', { class: 'draft-row' },
         button('draft_save', () => this.step('save'), 'draft-check'), button('draft_plan', () => this.step('plan'), 'draft-plan'), button('draft_preflight', () => this.step('preflight'))),
       this.output,
@@ -65,10 +68,56 @@ export class Draft {
   async load() {
     const { text } = await ask(`/api/drafts/${this.template.value}`);
     this.text.value = text;
+    this.showFaults([]);
     const fleet = /^vehicles:\n((?:[ #-].*\n|\n)*)/m.exec(text)?.[1] ?? '';
     const names = [...fleet.matchAll(/^\s*- name:\s*([A-Za-z0-9_-]+)/gm)].map((match) => match[1]);
     this.homes.replaceChildren(...names.slice(0, 12).map((name) => make('button', { type: 'button', class: 'small', text: `${t('draft_home')}: ${name}`, onclick: () => this.draw('home', name) })));
     this.changed();
+  }
+
+  // Each mistake beside the line of its field, and in a list that leads there.
+  showFaults(faults) {
+    this.faultsShown = faults;
+    const isAny = faults.length > 0;
+    if (isAny) this.editor.open = true;
+    this.text.setAttribute('aria-invalid', String(isAny));
+    this.faults.hidden = !isAny;
+    this.faults.replaceChildren(...faults.map((one) => {
+      const where = one.line ? t('draft_fault_line', { line: one.line }) : '';
+      return make('li', {}, make('button', { type: 'button', class: 'link', 'data-line': one.line, onclick: () => this.lookAt(one.line), text: [where, one.field].filter(Boolean).join(', ') || t('draft_text') }), ` ${one.text}`);
+    }));
+    const byLine = new Map();
+    for (const one of faults) if (one.line) byLine.set(one.line, [...(byLine.get(one.line) ?? []), one.text]);
+    this.marks.replaceChildren(...[...byLine].map(([line, texts]) => make('div', { class: 'draft-mark', 'data-line': line }, make('span', { text: `✕ ${texts.join('; ')}` }))));
+    this.placeMarks();
+    if (isAny) this.scrollTo(faults.find((one) => one.line)?.line ?? 0);
+  }
+
+  placeMarks() {
+    const style = getComputedStyle(this.text);
+    const [height, top] = [parseFloat(style.lineHeight), parseFloat(style.paddingTop)];
+    for (const mark of this.marks.children) {
+      const at = top + (Number(mark.dataset.line) - 1) * height - this.text.scrollTop;
+      mark.style.top = `${at}px`;
+      mark.style.height = `${height}px`;
+      mark.hidden = at < 0 || at + height > this.text.clientHeight;
+    }
+  }
+
+  scrollTo(line) {
+    const height = parseFloat(getComputedStyle(this.text).lineHeight);
+    this.text.scrollTop = Math.max((line - 4) * height, 0);
+    this.text.scrollLeft = 0;
+    this.placeMarks();
+  }
+
+  lookAt(line) {
+    if (!line) return;
+    const lines = this.text.value.split('\n');
+    const begin = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0);
+    this.text.focus({ preventScroll: true });
+    this.text.setSelectionRange(begin, begin + (lines[line - 1]?.length ?? 0));
+    this.scrollTo(line);
   }
 
   // A change makes what was approved void.
@@ -154,6 +203,7 @@ export class Draft {
     try {
       const saved = await ask('/api/drafts', { name: this.name.value, text: this.text.value, drawn: this.drawn });
       this.text.value = saved.scenario;
+      this.showFaults(saved.faults);
       if (kind === 'save' || !saved.is_done) { this.tell(saved.text, saved.is_done); return; }
       const answer = await ask(`/api/drafts/${name}/${kind}`, {});
       this.tell(answer.text, answer.is_done);
@@ -165,7 +215,12 @@ export class Draft {
         const points = (answer.plan?.features ?? []).filter((one) => one.geometry.type === 'LineString').flatMap((one) => one.geometry.coordinates.map(([longitude, latitude]) => [latitude, longitude]));
         if (points.length) this.map.map.fitBounds(L.latLngBounds(points).pad(0.1), { animate: false });
       }
-    } catch (error) { this.tell(error.message, false); }
+    } catch (error) {
+      this.tell(error.message, false);
+      // A text that is no YAML is refused before it is checked.
+      const line = /: line (\d+): (.*)$/.exec(error.message);
+      if (line) this.showFaults([{ line: Number(line[1]), field: '', text: line[2] }]);
+    }
   }
 
   async start() {

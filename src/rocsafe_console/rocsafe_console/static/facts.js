@@ -7,6 +7,8 @@ import { STALE_S } from './link.js';
 
 const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
+// The same states on wheels.
+const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
 const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
 const ROWS_AT_ONCE = 30;
 const M_PER_WORLD = 40075016;
@@ -25,7 +27,7 @@ export class Facts {
     this.link = link;
     this.actions = actions;
     this.boxes = {};
-    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'alarms', 'vehicles', 'decisions']) {
+    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'camera', 'alarms', 'vehicles', 'decisions']) {
       const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
       const body = make('div', { class: 'fact-body' });
       this.boxes[name] = body;
@@ -190,20 +192,26 @@ export class Facts {
     row.querySelector('input').checked = this.actions.isSelected(vehicle.name);
     const heard = this.link.ageOf(vehicle);
     const seconds = heard === Infinity ? t('never') : age(Math.round(heard));
-    fill(row.querySelector('.state'), `${SHAPES[state] ?? '○'} ${t(`state_${state}`)}`, vehicle.facts.taken_by ? make('strong', { class: 'warn', text: ` ${t('taken_by', { who: vehicle.facts.taken_by })}` }) : '', isStale ? make('strong', { class: 'old', text: ` ${t('stale')}` }) : '');
+    fill(row.querySelector('.state'), `${SHAPES[state] ?? '○'} ${t(`state_${(vehicle.facts.is_ground && ON_WHEELS[state]) || state}`)}`, vehicle.facts.taken_by ? make('strong', { class: 'warn', text: ` ${t('taken_by', { who: vehicle.facts.taken_by })}` }) : '', isStale ? make('strong', { class: 'old', text: ` ${t('stale')}` }) : '');
     const pair = (name, text) => make('span', { class: 'pair' }, make('span', { class: 'key', text: `${name} ` }), make('b', { text }));
     fill(row.querySelector('.vehicle-facts'),
       pair(t('battery'), percent(frame?.battery)), isNumber(facts.battery_left_s) ? pair(t('battery_left'), duration(facts.battery_left_s)) : '',
       pair(t('way_home'), duration(facts.way_home_s)), pair(t('link'), seconds),
       pair(t('dose'), `${facts.dose_is_lower_limit ? '≥ ' : ''}${dose(facts.dose_usv)}`), pair('', t('visited', { done: facts.visited ?? 0, all: vehicle.facts.viewpoint_count })));
     const holder = vehicle.facts.holder ? t('led_by', { holder: vehicle.facts.holder }) : t('led_by_nobody');
-    fill(row.querySelector('.vehicle-text'), [holder, vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
+    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
   }
 
   drawDecisions(decisions) {
     const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), `${one.text}${one.reason ? `: ${one.reason}` : ''}`));
     fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions' }, ...rows) : make('p', { class: 'none', text: '–' }));
   }
+}
+
+// The planned drive of a ground vehicle: the route that it drives, else the newest offer.
+function driveLine(vehicle, drive) {
+  if (!vehicle.facts.is_ground || drive?.vehicle !== vehicle.name) return '';
+  return t('drive_line', { time: duration(drive.duration_s), dose: dose(drive.dose_usv), upper: dose(drive.dose_upper_usv), budget: dose(drive.dose_budget_usv) });
 }
 
 // How far from the release the outer bound of each level goes.

@@ -4,7 +4,7 @@ export const STALE_S = 3;
 const HEAD_BYTES = 24;
 const VEHICLE_BYTES = 24;
 const SILENT_S = 3;
-const MOST_WAIT_S = 2;
+const MOST_WAIT_S = 1;
 
 export function readFrame(buffer) {
   const view = new DataView(buffer);

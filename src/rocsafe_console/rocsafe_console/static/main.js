@@ -6,6 +6,8 @@ import { Link, ask } from './link.js';
 import { MissionMap } from './map.js';
 import { Facts } from './facts.js';
 import { Orders } from './orders.js';
+import { Video } from './video.js';
+import { Sound } from './sound.js';
 import { Runs } from './runs.js';
 import { Draft } from './draft.js';
 
@@ -36,9 +38,10 @@ const facts = new Facts($('#facts'), link, {
   acknowledge: (number) => ask(`/api/alarms/${number}/acknowledge`, {}).catch((error) => orders.tell([], t('refused', { why: error.message }))),
   select, isSelected: (name) => selection.has(name),
 });
+const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
 const draft = new Draft($('#draft'), map, link);
-window.rocsafe = { link, map, orders, facts };
+window.rocsafe = { link, map, orders, facts, video };
 
 function select(name, isChosen) {
   if (isChosen) selection.add(name); else selection.delete(name);
@@ -46,6 +49,7 @@ function select(name, isChosen) {
   map.schedule();
   facts.draw();
 }
+orders.onOffer = (drive) => map.offerDrive(drive);
 map.onVehicle = (name) => select(name, !selection.has(name));
 map.onPlace = (place) => (draft.isDrawing ? draft.onPlace(place) : showPlace(place));
 
@@ -58,9 +62,14 @@ async function showPlace({ lat, lng }) {
   const parts = [make('ul', {}, ...rows)];
   const may = link.sections.session?.may ?? [];
   const chosen = [...selection];
-  if (may.includes('go_to') && chosen.length === 1) {
+  if (may.includes('go_to') && chosen.length === 1 && !link.vehicles.get(chosen[0])?.facts.is_ground) {
     const height = make('input', { type: 'number', min: 5, max: 500, value: 50, 'aria-label': t('place_height') });
     parts.push(make('p', { class: 'place-row' }, height, make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
+  }
+  if (may.includes('send')) {
+    const budget = make('input', { type: 'number', min: 1, max: 1e6, value: 100, 'aria-label': t('place_dose') });
+    const drivers = [...link.vehicles.values()].filter((vehicle) => vehicle.facts.is_ground).map((vehicle) => make('button', { type: 'button', class: 'small', 'data-send': vehicle.name, text: t('place_send', { vehicle: vehicle.name }), onclick: () => { orders.arm('send', [vehicle.name], { latitude_deg: lat, longitude_deg: lng, dose_budget_usv: Number(budget.value) }); box.hidden = true; } }));
+    if (drivers.length) parts.push(make('p', { class: 'place-row' }, make('label', { class: 'note' }, `${t('place_dose')} `, budget), ...drivers));
   }
   if (may.includes('mark')) {
     const text = make('input', { type: 'text', maxlength: 500, placeholder: t('mark_text'), 'aria-label': t('mark_text') });
@@ -82,6 +91,7 @@ function show(view) {
   $('#runs').hidden = view !== 'runs';
   $('#draft').hidden = view !== 'draft';
   root.dataset.view = view;
+  video.turn();
   if (view === 'runs') runs.show().catch((error) => orders.tell([], error.message));
   if (view === 'draft') draft.show().catch((error) => orders.tell([], error.message));
   if (view === 'live' && map.source) runs.stop();
@@ -90,29 +100,18 @@ function show(view) {
 for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
 
 // Alarms are heard as well as seen.
-let sound = null;
-let isLoud = true;
-let lastAlarm = 0;
-function beep(isCritical) {
-  if (!isLoud) return;
-  sound ??= new AudioContext();
-  const now = sound.currentTime;
-  for (const start of isCritical ? [0, 0.25, 0.5] : [0]) {
-    const tone = sound.createOscillator();
-    const gain = sound.createGain();
-    tone.frequency.value = isCritical ? 880 : 520;
-    gain.gain.setValueAtTime(0.25, now + start);
-    gain.gain.linearRampToValueAtTime(0, now + start + 0.2);
-    tone.connect(gain).connect(sound.destination);
-    tone.start(now + start);
-    tone.stop(now + start + 0.2);
-  }
+// The click that wakes the sound does not turn it off: what was before it is noted first.
+let wasWaiting = false;
+for (const name of ['pointerdown', 'keydown']) addEventListener(name, () => { wasWaiting = window.rocsafe.sound?.state === 'waiting'; }, { capture: true });
+const sound = window.rocsafe.sound = new Sound();
+function nameSound() {
+  $('#sound').dataset.state = sound.state;
+  $('#sound').setAttribute('aria-pressed', String(sound.state === 'on'));
+  $('#sound').textContent = t(`sound_${sound.state}`);
 }
-$('#sound').addEventListener('click', () => {
-  isLoud = !isLoud;
-  $('#sound').setAttribute('aria-pressed', String(isLoud));
-  $('#sound').textContent = t(isLoud ? 'sound_on' : 'sound_off');
-});
+sound.addEventListener('state', nameSound);
+nameSound();
+$('#sound').addEventListener('click', () => { if (!wasWaiting) sound.toggle(); });
 
 link.addEventListener('sections', ({ detail }) => {
   orders.draw();
@@ -122,10 +121,7 @@ link.addEventListener('sections', ({ detail }) => {
   who.hidden = !session;
   if (session) who.textContent = t('who', { user: session.user, role: session.role });
   if (alarms && (detail.isHello || detail.names.includes('alarms'))) {
-    const newest = Math.max(0, ...alarms.map((one) => one.number));
-    const fresh = alarms.filter((one) => one.number > lastAlarm && !one.seen_by);
-    if (!detail.isHello && fresh.length) beep(fresh.some((one) => one.severity === 'critical'));
-    lastAlarm = newest;
+    sound.hear(alarms, detail.isHello);
   }
 });
 

@@ -14,7 +14,7 @@ const [HOLDING, RETURNING, LANDING, LOST, CRASHED] = [5, 6, 7, 9, 10];
 const ON_GROUND = new Set([1, 2, 8, 11]);
 const LAYERS = {
   base: true, mosaic: true, dose: true, footprints: false, tracks: true, routes: true, region: true, exclusions: true,
-  cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, grid: true,
+  drive: true, cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, grid: true,
 };
 
 // A canvas over the map that is drawn by `draw(context, toPixel)` with points in world units.
@@ -97,7 +97,9 @@ export class MissionMap {
     const base = this.link.sections.base_map;
     this.groups.base.clearLayers();
     if (!base) return;
-    this.groups.base.addLayer(L.tileLayer('/api/base/{z}/{x}/{y}', { pane: 'base', minZoom: 2, maxZoom: 24, minNativeZoom: base.zooms[0], maxNativeZoom: base.zooms[1] }));
+    this.groups.base.addLayer(L.tileLayer('/api/base/{z}/{x}/{y}', {
+      pane: 'base', minZoom: base.zooms[0], maxZoom: 24, maxNativeZoom: base.zooms[1], bounds: base.bounds ? [base.bounds.slice(0, 2), base.bounds.slice(2)] : undefined,
+    }));
     this.attribution ??= L.control.attribution({ prefix: false, position: 'bottomleft' }).addTo(this.map);
     if (base.attribution && this.credit !== base.attribution) this.attribution.addAttribution(this.credit = base.attribution.replace(/[<>&]/g, ' '));
   }
@@ -147,6 +149,7 @@ export class MissionMap {
     if (has('scale')) this.drawLegend();
     if (!names) this.drawBase();
     if (has('region', 'plan')) this.drawPlan(sections);
+    if (has('drive')) this.drawDrive(sections.drive);
     if (has('cordons')) this.drawCordons(sections.cordons ?? []);
     if (has('zones')) this.drawZones(sections.zones ?? []);
     if (has('sources', 'releases')) this.drawSources(sections);
@@ -180,6 +183,22 @@ export class MissionMap {
       this.groups.routes.addLayer(L.polyline(route.line, { color: '#ffffff', weight: 1.6, dashArray: '6 5', opacity: 0.9, interactive: false }));
       if (plan.footprint_m) for (const viewpoint of route.viewpoints) this.groups.footprints.addLayer(L.polygon(footprint(viewpoint, plan.footprint_m), { color: colour, weight: 1, fillOpacity: 0.12, interactive: false }));
     });
+  }
+
+  // The drive that is offered, else the newest of the mission; what is driven is its vehicle's track.
+  offerDrive(drive) { this.offered = drive; this.drawDrive(this.sections.drive); }
+
+  drawDrive(planned) {
+    this.groups.drive.clearLayers();
+    const drive = this.offered ?? planned;
+    if (!drive?.line.length) return;
+    const dash = this.offered ? '3 6' : '10 5';
+    this.groups.drive.addLayer(L.polyline(drive.line, { color: '#0b100e', weight: 6, opacity: 0.6, interactive: false }));
+    this.groups.drive.addLayer(L.polyline(drive.line, { color: '#ffb14e', weight: 3, dashArray: dash, interactive: false }));
+    for (const stand of drive.stands) {
+      this.groups.drive.addLayer(L.circleMarker(stand.place, { radius: 5, color: '#0b100e', weight: 2, fillColor: '#ffb14e', fillOpacity: 1, interactive: false }));
+      this.groups.drive.addLayer(label(stand.place, stand.id, 'map-label'));
+    }
   }
 
   drawCordons(cordons) {
@@ -356,7 +375,7 @@ export class MissionMap {
       const [x, y] = toPixel(vehicle.world);
       const isStale = this.isStale(vehicle);
       const isChosen = this.selected.has(vehicle.name);
-      drawVehicle(context, x, y, vehicle.frame.state, isStale ? GREY : this.colourOf(vehicle), isStale);
+      drawVehicle(context, x, y, vehicle.frame.state, isStale ? GREY : this.colourOf(vehicle), isStale, vehicle.facts?.is_ground);
       if (isChosen) { context.strokeStyle = '#ffd400'; context.lineWidth = 3; context.beginPath(); context.arc(x, y, 15, 0, 7); context.stroke(); }
       if (isLabelled || isChosen) {
         context.lineWidth = 3.5;
@@ -390,7 +409,15 @@ export class MissionMap {
 }
 
 // The state is told by the shape as well: no colour alone means anything.
-function drawVehicle(context, x, y, state, colour, isStale) {
+function drawVehicle(context, x, y, state, colour, isStale, isGround) {
+  if (isGround) {
+    // Tracks at both sides: it drives.
+    context.lineWidth = 5;
+    context.strokeStyle = '#0b100e';
+    context.beginPath();
+    for (const side of [-12, 12]) { context.moveTo(x - 9, y + side); context.lineTo(x + 9, y + side); }
+    context.stroke();
+  }
   context.lineWidth = 2.5;
   context.strokeStyle = isStale ? '#e4e8e6' : '#ffffff';
   context.fillStyle = colour;

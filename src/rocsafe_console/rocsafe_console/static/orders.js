@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Orders in two steps: a button arms the order, a second press within some seconds sends it.
 import { t } from './texts.js';
-import { make } from './format.js';
+import { dose, duration, make } from './format.js';
 import { ask } from './link.js';
 
-const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], ['take', ''], ['release', '']];
+const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], ['take', ''], ['release', ''], ['replan', 'p']];
+// Of the whole mission, whatever is selected.
+const OF_ALL = new Set(['replan']);
 const TOUCH_S = 0.6;
 
 export const newId = () => [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -45,15 +47,16 @@ export class Orders {
     this.bar.replaceChildren(make('span', { class: 'order-for', text: t('orders_for', { what: this.what(names) }) }), ...buttons);
   }
 
-  async arm(verb, names = this.names(), target = null) {
+  async arm(verb, names = OF_ALL.has(verb) ? [...this.link.vehicles.keys()] : this.names(), target = null) {
     if (!names.length || !this.may(verb) || this.armed) return;
     // The revisions are those that are on the screen now: the server refuses what has moved on.
     const revisions = Object.fromEntries(names.map((name) => [name, this.link.vehicles.get(name).facts.revision]));
     const id = newId();
     const armed = this.armed = { id, verb, names };
+    if (verb === 'send') this.bar.replaceChildren(make('span', { class: 'order-for', text: t('planning_drive') }));
     try {
-      const { until_s: until } = await ask('/api/orders', { request_id: id, verb, revisions, ...(target ? { target } : {}) });
-      if (this.armed === armed) this.offer(armed, until);
+      const { until_s: until, drive } = await ask('/api/orders', { request_id: id, verb, revisions, ...(target ? { target } : {}) });
+      if (this.armed === armed) this.offer(Object.assign(armed, { drive }), until);
     } catch (error) { this.disarm(); this.tell([], t('refused', { why: error.message })); }
   }
 
@@ -74,7 +77,8 @@ export class Orders {
     for (const name of ['pointerup', 'pointercancel', 'pointerleave']) confirm.addEventListener(name, () => { clearTimeout(pressed); confirm.classList.remove('pressing'); });
     confirm.addEventListener('contextmenu', (event) => event.preventDefault());
     confirm.addEventListener('click', () => { if (confirm.dataset.touch) { delete confirm.dataset.touch; confirm.textContent = t('confirm_touch', words); } else send(); });
-    this.bar.replaceChildren(confirm, cancel, left);
+    this.bar.replaceChildren(confirm, cancel, left, ...(armed.drive ? [make('span', { class: 'order-offer', text: driveText(armed.drive) })] : []));
+    this.onOffer?.(armed.drive ?? null);
     confirm.focus();
     const count = () => {
       if (this.armed !== armed || armed.isSent) return;
@@ -102,6 +106,7 @@ export class Orders {
     const verb = this.armed?.verb;
     this.armed = null;
     this.drawn = null;
+    this.onOffer?.(null);
     this.draw();
     if (verb) this.bar.querySelector(`[data-verb="${verb}"]`)?.focus();
   }
@@ -121,4 +126,10 @@ export class Orders {
     if (verb) this.arm(verb);
     return Boolean(verb);
   }
+}
+
+function driveText(drive) {
+  const words = { vehicle: drive.vehicle, time: duration(drive.duration_s), bound: duration(drive.lower_bound_s), dose: dose(drive.dose_usv), upper: dose(drive.dose_upper_usv) };
+  const left = drive.left_out.length ? `; ${t('drive_left_out', { what: drive.left_out.join(', ') })}` : '';
+  return `${t('drive_offer', words)}${left}`;
 }

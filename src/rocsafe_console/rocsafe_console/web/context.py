@@ -5,7 +5,7 @@ import contextlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from aiohttp import web
 
@@ -32,6 +32,11 @@ class Fleet(Protocol):
         finish: Callable[[tuple[Result, ...]], None],
     ) -> None:
         """Send an order to `names`; `finish` gets a result of each, from any thread."""
+
+    def plan_drive(
+        self, order: Order, finish: Callable[[dict[str, Any] | None, str], None]
+    ) -> None:
+        """Plan the drive of an order; `finish` gets it, or None and why not, from any thread."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Handlers of requests: log-in, orders, alarms, marks, pictures and runs."""
+"""Handlers of requests: log-in, alarms, marks, pictures and runs."""
 
 import asyncio
 import hmac
@@ -9,8 +9,7 @@ from typing import Any
 
 from aiohttp import web
 
-from rocsafe_console.errors import ConsoleError, RefusedError
-from rocsafe_console.orders.order_book import Order, Result, Target, stale
+from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.roles import MAY, Action
 from rocsafe_console.people.sessions import Session
 from rocsafe_console.picture.coordinates import coordinates_of
@@ -25,7 +24,6 @@ from rocsafe_console.runs.run_folder import (
 from rocsafe_console.web.context import Context, context_of, local_session, session_of
 from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
 
-ORDER_S = 7.0
 MOST_TEXT = 500
 
 
@@ -106,58 +104,6 @@ async def revoke(request: web.Request) -> web.Response:
         raise ConsoleError(f'session {public_id}: there is none')
     context.save_sessions()
     return web.json_response({})
-
-
-async def prepare_order(request: web.Request) -> web.Response:
-    """First step of an order: it waits for its confirmation."""
-    context, body = context_of(request), await body_of(request)
-    verb = Action(body['verb'])
-    session = session_of(request, verb)
-    now_s = context.clock()
-    if wait_s := context.order_rate.wait_s(session.public_id, now_s):
-        return refused(429, f'too many orders: wait {math.ceil(wait_s)} s')
-    context.order_rate.note(session.public_id, now_s)
-    target = body.get('target')
-    order = Order(
-        request_id=str(body['request_id']),
-        session=session.public_id,
-        user=session.user,
-        verb=verb,
-        revisions={str(name): int(seen) for name, seen in dict(body['revisions']).items()},
-        target=Target(**{key: float(target[key]) for key in target}) if target else None,
-    )
-    with context.live.lock:
-        unknown = sorted(order.revisions.keys() - context.live.picture.vehicles.keys())
-    if unknown:
-        raise ValueError(f'vehicle {unknown[0]}: there is none')
-    return web.json_response({'until_s': context.orders.prepare(order, now_s)}, status=201)
-
-
-async def confirm_order(request: web.Request) -> web.Response:
-    """Second step of an order: it is written to the evidence log, and sent."""
-    context = context_of(request)
-    session = session_of(request, Action.SEE)
-    request_id = request.match_info['id']
-    order = context.orders.confirm(request_id, session.public_id, context.clock())
-    if order is None:
-        return await _results(context, request_id)
-    session_of(request, order.verb)
-    with context.live.lock:
-        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
-    left_out = stale(order, revisions)
-    names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
-    try:
-        context.write('order', order.user, **_order_plain(order, names))
-    except (OSError, ConsoleError) as error:
-        context.orders.finish(request_id, ())
-        raise RefusedError(
-            f'nothing was sent: the evidence log cannot be written: {error}'
-        ) from error
-    results = (*left_out, *(await _sent(context, order, names) if names else ()))
-    plain = [_result_plain(result) for result in results]
-    context.orders.finish(request_id, results)
-    context.write('outcome', order.user, request_id=request_id, results=plain)
-    return web.json_response({'results': plain})
 
 
 async def acknowledge(request: web.Request) -> web.Response:
@@ -256,47 +202,6 @@ async def run_file(request: web.Request) -> web.StreamResponse:
     if path.name == 'report.html':
         answer.headers['Content-Security-Policy'] = REPORT_POLICY
     return answer
-
-
-async def _sent(context: Context, order: Order, names: tuple[str, ...]) -> tuple[Result, ...]:
-    """Send an order and return the results of all vehicles."""
-    if context.fleet is None:
-        raise RefusedError('ROS has not started yet')
-    loop = asyncio.get_running_loop()
-    future: asyncio.Future[tuple[Result, ...]] = loop.create_future()
-
-    def settle(results: tuple[Result, ...]) -> None:
-        if not future.done():
-            future.set_result(results)
-
-    def finish(results: tuple[Result, ...]) -> None:
-        loop.call_soon_threadsafe(settle, results)
-
-    context.fleet.send_order(order, names, finish)
-    return await asyncio.wait_for(future, ORDER_S)
-
-
-async def _results(context: Context, request_id: str) -> web.Response:
-    """Return the results of an order that was confirmed before."""
-    results = context.orders.results(request_id)
-    if results is None:
-        return web.json_response({'results': None}, status=202)
-    return web.json_response({'results': [_result_plain(result) for result in results]})
-
-
-def _order_plain(order: Order, names: tuple[str, ...]) -> dict[str, Any]:
-    target = asdict(order.target) if order.target else None
-    return {
-        'request_id': order.request_id,
-        'verb': order.verb.value,
-        'vehicles': sorted(names),
-        'revisions': dict(order.revisions),
-        'target': target,
-    }
-
-
-def _result_plain(result: Result) -> dict[str, str]:
-    return {'vehicle': result.vehicle, 'outcome': result.outcome.value, 'text': result.text}
 
 
 def _session_plain(session: Session | None) -> dict[str, Any]:

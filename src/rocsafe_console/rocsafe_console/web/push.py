@@ -12,7 +12,7 @@ import json
 from dataclasses import dataclass, field
 from functools import partial
 
-from aiohttp import WSMsgType, web
+from aiohttp import web
 
 from rocsafe_console.people.roles import MAY, Action
 from rocsafe_console.people.sessions import Session
@@ -70,15 +70,17 @@ class Pusher:
             await socket.close(code=1013, message=b'too many pages are open')
             return socket
         client = Client(socket, session, request.transport)
-        await socket.send_str(self._hello(client))
+        client.parcel.append(self._hello(client))
+        client.wake.set()
         self._clients.add(client)
         sender = asyncio.create_task(self._send(client))
         try:
-            async for message in socket:
-                if message.type is not WSMsgType.TEXT:
-                    break
+            # A page only listens: whoever talks is none, and is not read any further.
+            await socket.receive()
         finally:
             self._clients.discard(client)
+            # `wait_for` of Python 3.11 loses a cancellation that comes with its result.
+            client.wake.set()
             sender.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await sender
@@ -104,7 +106,7 @@ class Pusher:
         may = sorted(action.value for action in MAY[session.role])
         base = self._context.base_map
         texts['base_map'] = json.dumps(
-            base and {'zooms': base.zooms, 'attribution': base.attribution}
+            base and {'zooms': base.zooms, 'attribution': base.attribution, 'bounds': base.bounds}
         )
         texts['session'] = json.dumps(
             {'user': session.user, 'role': session.role.value, 'may': may}
@@ -157,7 +159,7 @@ class Pusher:
 
     async def _send(self, client: Client) -> None:
         """Send what is put into the parcel of a client."""
-        while True:
+        while client in self._clients:
             await client.wake.wait()
             client.wake.clear()
             try:

@@ -7,7 +7,7 @@ import hashlib
 import ipaddress
 import ssl
 from collections.abc import Callable, Coroutine
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import resources
 from pathlib import Path
 from threading import Event as Flag
@@ -17,12 +17,22 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.runs.drafts import Drafts
-from rocsafe_console.web import draft_handlers, handlers, outward_handlers
+from rocsafe_console.web import (
+    draft_handlers,
+    handlers,
+    order_handlers,
+    outward_handlers,
+    video_handlers,
+)
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
 
 MOST_BODY_BYTES = 2**20
+# A page needs about ten; most machines let a process open 1024 files. A burst may exceed it by
+# the length of the queue.
+MOST_CONNECTIONS = 400
+QUEUE = 100
 DRAIN_S = 0.5
 STOP_S = 2.0
 STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
@@ -73,14 +83,15 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/api/sessions', handlers.list_sessions)
     post('/api/sessions/{id}/revoke', handlers.revoke)
     get('/api/live', live)
-    post('/api/orders', handlers.prepare_order)
-    post('/api/orders/{id}/confirm', handlers.confirm_order)
+    post('/api/orders', order_handlers.prepare_order)
+    post('/api/orders/{id}/confirm', order_handlers.confirm_order)
     post('/api/alarms/{number}/acknowledge', handlers.acknowledge)
     post('/api/marks', handlers.mark)
     get('/api/coordinates', handlers.coordinates)
     get('/api/image/{name}', handlers.image)
     get(r'/api/base/{zoom:\d+}/{column:\d+}/{row:\d+}', handlers.base_tile)
     get('/api/photograph/{shot}', handlers.photograph)
+    get('/api/video/{vehicle}', video_handlers.watch)
     app[draft_handlers.DRAFTS] = Drafts(
         context.options.runs, context.options.scenarios, context.environment
     )
@@ -153,14 +164,22 @@ class ServerThread:
         app = make_app(self._context, self.port)
         runner = web.AppRunner(app, access_log=None, shutdown_timeout=STOP_S)
         await runner.setup()
-        site = web.TCPSite(runner, options.host, options.port, ssl_context=_tls(options))
-        await site.start()
-        self.port[0] = runner.addresses[0][1]
+        if runner.server is None:
+            raise ConsoleError('the server has not been set up')
+        listener = await self._loop.create_server(
+            partial(_accepted, runner.server),
+            options.host,
+            options.port,
+            ssl=_tls(options),
+            backlog=QUEUE,
+        )
+        self.port[0] = listener.sockets[0].getsockname()[1]
         self._ready.set()
         tasks = [asyncio.create_task(work) for work in self._work_of(app)]
         await self._stop.wait()
         for task in tasks:
             task.cancel()
+        listener.close()
         await app[PUSHER].close()
         await runner.cleanup()
 
@@ -180,6 +199,20 @@ class ServerThread:
                 if str(error) != told:
                     self._say(f'the evidence log cannot be written: {error}')
                 told = str(error)
+
+
+class _Refusal(asyncio.Protocol):
+    """A connection that is closed at once."""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Close it."""
+        if isinstance(transport, asyncio.Transport):
+            transport.abort()
+
+
+def _accepted(server: web.Server) -> asyncio.Protocol:
+    """Return what serves a new connection; ROS and the log need files of the process, too."""
+    return server() if len(server.connections) < MOST_CONNECTIONS else _Refusal()
 
 
 async def _index(request: web.Request) -> web.StreamResponse:

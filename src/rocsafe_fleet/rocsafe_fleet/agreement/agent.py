@@ -128,6 +128,12 @@ class Agent:
         return self._live
 
     @property
+    def aloft(self) -> Numbers:
+        """Vehicles in the air whose agents are heard."""
+        places = self._places.items()
+        return frozenset(k for k, (_, place) in places if place.is_aloft and k in self._live)
+
+    @property
     def unable(self) -> Mapping[int, str]:
         """Vehicles that say that they take no more work, and why."""
         texts = {k: self.ledger.newest(k, Kind.ABLE) for k in range(self._count)}

@@ -30,7 +30,7 @@ class AgreementOptions:
     """
 
     membership: MembershipOptions = field(default_factory=MembershipOptions)
-    settle_s: float = 0.2
+    settle_s: float = 0.05
     patience_s: float = 3.0
     repeat_s: float = 0.5
     repeats: int = 20

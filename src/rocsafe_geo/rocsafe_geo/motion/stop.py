@@ -3,6 +3,7 @@
 
 import math
 from bisect import bisect_right
+from dataclasses import replace
 from itertools import accumulate
 
 from rocsafe_geo.motion.limits import MotionLimits
@@ -16,6 +17,10 @@ _Phase = tuple[float, Vector]
 _OVERSHOOT = 1e-3
 # A vehicle slower than this stands; rounding leaves such speeds.
 _STANDING_MPS = 1e-9
+# Sine of the angle between a velocity and an acceleration that may be rounding.
+_STRAIGHT = 1e-6
+# Two perpendicular parts as large are together within the whole.
+_HALF_EACH = math.sqrt(0.5)
 
 
 class StopMotion:
@@ -29,11 +34,24 @@ class StopMotion:
         State at time 0.
     level, vertical
         Limits of the horizontal and the vertical motion.
+    is_steered
+        Whether an acceleration across the velocity is used instead, east and north each by
+        itself within limits that both together keep. A stop that is asked for anew all the time,
+        with another velocity, gets nowhere otherwise: it would begin with the reduction each time.
     """
 
-    def __init__(self, start: MotionState, level: MotionLimits, vertical: MotionLimits) -> None:
+    def __init__(
+        self,
+        start: MotionState,
+        level: MotionLimits,
+        vertical: MotionLimits,
+        *,
+        is_steered: bool = False,
+    ) -> None:
         p, v, a = start.position_enu, start.velocity_enu, start.acceleration_enu
-        self._level = _Braking(p[:2], v[:2], a[:2], level)
+        can_steer = is_steered and _can_steer(v[:2], a[:2], level)
+        braking = _SteeredBraking if can_steer else _Braking
+        self._level: _Braking | _SteeredBraking = braking(p[:2], v[:2], a[:2], level)
         self._vertical = _Braking(p[2:], v[2:], a[2:], vertical)
         self._start = p
 
@@ -98,6 +116,38 @@ class _Braking:
         elapsed = max(0.0, elapsed_s)
         phase = bisect_right(self.begins, elapsed) - 1
         return _after(self._states[phase], self._jerks[phase], elapsed - self.begins[phase])
+
+
+class _SteeredBraking:
+    """Phases of constant jerk east and north, independent of each other."""
+
+    def __init__(
+        self, position: Vector, velocity: Vector, acceleration: Vector, limits: MotionLimits
+    ) -> None:
+        share = replace(
+            limits,
+            acceleration_mps2=limits.acceleration_mps2 * _HALF_EACH,
+            jerk_mps3=limits.jerk_mps3 * _HALF_EACH,
+        )
+        axes = zip(position, velocity, acceleration, strict=True)
+        self._axes = [_Braking((x,), (v,), (a,), share) for x, v, a in axes]
+        self.begins = sorted(
+            {time for axis in self._axes for time in (*axis.begins, axis.duration_s)}
+        )
+        self.duration_s = max(axis.duration_s for axis in self._axes)
+
+    def at(self, elapsed_s: float) -> tuple[Vector, Vector, Vector]:
+        """Return position, velocity and acceleration."""
+        (x, v, a), (y, w, b) = (axis.at(elapsed_s) for axis in self._axes)
+        return (*x, *y), (*v, *w), (*a, *b)
+
+
+def _can_steer(velocity: Vector, acceleration: Vector, limits: MotionLimits) -> bool:
+    """Return whether an acceleration is across a velocity, and within the share of each axis."""
+    across = velocity[0] * acceleration[1] - velocity[1] * acceleration[0]
+    size = math.hypot(*velocity) * math.hypot(*acceleration)
+    most = max(map(abs, acceleration))
+    return abs(across) > _STRAIGHT * size and most <= limits.acceleration_mps2 * _HALF_EACH
 
 
 def _after(

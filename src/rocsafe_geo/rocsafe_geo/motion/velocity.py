@@ -49,7 +49,7 @@ class VelocityMotion:
             _minus(start.velocity_enu, velocity_enu),
             start.acceleration_enu,
         )
-        self._change = StopMotion(relative, level, vertical)
+        self._change = StopMotion(relative, level, vertical, is_steered=True)
         self._stop = StopMotion(self._moving(self._flown_s), level, vertical)
 
     @property

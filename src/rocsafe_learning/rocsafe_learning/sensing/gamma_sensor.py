@@ -14,6 +14,7 @@ from rocsafe_radiation.physics.kernel import Kernel
 # With it, the square root of a Poisson count has nearly the same variance for any mean
 # (Anscombe 1948, Biometrika 35, 246).
 _ANSCOMBE = 0.375
+_KERNEL = Kernel()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +69,7 @@ class GammaSensor:
     def expected(self, offsets_m: FloatArray, strength: float) -> tuple[FloatArray, FloatArray]:
         """Return mean and variance of readings, see `SensorModel`."""
         squares = (np.asarray(offsets_m) ** 2).sum(axis=-1) + self.height_m**2
-        signal = strength * Kernel().values(squares)
+        signal = strength * _KERNEL.values(squares)
         counts = self._counts(signal + self.background_usvh)
         spread = self.relative_error * (counts - self._counts(self.background_usvh))
         # The slope of 2 sqrt(c) turns an error of the counts into one of the reading.
@@ -79,7 +80,7 @@ class GammaSensor:
     ) -> float:
         """Return a random reading, see `SensorModel`."""
         square = offset_m[0] ** 2 + offset_m[1] ** 2 + self.height_m**2
-        level = strength * float(Kernel().values(np.array([square]))[0]) + self.background_usvh
+        level = strength * _KERNEL.value(square) + self.background_usvh
         counts = generator.poisson(float(self._counts(level)))
         return 2.0 * math.sqrt(counts + _ANSCOMBE)
 

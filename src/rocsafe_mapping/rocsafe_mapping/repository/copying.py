@@ -14,7 +14,7 @@ from rocsafe_mapping.store.catalogue import Notice, StoredShot, read_store
 from rocsafe_mapping.store.store import Status
 
 LEDGER = 'copied.txt'
-FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 30.0
+FIRST_WAIT_S, LONGEST_WAIT_S = 0.5, 10.0
 
 
 class Copier:

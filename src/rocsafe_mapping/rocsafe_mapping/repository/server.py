@@ -18,6 +18,7 @@ import hmac
 import ipaddress
 import json
 import re
+from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
@@ -28,7 +29,7 @@ from rocsafe_mapping.photographs.shot import ShotRecord, record_of_plain
 from rocsafe_mapping.repository.http_sink import OFFSET
 from rocsafe_mapping.repository.uploads import UploadRefusedError, Uploads
 from rocsafe_mapping.store.catalogue import read_shot, read_store
-from rocsafe_mapping.store.store import ImageStore, Status
+from rocsafe_mapping.store.store import Answer, ImageStore, Status
 
 MOST_PIECE_BYTES = 64 * 2**20
 MOST_RECORD_BYTES = 2**20
@@ -54,6 +55,15 @@ class Repository(ThreadingHTTPServer):
         Host and port; port 0 is any.
     token
         That requests must bring; may be empty on loopback only.
+    store
+        The open store, where another writes to it too; then under `lock`. It is not closed.
+    on_stored
+        Called in the thread of a connection with each photograph and what became of it.
+
+    Attributes
+    ----------
+    lock
+        Held while something is stored.
 
     Raises
     ------
@@ -65,11 +75,20 @@ class Repository(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, folder: Path, address: tuple[str, int], token: str = '') -> None:
+    def __init__(
+        self,
+        folder: Path,
+        address: tuple[str, int],
+        token: str = '',
+        store: ImageStore | None = None,
+        on_stored: Callable[[ShotRecord, Answer], None] = lambda _record, _answer: None,
+    ) -> None:
         if not token and not _is_loopback(address[0]):
             raise ValueError(f'host = {address[0]} is not loopback: a token is needed')
         self.folder = folder
-        self.store = ImageStore(folder)
+        self._owns_store = store is None
+        self.store = ImageStore(folder) if store is None else store
+        self.on_stored = on_stored
         self.uploads = Uploads(folder / UPLOADS)
         self.token = token
         self.lock = Lock()
@@ -78,7 +97,8 @@ class Repository(ThreadingHTTPServer):
     def server_close(self) -> None:
         """Close the store with the server."""
         super().server_close()
-        self.store.close()
+        if self._owns_store:
+            self.store.close()
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -175,6 +195,7 @@ class _Handler(BaseHTTPRequestHandler):
         except StoreError as error:
             return self._answer(507, str(error))
         uploads.remove(sha256)
+        self.server.on_stored(record, answer)
         return self._answer(ANSWERS[answer.status], answer.reason)
 
     def _length(self, most: int) -> int | None:

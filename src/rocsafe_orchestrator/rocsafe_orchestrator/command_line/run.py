@@ -7,13 +7,24 @@ from pathlib import Path
 
 from rocsafe_orchestrator.command_line import Commands
 from rocsafe_orchestrator.command_line.numbers import seed, speed
+from rocsafe_orchestrator.errors import SetupError
 
 
 def add_to(commands: Commands) -> None:
     """Add the command to those of `rocsafe`."""
     text = 'Fly a scenario and write a run directory: images, readings, recording, map, report.'
     parser = commands.add_parser('run', help='fly a scenario', description=text)
-    parser.add_argument('scenario', type=Path, metavar='SCENARIO', help='scenario file (YAML)')
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument(
+        'scenario', type=Path, nargs='?', metavar='SCENARIO', help='scenario file (YAML)'
+    )
+    what.add_argument(
+        '--resume',
+        type=Path,
+        metavar='RUN',
+        help='join the mission of this run directory, whose vehicles have agents and go on '
+        'although their orchestrator has died',
+    )
     parser.add_argument(
         '--out',
         type=Path,
@@ -73,17 +84,27 @@ def _run(arguments: argparse.Namespace) -> int:
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     from rich.console import Console
 
+    from rocsafe_orchestrator.mission_commands.mission_run import Extras
+    from rocsafe_orchestrator.mission_commands.resume_command import resume_run
     from rocsafe_orchestrator.mission_commands.run_command import RunRequest, run_scenario
 
-    request = RunRequest(
-        scenario=arguments.scenario,
-        parent=arguments.out,
-        speed=arguments.speed,
-        seed=arguments.seed,
+    extras = Extras(
         config=arguments.config,
         is_quiet=arguments.quiet,
         confirmed=frozenset(arguments.confirm),
         has_console=arguments.console,
         airsim_port=arguments.airsim,
+    )
+    if arguments.resume is not None:
+        given = {'--speed': arguments.speed, '--seed': arguments.seed, '--config': extras.config}
+        for option in (name for name, value in given.items() if value is not None):
+            raise SetupError(f'{option}: a run that is resumed keeps its own')
+        return resume_run(arguments.resume, extras, Console())
+    request = RunRequest(
+        scenario=arguments.scenario,
+        parent=arguments.out,
+        speed=arguments.speed,
+        seed=arguments.seed,
+        extras=extras,
     )
     return run_scenario(request, Console())

@@ -132,7 +132,11 @@ class Losses:
             self._members[name] = self._members[name].lost(why)
         if is_gone:
             self._gone += [name for name in vehicles if name not in self._gone]
-        if not self._is_replaced or not self.others:
+        return self._is_replaced and self.gather()
+
+    def gather(self) -> bool:
+        """Let all that can be given a route hold; return whether there are any."""
+        if not self.others:
             return False
         self._gather()
         return True

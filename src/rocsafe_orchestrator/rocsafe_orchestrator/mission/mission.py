@@ -43,6 +43,8 @@ class Mission(PhaseRecord):
         Whether the other vehicles take over the viewpoints of a lost one.
     has_agents
         Whether agents of the vehicles do that by themselves.
+    first
+        Phase that follows the start of the processes: a resumed mission is beyond its plan.
 
     Attributes
     ----------
@@ -60,8 +62,10 @@ class Mission(PhaseRecord):
         extra_rounds: int = 0,
         replans: bool = False,
         has_agents: bool = False,
+        first: Phase = Phase.PLANNING,
     ) -> None:
         super().__init__()
+        self._first = first
         self._crew = crew
         self._deadlines = deadlines
         self._plan_timeout_s = deadlines.plan_s + planning_budget_s
@@ -229,6 +233,23 @@ class Mission(PhaseRecord):
             self.fault(f'{vehicle}: {why}')
         self.fleet.withdraw(vehicle, why, OrderKind.RETURN if is_waiting else OrderKind.RETREAT)
 
+    def replan(self, led_by_others: Iterable[str] = ()) -> str:
+        """Plan the rest anew for the vehicles in flight; return why not, empty if it does.
+
+        Vehicles in `led_by_others` would refuse the new plan: the others take over from them.
+        """
+        if self.phase is not Phase.FLYING or self.is_cancelled:
+            return 'cannot plan anew: the vehicles do not fly a plan now'
+        if self._has_agents:
+            return 'cannot plan anew: the agents of the vehicles plan by themselves'
+        why = 'is led by somebody else'
+        if not (self.fleet.note(led_by_others, why, is_gone=False) or self.fleet.gather()):
+            return 'cannot plan anew: no vehicle takes orders of the mission'
+        self._time.begin()
+        self.remarks.append('an operator has the rest planned anew')
+        self.enter(Phase.PLANNING)
+        return ''
+
     def sent_home(self, vehicle: str) -> None:
         """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
         self._requests.finish(OrderKind.FLY, vehicle)
@@ -326,11 +347,21 @@ class Mission(PhaseRecord):
     def _start(self, now_s: float, situation: Situation) -> None:
         missing = sorted(self._crew.processes - situation.ready)
         if not missing:
-            self.enter(Phase.PLANNING)
-            self._requests.add(OrderKind.PLAN, PLANNER)
+            self._begin(situation)
         elif self.passed_s(now_s) > self._deadlines.start_timeout_s:
             limit = self._deadlines.start_timeout_s
             self._fail(f'{", ".join(missing)}: not ready within {limit:g} s')
+
+    def _begin(self, situation: Situation) -> None:
+        """Enter the phase that follows the start of the processes."""
+        self.enter(self._first)
+        if self._first is Phase.PLANNING:
+            self._requests.add(OrderKind.PLAN, PLANNER)
+        elif self._first is Phase.FLYING:
+            self._requests.add(OrderKind.RUN_CLOCK, WORLD)
+        elif situation.images_stored < situation.images_expected:
+            count = f'{situation.images_stored} of {situation.images_expected}'
+            self.fault(f'only {count} photographs are stored')
 
     def _plan(self, now_s: float, situation: Situation) -> None:
         if self.fleet.is_gathering:

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from rocsafe_orchestrator.company_node import Claim
 
 POLL_S = 0.1
+# Scripts ask for the newest value: more a second would only cost time.
+SENSORS = {name: {'rate_hz': 10.0} for name in ('imu', 'barometer', 'magnetometer')}
 READY_S = 60.0
 
 
@@ -103,9 +105,15 @@ def _table(
 
 
 def _free(spec: ProcessSpec, world: dict[str, bool]) -> ProcessSpec:
-    """Return a process that goes on without a mission: its time runs, and nothing is recorded."""
-    if spec.name != 'world':
+    """Return a process that goes on without a mission: its time runs, and nothing is recorded.
+
+    Its vehicles have at least the sensors that scripts find on every vehicle of AirSim.
+    """
+    if spec.name in (AIR, 'radiation_field'):
         return spec
+    if spec.name != 'world':
+        sensors = {**SENSORS, **spec.parameters.get('sensors_file', {})}
+        return replace(spec, parameters={**spec.parameters, 'sensors_file': sensors})
     participants = [each for each in spec.parameters['participants'] if each != RECORDER]
     return replace(spec, parameters={**spec.parameters, **world, 'participants': participants})
 

@@ -3,6 +3,7 @@
 
 import signal
 import time
+from collections import deque
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,7 @@ from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.progress import Display
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
 from rocsafe_orchestrator.processes.disk_space import shortage
+from rocsafe_orchestrator.processes.hosts import HostServer
 from rocsafe_orchestrator.processes.interrupt import Interrupt
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
@@ -57,6 +59,8 @@ class Parts:
         Watched where real vehicles fly.
     confirmed
         Hashes of plans by which real vehicles may take off.
+    hosts
+        Welcomes the other hosts of the mission; None: there are none.
     """
 
     table: tuple[ProcessSpec, ...]
@@ -75,6 +79,7 @@ class Parts:
     run_info: dict[str, Any]
     crew_watch: CrewWatch
     real: frozenset[str]
+    hosts: HostServer | None = None
 
 
 class MissionLoop:
@@ -103,6 +108,7 @@ class MissionLoop:
         self._asked_s: float | None = None
         self._marked: dict[str, str] = {}
         self._decisions = Decisions()
+        self._own = [spec.name for spec in parts.table if spec.is_here]
 
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
@@ -117,7 +123,7 @@ class MissionLoop:
                 parts.mission.abandon()
             self._show(time.monotonic())
         finally:
-            self._stop([*(spec.name for spec in parts.table), REPORT])
+            self._stop([*self._own, REPORT])
             self._write_outcome(is_over=True)
         return parts.mission.phase
 
@@ -131,6 +137,7 @@ class MissionLoop:
         self._watch_disk(now_s)
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)
+        self._hear_hosts(now_s)
         for vehicle, why in parts.monitor.turned_back.items():
             seen = parts.monitor.vehicle(vehicle)
             if seen.is_aloft or seen.is_waiting:
@@ -232,6 +239,15 @@ class MissionLoop:
         elif event.kind is ProcessEventKind.GAVE_UP:
             mission.gave_up(event.name, event.text)
 
+    def _hear_hosts(self, now_s: float) -> None:
+        """Take what other hosts tell: who has joined, is lost, or started a process again."""
+        news = self._parts.hosts.news if self._parts.hosts else deque()
+        while news:
+            one = news.popleft()
+            self._say(one.text)
+            if one.restarted:
+                self._parts.mission.restarted(one.restarted, now_s)
+
     def _situation(self, now_s: float) -> Situation:
         parts = self._parts
         if parts.mission.phase is Phase.STARTING:
@@ -271,7 +287,7 @@ class MissionLoop:
         self._parts.mission.accepted(order)
         self._show(time.monotonic())
         # Only after the nodes have ended is the recording complete and no image being written.
-        self._stop([spec.name for spec in self._parts.table])
+        self._stop(self._own)
         self._write_outcome(is_over=False)
         if self._parts.interrupt.is_urgent:
             return

@@ -19,6 +19,10 @@ Parameters = dict[str, Any]
 FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
 LOCALIZER, AIR, AGENTS = 'localizer', 'air', 'agents'
 LOCK_STEP = {'lock_step': True}
+# Where the head of several hosts takes photographs from the others.
+PHOTOGRAPHS_PORT = 47612
+# Where agents listen with Zenoh.
+AGENTS_PORT = 47613
 
 
 def planner_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
@@ -43,13 +47,7 @@ def world_parameters(scenario: Scenario) -> Parameters:
         'step_s': scenario.clock.step_s,
         'speed': 1.0 if is_real else scenario.clock.speed,
         'start_time_s': scenario.clock.start.timestamp(),
-        'participants': [
-            *_vehicle_participants(scenario),
-            *([AGENTS] if scenario.fleet.agents else []),
-            FIELD,
-            *_air(scenario),
-            RECORDER,
-        ],
+        'participants': _participants(scenario),
         'autostart': is_real,
         'pause_when_idle': not is_real,
         'pause_on_news': not (is_real or scenario.fleet.agents) and scenario.replan == 'on_loss',
@@ -80,8 +78,10 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     }
 
 
-def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
-    """Return the parameters of the bridge to all real vehicles."""
+def bridge_parameters(
+    scenario: Scenario, state_directory: str, linked: tuple[VehicleBlock, ...]
+) -> Parameters:
+    """Return the parameters of the bridge to some real vehicles."""
     return {
         'drones_file': {
             'drones': [
@@ -93,7 +93,7 @@ def bridge_parameters(scenario: Scenario, state_directory: str) -> Parameters:
                     'endurance_s': vehicle.endurance_s,
                     **vehicle.drone.model_dump(exclude={'detector'}),
                 }
-                for vehicle in scenario.linked
+                for vehicle in linked
             ]
         },
         'state_directory': state_directory,
@@ -125,13 +125,26 @@ def localizer_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     }
 
 
-def collector_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
-    """Return the parameters of the image store; an engine's camera knows what it shows."""
-    return {
-        'vehicles': list(scenario.all_names),
+def collector_parameters(scenario: Scenario, run: RunDirectory, host: str = '') -> Parameters:
+    """Return the parameters of the image store of a host; without a name: of the head.
+
+    An engine's camera knows what it shows. Photographs of other hosts are copied to the head.
+    """
+    own = host or scenario.head
+    driver = [scenario.driver_name] if scenario.driver_name and own == scenario.head else []
+    values = {
+        'vehicles': [n for n in scenario.vehicle_names if scenario.host_of(n) == own] + driver,
         'store_directory': str(run.images),
         'store_labels': scenario.camera.backend == 'engine',
     }
+    if not scenario.hosts:
+        return values
+    address, token = scenario.hosts[0].address, str(run.photographs_token)
+    if own == scenario.head:
+        serving = {'serve_host': address, 'serve_port': PHOTOGRAPHS_PORT}
+        return {**values, **serving, 'serve_token_file': token}
+    url = f'http://{address}:{PHOTOGRAPHS_PORT}'
+    return {**values, 'copy_to': url, 'copy_token_file': token}
 
 
 def mosaic_parameters(run: RunDirectory) -> Parameters:
@@ -150,18 +163,61 @@ def airsim_parameters(scenario: Scenario, host: str, port: int) -> Parameters:
     return {'host': host, 'port': port, 'vehicles': vehicles, **origin_parameters(scenario)}
 
 
-def agent_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
-    """Return the parameters of the agents of all vehicles."""
+def host_names(scenario: Scenario) -> tuple[str, ...]:
+    """Return the names of the hosts, one empty name if all is on one machine."""
+    return tuple(host.name for host in scenario.hosts) or ('',)
+
+
+def name_on(scenario: Scenario, process: str, host: str) -> str:
+    """Return the name of a process that several hosts have."""
+    return process if host == scenario.head else f'{process}_{host}'
+
+
+def agent_parameters(scenario: Scenario, run: RunDirectory, host: str = '') -> Parameters:
+    """Return the parameters of the agents of the vehicles of a host; no name: of the head."""
+    own = host or scenario.head
+    vehicles = [n for n in scenario.vehicle_names if scenario.host_of(n) == own]
+    simulated = [v.name for v in scenario.simulated if v.name in vehicles]
+    is_apart = scenario.simulation.processes != FLEET
     return {
-        'vehicles': list(scenario.vehicle_names),
+        'vehicles': vehicles,
         'real_vehicles': [vehicle.name for vehicle in scenario.linked],
         'mission': run.name,
         'plan_file': str(run.plan),
         'terrain_file': scenario.survey.terrain_file,
         'state_directory': str(run.path / AGENTS),
         'lock_step': not scenario.linked,
-        'participants': [name for name in _vehicle_participants(scenario) if name != FLEET],
+        'participants': simulated if is_apart else [],
+        'others': _participants_elsewhere(scenario, own),
+        **_link_parameters(scenario, own),
     }
+
+
+def _link_parameters(scenario: Scenario, own: str) -> Parameters:
+    """Return how agents of different hosts reach each other."""
+    if scenario.fleet.link == 'dds':
+        return {}
+    # A host without vehicles has no agents.
+    with_agents = {scenario.host_of(name) for name in scenario.vehicle_names}
+    addresses = {
+        host.name: f'{host.address}:{AGENTS_PORT}'
+        for host in scenario.hosts
+        if host.name in with_agents
+    }
+    listen = addresses.pop(own, '')
+    return {
+        'link': scenario.fleet.link,
+        'link_listen': listen,
+        'link_peers': list(addresses.values()),
+    }
+
+
+def _participants_elsewhere(scenario: Scenario, own: str) -> list[str]:
+    """Return who takes part in simulated time on other hosts than this."""
+    places = {name_on(scenario, AGENTS, h): h for h in host_names(scenario)}
+    places.update((name, scenario.host_of(name)) for name in scenario.vehicle_names)
+    places.update((name, host.name) for host in scenario.hosts for name in host.runs)
+    return [n for n in _participants(scenario) if places.get(n, scenario.head) != own]
 
 
 def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
@@ -201,6 +257,18 @@ def _write_value_file(parameter_file: Path, key: str, values: Mapping[str, Any])
 
 def _air(scenario: Scenario) -> list[str]:
     return [AIR] if scenario.air.is_used else []
+
+
+def _participants(scenario: Scenario) -> list[str]:
+    """Return who takes part in simulated time."""
+    hosts = host_names(scenario)
+    agents = [
+        name_on(scenario, AGENTS, host)
+        for host in hosts
+        if scenario.fleet.agents
+        and any(scenario.host_of(n) == host for n in scenario.vehicle_names)
+    ]
+    return [*_vehicle_participants(scenario), *agents, FIELD, *_air(scenario), RECORDER]
 
 
 def _vehicle_participants(scenario: Scenario) -> list[str]:

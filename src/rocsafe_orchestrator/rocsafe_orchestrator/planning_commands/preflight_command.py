@@ -49,16 +49,16 @@ def preflight(path: Path, wait_s: float, console: Console) -> int:
 
 
 def look(
-    scenario: Scenario, wait_s: float, routes: dict[str, Any] | None = None
+    scenario: Scenario, wait_s: float, routes: dict[str, Any] | None = None, host: str = ''
 ) -> list[dict[str, Any]]:
-    """Return what the executable `preflight` says of each real vehicle.
+    """Return what the executable `preflight` says of each real vehicle of a host.
 
     Raises
     ------
     OrchestratorError
         If there is no answer, with the reason.
     """
-    bridge = bridge_parameters(scenario, state_directory='')
+    bridge = bridge_parameters(scenario, '', scenario.linked_on(host or scenario.head))
     request = {'bridge': bridge, 'routes': routes or {}, 'patience_s': wait_s}
     executable = find_executable('rocsafe_mavlink', 'preflight')
     answer = answer_of(executable, request, wait_s + SPARE_S)
@@ -66,15 +66,15 @@ def look(
     return vehicles
 
 
-def cleared(scenario: Scenario, wait_s: float, now: datetime) -> Scenario:
-    """Check the real vehicles and return `scenario` with their homes and the present time.
+def cleared(scenario: Scenario, wait_s: float, now: datetime, host: str = '') -> Scenario:
+    """Check the real vehicles of a host; return the scenario with homes and the present time.
 
     Raises
     ------
     OrchestratorError
         If a vehicle must not fly, with every reason.
     """
-    answers = look(scenario, wait_s)
+    answers = look(scenario, wait_s, host=host)
     reasons = [
         f'{answer["name"]} must not fly: {check["name"]} is {check["value"]}: must be '
         f'{check["limit"]}'

@@ -13,22 +13,21 @@ from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.processes.process_values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import MissionIdentity
-from rocsafe_ros.run import FLEET_LOCK_VARIABLE
+from rocsafe_ros.run import FLEET_LOCK_VARIABLE, SUPERVISOR_LOCK_VARIABLE
 
-_FLEET_LOCK = 'agents.lock'
 # Read by rocsafe_ros.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
 
 def require_executables(table: Iterable[ProcessSpec]) -> list[Path]:
-    """Return the executable of every process of `table`.
+    """Return the executable of every process of `table` on this host.
 
     Raises
     ------
     SetupError
         If an executable is missing.
     """
-    return [find_executable(spec.package, spec.executable) for spec in table]
+    return [find_executable(spec.package, spec.executable) for spec in table if spec.is_here]
 
 
 def launches(
@@ -37,7 +36,7 @@ def launches(
     identity: MissionIdentity,
     config: Path | None = None,
 ) -> tuple[Launch, ...]:
-    """Write the parameter file of every process and return how to start each, and the report.
+    """Write the parameter files of this host and return how to start each, and the report.
 
     Parameters
     ----------
@@ -51,7 +50,8 @@ def launches(
     SetupError
         If an executable is missing.
     """
-    return (*(_launch(spec, run, identity, config) for spec in table), _report_launch(run))
+    here = (_launch(spec, run, identity, config) for spec in table if spec.is_here)
+    return (*here, _report_launch(run))
 
 
 def child_environment(run: RunDirectory, *, has_agents: bool = False) -> Mapping[str, str]:
@@ -59,9 +59,13 @@ def child_environment(run: RunDirectory, *, has_agents: bool = False) -> Mapping
 
     With agents, the processes go on without their supervisor as long as the agents do.
     """
+    locks = {
+        FLEET_LOCK_VARIABLE: str(run.agents_lock),
+        SUPERVISOR_LOCK_VARIABLE: str(run.lock),
+    }
     return {
         **os.environ,
-        **({FLEET_LOCK_VARIABLE: str(run.path / _FLEET_LOCK)} if has_agents else {}),
+        **(locks if has_agents else {}),
         SUPERVISOR_VARIABLE: str(os.getpid()),
         # ROS writes one log file for each process, by default in the user's home.
         'ROS_LOG_DIR': str(run.logs / 'ros'),
@@ -81,6 +85,8 @@ def _launch(
     # Every process uses simulated time.
     arguments = ['--ros-args', '-r', f'__ns:={spec.namespace}', '-p', 'use_sim_time:=true']
     arguments += identity.ros_arguments
+    for remapping in spec.remappings:
+        arguments += ['-r', remapping]
     for file in files:
         arguments += ['--params-file', file]
     return Launch(

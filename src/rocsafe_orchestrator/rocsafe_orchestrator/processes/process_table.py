@@ -2,7 +2,7 @@
 """The table of processes: executable, parameters, and the endpoints that show readiness."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rocsafe_orchestrator.mission.situation import Crew
@@ -59,6 +59,10 @@ class ProcessSpec:
         Full name of the node, to which `parameters` belong.
     readiness
         It can be used once all of these exist.
+    remappings
+        Names of ROS that it changes.
+    is_here
+        Whether it runs on this host; the others are those of other hosts of the mission.
     """
 
     name: str
@@ -67,6 +71,8 @@ class ProcessSpec:
     node: str
     parameters: dict[str, Any]
     readiness: tuple[Endpoint, ...]
+    remappings: tuple[str, ...] = ()
+    is_here: bool = True
 
     @property
     def namespace(self) -> str:
@@ -74,8 +80,44 @@ class ProcessSpec:
         return self.node.rpartition('/')[0] or '/'
 
 
-def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
-    """Return every process that flies `scenario`."""
+def process_table(
+    scenario: Scenario, run: RunDirectory, host: str = ''
+) -> tuple[ProcessSpec, ...]:
+    """Return every process that flies `scenario`, as seen on a host; without a name: the head."""
+    own = host or scenario.head
+    shared = _placed(_shared_processes(scenario, run), scenario, own)
+    return (*shared, *_host_processes(scenario, run, own))
+
+
+def _placed(specs: tuple[ProcessSpec, ...], scenario: Scenario, own: str) -> Iterator[ProcessSpec]:
+    """Yield the processes of the whole mission, each of them on one host."""
+    places: dict[str, str] = {name: host.name for host in scenario.hosts for name in host.runs}
+    for spec in specs:
+        yield replace(spec, is_here=places.get(spec.name, scenario.head) == own)
+
+
+def _host_processes(scenario: Scenario, run: RunDirectory, own: str) -> Iterator[ProcessSpec]:
+    """Yield vehicles, agents and image store of each host.
+
+    A vehicle hands its photographs to the store of its host. Receipts have names of their own on
+    the hosts that join: for the head a photograph counts when its copy has come.
+    """
+    for host in parameters.host_names(scenario):
+        vehicles = tuple(v for v in scenario.vehicles if scenario.host_of(v.name) == host)
+        names = (f'/{topics.RECEIPTS.name}:=/{host}/{topics.RECEIPTS.name}',)
+        is_head = host == scenario.head
+        specs = (
+            *_collector_processes(scenario, run, host),
+            *_agent_processes(scenario, run, host),
+            *_vehicle_processes(scenario, run, vehicles),
+        )
+        for spec in specs:
+            renamed = () if is_head else (*names, *spec.remappings)
+            yield replace(spec, is_here=host == own, remappings=renamed)
+
+
+def _shared_processes(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, ...]:
+    """Return the processes that a mission has once."""
     detectors = _of_each(scenario.with_simulated_detector, topics.RADIATION)
     return (
         _process('recorder', 'rocsafe_orchestrator/recorder',
@@ -91,15 +133,11 @@ def process_table(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpec, .
         _process('localizer', 'rocsafe_radiation/localizer',
                  parameters.localizer_parameters(scenario, run),
                  *_shared(topics.HAZARD_SOURCES, topics.SUGGEST_VIEWPOINTS)),
-        _process('collector', 'rocsafe_mapping/collector',
-                 parameters.collector_parameters(scenario, run), *_shared(topics.RECEIPTS)),
         _process('mosaic', 'rocsafe_mapping/mosaic',
                  parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
         _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
                  parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
-        *_agent_processes(scenario, run),
         *_air_processes(scenario, run),
-        *_vehicle_processes(scenario, run),
         *_ground_processes(scenario, run),
     )  # fmt: skip
 
@@ -117,7 +155,10 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
     return Crew(
         vehicle_processes={
             **{v.name: FLEET if is_fleet else v.name for v in scenario.simulated},
-            **{vehicle.name: BRIDGE for vehicle in scenario.linked},
+            **{
+                v.name: parameters.name_on(scenario, BRIDGE, scenario.host_of(v.name))
+                for v in scenario.linked
+            },
         },
         processes=frozenset(spec.name for spec in table),
         in_lockstep=frozenset(vehicle.name for vehicle in scenario.simulated),
@@ -125,11 +166,29 @@ def crew_of(scenario: Scenario, table: tuple[ProcessSpec, ...]) -> Crew:
     )
 
 
-def _agent_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
-    """Yield one process for the agents of all vehicles, if they have any."""
-    if scenario.fleet.agents:
-        values = parameters.agent_parameters(scenario, run)
-        yield _process(AGENTS, 'rocsafe_fleet/agent', values, *_shared(topics.AGENTS))
+def _collector_processes(
+    scenario: Scenario, run: RunDirectory, host: str
+) -> Iterator[ProcessSpec]:
+    values = parameters.collector_parameters(scenario, run, host)
+    yield _of_host('collector', 'rocsafe_mapping/collector', values, host, scenario)
+
+
+def _agent_processes(scenario: Scenario, run: RunDirectory, host: str) -> Iterator[ProcessSpec]:
+    """Yield one process for the agents of the vehicles of a host, if they have any."""
+    values = parameters.agent_parameters(scenario, run, host)
+    if scenario.fleet.agents and values['vehicles']:
+        yield _of_host(AGENTS, 'rocsafe_fleet/agent', values, host, scenario)
+
+
+def _of_host(
+    name: str, executable: str, values: dict[str, Any], host: str, scenario: Scenario
+) -> ProcessSpec:
+    """Return a process that several hosts have; its node is called after its host."""
+    ready = {AGENTS: topics.AGENTS}.get(name, topics.RECEIPTS)
+    if host == scenario.head:
+        return _process(name, executable, values, *_shared(ready))
+    own = parameters.name_on(scenario, name, host)
+    return replace(_process(own, executable, values), remappings=(f'{name}:__node:={own}',))
 
 
 def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
@@ -144,9 +203,12 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
         )
 
 
-def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
-    """Yield one process for all real vehicles, and one or several for the simulated ones."""
-    simulated, linked = scenario.simulated, scenario.linked
+def _vehicle_processes(
+    scenario: Scenario, run: RunDirectory, vehicles: tuple[VehicleBlock, ...]
+) -> Iterator[ProcessSpec]:
+    """Yield one process for all real vehicles of a host, and one or several for the others."""
+    simulated = tuple(vehicle for vehicle in vehicles if not vehicle.link)
+    linked = tuple(vehicle for vehicle in vehicles if vehicle.link)
     if simulated and scenario.simulation.processes == 'fleet':
         values = parameters.fleet_parameters(scenario, run)
         yield _process(FLEET, 'rocsafe_sim/fleet', values, *_of_each(simulated, *VEHICLE_SPECS))
@@ -158,8 +220,14 @@ def _vehicle_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Proces
                 vehicle.name, 'rocsafe_sim/rav', values, *ready, node=f'/{vehicle.name}/rav'
             )
     if linked:
-        values = parameters.bridge_parameters(scenario, str(run.spool))
-        yield _process(BRIDGE, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS))
+        values = parameters.bridge_parameters(scenario, str(run.spool), linked)
+        bridge = parameters.name_on(scenario, BRIDGE, scenario.host_of(linked[0].name))
+        spec = _process(
+            bridge, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS)
+        )
+        yield (
+            spec if bridge == BRIDGE else replace(spec, remappings=(f'{BRIDGE}:__node:={bridge}',))
+        )
     for vehicle in linked:
         if isinstance(vehicle.drone.detector, DetectorBlock):
             yield _process(

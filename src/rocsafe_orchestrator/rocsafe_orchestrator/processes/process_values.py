@@ -64,13 +64,18 @@ class Launch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Exit:
-    """How a process ended: `code` is negative for a signal, as in `subprocess`."""
+    """How a process ended: `code` is negative for a signal, as in `subprocess`.
 
-    code: int
+    None: not known, the process was started by another supervisor.
+    """
+
+    code: int | None
 
     @property
     def text(self) -> str:
         """Description of the exit."""
+        if self.code is None:
+            return 'ended'
         if self.code >= 0:
             return f'ended with exit code {self.code}'
         try:

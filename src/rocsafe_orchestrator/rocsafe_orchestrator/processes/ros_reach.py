@@ -4,9 +4,10 @@
 import os
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_ros.domain.network import bind_interfaces
+from rocsafe_ros.domain.network import INTERFACES, PEERS, bind_interfaces
 from rocsafe_ros.domain.shared_memory import remove_torn_ports
 from rocsafe_ros.parameters import ParameterError
+from rocsafe_scenario.scenario import Scenario
 
 # Variables that limit it; one that is set is respected.
 REACH_VARIABLES = (
@@ -16,6 +17,30 @@ REACH_VARIABLES = (
     'ROS_DISCOVERY_SERVER',
     'ROS_LOCALHOST_ONLY',
 )
+
+
+def reach(scenario: Scenario, host: str = '') -> None:
+    """Limit ROS discovery to the hosts of a scenario unless the user has set a range.
+
+    Each host asks those before it in the scenario by address, without multicast. A scenario
+    without hosts stays on this machine.
+
+    Parameters
+    ----------
+    host
+        Name of this host; empty: the head.
+
+    Raises
+    ------
+    SetupError
+        If the address of this host is none of this machine.
+    """
+    if scenario.hosts and not any(os.environ.get(name) for name in REACH_VARIABLES):
+        names = [one.name for one in scenario.hosts]
+        asked = scenario.hosts[: names.index(host or scenario.head) + 1]
+        os.environ[INTERFACES] = asked[-1].address
+        os.environ[PEERS] = ','.join(one.address for one in asked)
+    stay_on_this_machine()
 
 
 def stay_on_this_machine() -> None:

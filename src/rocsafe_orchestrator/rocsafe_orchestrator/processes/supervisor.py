@@ -21,6 +21,7 @@ from rocsafe_orchestrator.processes.process_values import (
     ProcessEvent,
     ProcessEventKind,
 )
+from rocsafe_orchestrator.processes.session import Adopted
 
 # Exit code of a process that refuses its parameters; a restart would not help.
 EXIT_USAGE = 2
@@ -38,7 +39,7 @@ class _Child:
 
     def __init__(self, launch: Launch) -> None:
         self.launch = launch
-        self.process: Process | None = None
+        self.process: Process | Adopted | None = None
         self.restarts = 0
         self.start_at_s: float | None = None
         self.last_exit: Exit | None = None
@@ -59,6 +60,8 @@ class Supervisor:
         Environment of every process.
     clock
         Monotonic clock, seconds.
+    on_start
+        Called with name and id of each process that was started.
     """
 
     def __init__(
@@ -66,10 +69,12 @@ class Supervisor:
         launches: Iterable[Launch],
         environment: Mapping[str, str] | None = None,
         clock: Callable[[], float] = time.monotonic,
+        on_start: Callable[[str, int], None] = lambda _name, _pid: None,
     ) -> None:
         self._children = {launch.name: _Child(launch) for launch in launches}
         self._environment = dict(os.environ if environment is None else environment)
         self._clock = clock
+        self._on_start = on_start
 
     @property
     def running(self) -> frozenset[str]:
@@ -103,6 +108,11 @@ class Supervisor:
         if not child.is_running and child.start_at_s is None:
             self._spawn(child, begin)
 
+    def adopt(self, name: str, process: Adopted) -> None:
+        """Take over a process that another supervisor has started."""
+        self._children[name].process = process
+        log.info('%s: taken over, process %d', name, process.pid)
+
     def poll(self) -> list[ProcessEvent]:
         """Notice processes that ended and start those again that are due; never waits."""
         events = []
@@ -110,7 +120,7 @@ class Supervisor:
             if child.process is not None:
                 ended = _ended(child.process)
                 if ended is not None:
-                    events.append(self._on_end(child, ended))
+                    events.append(self._on_end(child, ended.code))
             elif child.start_at_s is not None and self._clock() >= child.start_at_s:
                 events.append(self._restart(child))
         return events
@@ -148,14 +158,14 @@ class Supervisor:
             if child.process is not None:
                 log.warning('%s: killed, it did not end when asked', child.launch.name)
                 _signal(child.process, signal.SIGKILL)
-                self._note_exit(child, child.process.wait())
+                self._note_exit(child, _wait(child.process))
 
     def _still_runs(self, child: _Child) -> bool:
         if child.process is None:
             return False
         ended = _ended(child.process)
         if ended is not None:
-            self._note_exit(child, ended)
+            self._note_exit(child, ended.code)
         return ended is None
 
     def _spawn(self, child: _Child, begin: Callable[[Start], Process] = begin_anew) -> None:
@@ -168,8 +178,9 @@ class Supervisor:
                 text = f'{launch.name}: cannot start {launch.command[0]}: {error.strerror}'
                 raise SetupError(text) from error
         log.info('%s: started, process %d', launch.name, child.process.pid)
+        self._on_start(launch.name, child.process.pid)
 
-    def _on_end(self, child: _Child, code: int) -> ProcessEvent:
+    def _on_end(self, child: _Child, code: int | None) -> ProcessEvent:
         self._note_exit(child, code)
         assert child.last_exit is not None  # noqa: S101 - for the type checker
         how = child.last_exit.text
@@ -181,7 +192,7 @@ class Supervisor:
         child.start_at_s = self._clock() + policy.pause_s(child.restarts)
         return self._event(child, ProcessEventKind.ENDED, how)
 
-    def _note_exit(self, child: _Child, code: int) -> None:
+    def _note_exit(self, child: _Child, code: int | None) -> None:
         child.process = None
         child.last_exit = Exit(code=code)
         log.info('%s: %s', child.launch.name, child.last_exit.text)
@@ -218,25 +229,38 @@ def _open_log(path: Path) -> IO[bytes]:
         raise SetupError(f'{path}: cannot write a log: {error.strerror}') from error
 
 
-def _ended(process: Process) -> int | None:
-    """Return the exit code of an ended process, having ended what it left behind."""
+def _ended(process: Process | Adopted) -> Exit | None:
+    """Return how a process ended, having ended what it left behind; None: it runs."""
+    if isinstance(process, Adopted):
+        return Exit(code=None) if process.has_ended else None
     flags = os.WEXITED | os.WNOHANG | os.WNOWAIT
     try:
         if os.waitid(os.P_PID, process.pid, flags) is None:
             return None
     except ChildProcessError:
         # Starting another fork reaps those that have ended: `multiprocessing` does so.
-        return process.wait()
+        return Exit(code=process.wait())
     # Before it is reaped its id, which is that of its group, cannot have been given away.
     _signal(process, signal.SIGKILL)
+    return Exit(code=process.wait())
+
+
+def _wait(process: Process | Adopted) -> int | None:
+    """Wait for the end of a process that was killed, and return its exit code."""
+    if isinstance(process, Adopted):
+        process.wait()
+        return None
     return process.wait()
 
 
-def _signal(process: Process | None, number: signal.Signals) -> None:
+def _signal(process: Process | Adopted | None, number: signal.Signals) -> None:
     """Send `number` to `process` and to all that it has started."""
     if process is None:
         return
     try:
-        os.killpg(process.pid, number)
+        if isinstance(process, Adopted):
+            process.signal(number)
+        else:
+            os.killpg(process.pid, number)
     except ProcessLookupError:
         log.debug('process group %d has already ended', process.pid)

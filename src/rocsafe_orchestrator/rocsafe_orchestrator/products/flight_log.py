@@ -13,6 +13,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
+    AgentSample,
     Alarm,
     FlightLog,
     MissionSample,
@@ -30,6 +31,7 @@ _MISSION = 'rocsafe_interfaces/msg/MissionState'
 _ALARM = 'rocsafe_interfaces/msg/DoseAlarm'
 _EVENT = 'rocsafe_interfaces/msg/VehicleEvent'
 _DECISION = 'rocsafe_interfaces/msg/Decision'
+_AGENT = 'rocsafe_interfaces/msg/AgentState'
 _TRUTH_SUFFIX = '/ground_truth/fix'
 
 
@@ -63,6 +65,7 @@ class _Log:
         self._mission: list[MissionSample] = []
         self._alarms: list[Alarm] = []
         self._notices: list[Notice] = []
+        self._agents: list[AgentSample] = []
 
     def read(self) -> FlightLog:
         """Read all messages of interest."""
@@ -74,6 +77,7 @@ class _Log:
             _ALARM: self._on_alarm,
             _EVENT: self._on_event,
             _DECISION: self._on_decision,
+            _AGENT: self._on_agent,
         }
         for kind, topic, message in self._messages(frozenset(handlers)):
             handlers[kind](topic, message)
@@ -85,6 +89,7 @@ class _Log:
             mission=tuple(self._mission),
             alarms=tuple(self._alarms),
             notices=tuple(self._notices),
+            agents=tuple(self._agents),
         )
 
     def _messages(self, kinds: frozenset[str]) -> Iterator[tuple[str, str, Any]]:
@@ -201,6 +206,22 @@ class _Log:
                 vehicles=tuple(message.vehicles),
                 text=message.text,
                 reason=message.reason,
+            )
+        )
+
+    def _on_agent(self, _topic: str, message: Any) -> None:
+        self._agents.append(
+            AgentSample(
+                time_ns=_stamp_ns(message),
+                vehicle=message.vehicle,
+                epoch=message.epoch,
+                coordinator=message.coordinator,
+                heard=tuple(message.heard),
+                members=tuple(message.members),
+                unable=tuple(message.unable),
+                duplicates=message.duplicates,
+                bytes_sent=message.bytes_sent,
+                alarms=message.alarms,
             )
         )
 

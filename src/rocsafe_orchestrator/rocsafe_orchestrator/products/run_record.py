@@ -136,6 +136,22 @@ class Notice:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class AgentSample:
+    """What an agent knew at a time; the fields mean what those of ``AgentState.msg`` do."""
+
+    time_ns: int
+    vehicle: str
+    epoch: int
+    coordinator: str
+    heard: tuple[str, ...]
+    members: tuple[str, ...]
+    unable: tuple[str, ...]
+    duplicates: int
+    bytes_sent: int
+    alarms: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Aim:
     """What a photograph shows: `orientation_xyzw` takes the optical frame to east, north, up."""
 
@@ -179,6 +195,7 @@ class FlightLog:
     mission: tuple[MissionSample, ...] = ()
     alarms: tuple[Alarm, ...] = ()
     notices: tuple[Notice, ...] = ()
+    agents: tuple[AgentSample, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

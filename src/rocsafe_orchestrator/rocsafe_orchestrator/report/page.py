@@ -19,6 +19,7 @@ from rocsafe_orchestrator.report.run_facts import fact_columns, plan_rows
 from rocsafe_orchestrator.report.run_texts import gas_reading, height_of, lead, limits, verdict
 from rocsafe_orchestrator.report.sections.advice_view import advice_view
 from rocsafe_orchestrator.report.sections.drive_view import drive_view
+from rocsafe_orchestrator.report.sections.fleet_view import fleet_view
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
 from rocsafe_orchestrator.report.sections.people_view import people_rows
 from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, strongest
@@ -70,6 +71,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         gas=gas_view(record.releases),
         advice=advice_view(record.advice),
         drive=drive_view(record, frame),
+        fleet=fleet_view(record.log.agents if record.log else (), begin_ns),
         chart_scale=chart_scale,
         flights=flown,
         axes=time_axes(flown) if flown else {},

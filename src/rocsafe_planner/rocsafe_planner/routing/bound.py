@@ -19,10 +19,13 @@ from rocsafe_planner.routing.solver_problem import routing_problem
 from rocsafe_planner.solver import RoutingProblem, improving_bounds
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 from rocsafe_planner.solver.bounds.flights import Batteries, flight_bounds
+from rocsafe_planner.solver.bounds.walk_prices import PriceOptions, price_bounds
 from rocsafe_planner.solver.model.compiled import IS_COMPILED
 
 # Number of computed bounds: a count and no time, so that the bound is reproducible.
 _LOOKS_TIMES_POINTS = 8_000
+CLOSE_ENOUGH = 1.003
+"""A plan is not worth a better bound if it is at most so many times as long as the best one."""
 _FEWEST_LOOKS, _MOST_LOOKS = 6, 40
 # The same without compiled loops: only the bounds that need none.
 _PLAIN_LOOKS = 3
@@ -37,7 +40,10 @@ class LowerBound:
 
 
 def lower_bound(
-    problem: FleetProblem, known_makespan_s: float, keep_going: Callable[[float], bool]
+    problem: FleetProblem,
+    known_makespan_s: float,
+    keep_going: Callable[[float], bool],
+    prices: PriceOptions | None = None,
 ) -> LowerBound:
     """Return the best of the bounds; docs/planning.md lists their names.
 
@@ -49,22 +55,31 @@ def lower_bound(
         Of any plan; it steers the ascent and does not change what is proven.
     keep_going
         Told the best bound so far, once there is one; the work ends early when it returns False.
+    prices
+        How the prices of viewpoints are sought, the longest part of the work; None: not at all.
     """
     best = LowerBound(makespan_s=0.0, method='none')
-    for value, name in _bounds(problem, known_makespan_s):
+    for value, name in _bounds(problem, known_makespan_s, prices):
         if value > best.makespan_s:
             best = LowerBound(makespan_s=value, method=name)
         if best.makespan_s > 0.0 and not keep_going(best.makespan_s):
             break
+        if best.makespan_s <= known_makespan_s <= best.makespan_s * CLOSE_ENOUGH:
+            break
     return best
 
 
-def _bounds(problem: FleetProblem, known_s: float) -> Iterator[tuple[float, str]]:
+def _bounds(
+    problem: FleetProblem, known_s: float, prices: PriceOptions | None
+) -> Iterator[tuple[float, str]]:
     """Yield bounds and their names."""
     routed = routing_problem(problem, 'longest_time', is_bounded=True)
     looks = _looks(len(problem.points)) if IS_COMPILED else _PLAIN_LOOKS
     for bound in islice(improving_bounds(routed, known_s), looks):
         yield bound.value, bound.name
+    if IS_COMPILED and prices is not None:
+        for value in price_bounds(routed, known_s, prices):
+            yield value, 'prices'
     swaps_s = [v.battery_swap_s for v in problem.vehicles if v.battery_swap_s is not None]
     if not swaps_s or not IS_COMPILED:
         return

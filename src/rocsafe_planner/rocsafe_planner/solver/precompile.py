@@ -11,6 +11,7 @@ import numpy as np
 
 from rocsafe_planner.solver.bounds.certificate import improving_bounds
 from rocsafe_planner.solver.bounds.forest import SPARSE_FROM
+from rocsafe_planner.solver.bounds.walk_prices import price_bounds
 from rocsafe_planner.solver.model.compiled import CACHE_PREFIX, cache_directory
 from rocsafe_planner.solver.model.flatten import tables_of
 from rocsafe_planner.solver.model.problem import RoutingProblem, Vehicle, one_depot
@@ -38,6 +39,7 @@ def compile_kernels() -> None:
     )
     for _ in zip(range(6), improving_bounds(one_depot(points, points[0], 2), 0.0), strict=False):
         pass
+    next(price_bounds(problem, 1e3))
 
 
 def load_kernels() -> None:

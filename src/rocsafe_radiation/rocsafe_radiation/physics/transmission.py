@@ -46,6 +46,14 @@ def interpolated(table: Table, distances_m: FloatArray) -> FloatArray:
     return result.reshape(np.shape(distances_m))
 
 
+def interpolated_at(table: Table, distance_m: float) -> float:
+    """Return the value of a table at one distance, to the last bit as `interpolated` has it."""
+    values, slopes = table
+    place = min(distance_m * (1.0 / STEP_M), float(len(slopes) - 1))
+    index = int(place)
+    return float((place - index) * slopes[index] + values[index])
+
+
 def interpolated_with_slope(
     table: Table, distances_m: FloatArray
 ) -> tuple[FloatArray, FloatArray]:

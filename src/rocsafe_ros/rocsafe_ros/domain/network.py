@@ -2,7 +2,8 @@
 """The network interfaces to which DDS is bound.
 
 Without a profile every participant listens on all interfaces, whatever the range of discovery is.
-A profile for Fast DDS names those that are used. It has to be set before ROS is started.
+A profile for Fast DDS names those that are used, and the hosts that are asked for participants
+where there is no multicast. It has to be set before ROS is started.
 """
 
 import hashlib
@@ -18,6 +19,9 @@ from rocsafe_ros.parameters import ParameterError
 
 # Addresses or names of interfaces, separated by commas.
 INTERFACES = 'ROCSAFE_INTERFACES'
+# IPv4 addresses of hosts, separated by commas, that are asked for participants one by one. Of two
+# hosts one must ask.
+PEERS = 'ROCSAFE_PEERS'
 RANGE, LOOPBACK_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST'
 LOOPBACK = '127.0.0.1'
 # Fast DDS 2 and 3 have different names for it.
@@ -33,6 +37,7 @@ _PROFILE = """\
         <transport_id>udp</transport_id>
         <type>UDPv4</type>
         <interfaceWhiteList>{interfaces}</interfaceWhiteList>
+        <maxInitialPeersRange>{most}</maxInitialPeersRange>
       </transport_descriptor>
       <transport_descriptor>
         <transport_id>shared_memory</transport_id>
@@ -45,12 +50,32 @@ _PROFILE = """\
           <transport_id>shared_memory</transport_id>
           <transport_id>udp</transport_id>
         </userTransports>
-        <useBuiltinTransports>false</useBuiltinTransports>
+        <useBuiltinTransports>false</useBuiltinTransports>{peers}
       </rtps>
-    </participant>
+    </participant>{writers}
   </profiles>
 </dds>
 """
+# A unicast address for discovery in place of the multicast group. A participant announces itself
+# to each port of each peer: by default every 3 s, which fills a radio.
+_PEERS = """
+        <builtin>
+          <discovery_config>
+            <leaseDuration><sec>30</sec></leaseDuration>
+            <leaseAnnouncement><sec>8</sec></leaseAnnouncement>
+          </discovery_config>
+          <metatrafficUnicastLocatorList><locator><udpv4/></locator></metatrafficUnicastLocatorList>
+          <initialPeersList>{peers}</initialPeersList>
+        </builtin>"""
+# Over a network packets are lost. A reader asks for them when it hears a heartbeat: by default
+# every 3 s, while the messages behind a lost one wait.
+_WRITERS = """
+    <data_writer profile_name="rocsafe_writer" is_default_profile="true">
+      <times><heartbeatPeriod><nanosec>100000000</nanosec></heartbeatPeriod></times>
+    </data_writer>"""
+_PEER = '<locator><udpv4><address>{address}</address></udpv4></locator>'
+# Participants of a host that are found: each is a process, and has ports of its own.
+MOST_PARTICIPANTS = 32
 
 
 def bind_interfaces(environment: MutableMapping[str, str]) -> None:
@@ -65,7 +90,7 @@ def bind_interfaces(environment: MutableMapping[str, str]) -> None:
     ParameterError
         If there is no such interface, or it cannot be done: nothing is bound to less than asked.
     """
-    named = [name.strip() for name in environment.get(INTERFACES, '').split(',') if name.strip()]
+    named, peers = _listed(environment, INTERFACES), _listed(environment, PEERS)
     profile = next((environment[name] for name in PROFILES if environment.get(name)), '')
     if profile and not Path(profile).name.startswith(_OURS):
         if named:
@@ -77,10 +102,30 @@ def bind_interfaces(environment: MutableMapping[str, str]) -> None:
         if named:
             raise ParameterError(f'{INTERFACES} is for {RMW} only')
         return
-    path = _written(_PROFILE.format(interfaces=''.join(map(_element, [LOOPBACK, *named]))))
-    environment.update(dict.fromkeys(PROFILES, str(path)))
-    # The range for this machine alone would open sockets beside those of the profile.
-    environment[RANGE] = 'SUBNET'
+    profile = _PROFILE.format(
+        interfaces=''.join(map(_element, [LOOPBACK, *named])),
+        most=MOST_PARTICIPANTS,
+        peers=_asked(peers) if peers else '',
+        writers=_WRITERS if peers else '',
+    )
+    environment.update(dict.fromkeys(PROFILES, str(_written(profile))))
+    # The range for this machine alone would open sockets beside those of the profile; that of a
+    # subnet would use the multicast group.
+    environment[RANGE] = 'SYSTEM_DEFAULT' if peers else 'SUBNET'
+
+
+def _listed(environment: MutableMapping[str, str], variable: str) -> list[str]:
+    return [one.strip() for one in environment.get(variable, '').split(',') if one.strip()]
+
+
+def _asked(peers: list[str]) -> str:
+    """Return the part of the profile that asks hosts, this one included, for participants."""
+    for peer in peers:
+        try:
+            ipaddress.IPv4Address(peer)
+        except ValueError:
+            raise ParameterError(f'{PEERS}: {peer!r} is no IPv4 address') from None
+    return _PEERS.format(peers=''.join(_PEER.format(address=one) for one in (LOOPBACK, *peers)))
 
 
 def _element(interface: str) -> str:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
+from rocsafe_scene.scene.moving_sun import LightOrder
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,6 +46,9 @@ class Camera(Protocol):
 
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON; empty without labels."""
+
+    def set_light(self, order: LightOrder) -> None:
+        """Change sun and air from the next image on; raises `ViewError` if it cannot be."""
 
     def photograph(
         self,

@@ -16,11 +16,15 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_renderer
+from rocsafe_scene.engine.renderer import Renderer
+from rocsafe_scene.errors import EngineError
 from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import CLASSES
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.environment import GROUND_NUMBER, SKY_NUMBER, SceneObject
+from rocsafe_scene.scene.moving_sun import LightOrder
 from rocsafe_scene.scene.scene_file import read_scene
+from rocsafe_scene.scene.sunlight import Air, Lighting, lighting, sun_direction
 
 # Ground numbers lie far above object numbers. 65535 stays free: it stands for numbers that do not
 # fit into 16 bits.
@@ -68,10 +72,37 @@ class EngineScene:
         self.label_table = label_table(self.environment.objects)
         self.renderer = open_renderer(self.environment, description, _sun_time(request.start_ns))
         self._start_ns = request.start_ns
+        self._order = LightOrder()
+        self._lit = (request.start_ns, self._order.air)
 
     def set_time(self, time_ns: int) -> None:
-        """Move objects to their places at a simulated time, nanoseconds since 1970."""
+        """Move objects and the sun to their places at a simulated time, ns since 1970."""
         self.renderer.set_time(max(0, time_ns - self._start_ns) / NS_PER_S)
+        sun = self._order.sun
+        wanted = (self._start_ns if sun is None else sun.at(time_ns), self._order.air)
+        if wanted != self._lit and isinstance(self.renderer, Renderer):
+            self.renderer.relight(self._light(*wanted))
+            self._lit = wanted
+
+    def set_light(self, order: LightOrder) -> None:
+        """Change sun and air from the next image on.
+
+        Raises
+        ------
+        EngineError
+            If this machine draws without light and shadows.
+        """
+        if not isinstance(self.renderer, Renderer):
+            raise EngineError(
+                f'the light cannot be changed: {self.renderer.pipe.renderer} draws without shadows'
+            )
+        self._order = order
+
+    def _light(self, sun_ns: int, air: Air) -> Lighting:
+        light, place = self.environment.description.light, self.environment.description.place
+        time = _sun_time(sun_ns) or light.time
+        direction = sun_direction(time, place.latitude_deg, place.longitude_deg)
+        return lighting(direction, light.weather, air)
 
 
 class EngineCamera:
@@ -107,6 +138,10 @@ class EngineCamera:
     def label_table(self) -> str:
         """Return names, classes and colours of the instances as JSON."""
         return self._scene.label_table
+
+    def set_light(self, order: LightOrder) -> None:
+        """Change sun and air of the scene, also for all other cameras in it."""
+        self._scene.set_light(order)
 
     def photograph(
         self,

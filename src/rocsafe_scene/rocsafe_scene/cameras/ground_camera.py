@@ -13,6 +13,7 @@ from rocsafe_geo.pinhole import PinholeCamera, ground_corners, ground_homography
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_scene.errors import GroundError
 from rocsafe_scene.ground.ground_patch import Ground, GroundBounds
+from rocsafe_scene.scene.moving_sun import LightOrder
 
 # Interpolation reads one texel beyond; one more for rounding.
 _MARGIN_TEXELS = 2.0
@@ -39,6 +40,10 @@ class GroundCamera:
     def label_table(self) -> str:
         """Return an empty text: there are no labels."""
         return ''
+
+    def set_light(self, order: LightOrder) -> None:  # noqa: ARG002 - there is none to change
+        """Refuse: the ground is a photograph."""
+        raise GroundError('the flat ground is a photograph: its light cannot be changed')
 
     def photograph(
         self,

@@ -39,7 +39,7 @@ def open_renderer(
     sunlight = lighting(direction, light.weather)
     if open_pipe().is_degraded:
         return SoftwareRenderer(environment, sunlight)
-    return Renderer(environment, sunlight, light.weather)
+    return Renderer(environment, sunlight)
 
 
 def open_scene(

@@ -42,14 +42,12 @@ class Renderer:
         Scene to draw.
     lighting
         Light of the scene.
-    weather
-        Weather of the sky.
     """
 
-    def __init__(self, environment: Environment, lighting: Lighting, weather: str) -> None:
+    def __init__(self, environment: Environment, lighting: Lighting) -> None:
         self.thread = OneThread()
         self.pipe: Pipe = open_pipe()
-        self.graph = SceneGraph(environment, weather, self.pipe)
+        self.graph = SceneGraph(environment, self.pipe)
         self.graph.light(lighting)
         self.graph.move(0.0)
         return_freed_memory()
@@ -65,14 +63,19 @@ class Renderer:
             self._shadow_maps.follow()
         self._time_s = time_s
 
-    def rearrange(self, objects: Sequence[SceneObject], lighting: Lighting, weather: str) -> None:
+    def rearrange(self, objects: Sequence[SceneObject], lighting: Lighting) -> None:
         """Move or hide objects, and change the light.
 
         `objects` are those of the environment, possibly in other places; missing ones are hidden.
         """
         self.thread.require()
         self.graph.arrange(objects)
-        self.graph.light(lighting, weather)
+        self.relight(lighting)
+
+    def relight(self, lighting: Lighting) -> None:
+        """Change the light."""
+        self.thread.require()
+        self.graph.light(lighting)
         self._shadow_maps.relight(lighting)
 
     def camera(self, lens: PinholeCamera) -> 'RendererCamera':

@@ -34,7 +34,6 @@ _GLOSSY = {int(surface) for surface, look in LOOKS.items() if look.gloss > 0.09}
 # Drawing order: objects from near to far, leaves (which have another shader), the ground that both
 # hide, the sky.
 _THINGS, _LEAVES, _GROUND, _SKY = 20, 25, 30, 40
-_CLOUDS = {'clear': 0.8, 'overcast': 0.25, 'wet': 0.2, 'fog': 0.0, 'dusk': 0.9}
 
 
 class SceneGraph:
@@ -44,13 +43,11 @@ class SceneGraph:
     ----------
     environment
         Scene to draw.
-    weather
-        Weather, which sets the clouds.
     pipe
         Pipe that will draw it.
     """
 
-    def __init__(self, environment: Environment, weather: str, pipe: Pipe) -> None:
+    def __init__(self, environment: Environment, pipe: Pipe) -> None:
         bins = core.CullBinManager.getGlobalPtr()
         for name, order in (('near_first', _THINGS), ('leaves', _LEAVES)):
             bins.addBin(name, core.CullBinManager.BTFrontToBack, order)
@@ -62,7 +59,6 @@ class SceneGraph:
         self._pipe = pipe
         self._shaders = NodeShaders()
         self._moving: list[tuple[SceneObject, Any]] = []
-        self._weather = weather
         self.things: dict[int, Any] = {}
         self._add_ground(environment)
         self._add_objects(environment)
@@ -73,18 +69,14 @@ class SceneGraph:
         """Whether anything moves."""
         return bool(self._moving)
 
-    def light(self, lighting: Lighting, weather: str | None = None) -> None:
-        """Set the light, and the weather if another one is given."""
-        self._weather = weather or self._weather
+    def light(self, lighting: Lighting) -> None:
+        """Set the light."""
         self._shaders.set_wet(is_wet=lighting.wetness > 0.0)
         for name in ('sun_direction', 'zenith', 'horizon', 'bounce'):
             self.root.setShaderInput(name, core.LVecBase3f(*getattr(lighting, name)))
         self.root.setShaderInput('sun_light', core.LVecBase3f(*lighting.sun))
-        clouds = _CLOUDS.get(self._weather, 0.5)
-        self.root.setShaderInput(
-            'air',
-            core.LVecBase4f(lighting.haze_per_m, lighting.wetness, lighting.exposure, clouds),
-        )
+        air = (lighting.haze_per_m, lighting.wetness, lighting.exposure, lighting.clouds)
+        self.root.setShaderInput('air', core.LVecBase4f(*air))
 
     def move(self, time_s: float) -> None:
         """Move objects to their places at a time, seconds after the start."""

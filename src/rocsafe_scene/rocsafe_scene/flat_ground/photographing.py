@@ -61,7 +61,7 @@ def photographed(
     light, place = description.light, description.place
     direction = sun_direction(light.time, place.latitude_deg, place.longitude_deg)
     clear = replace(lighting(direction, light.weather), haze_per_m=0.0)
-    image = photograph_of(Renderer(environment, clear, light.weather), options)
+    image = photograph_of(Renderer(environment, clear), options)
     photograph = GroundPhotograph(image, options.texel_m)
     return photograph, boxes_of(environment.objects, photograph.half_m)
 

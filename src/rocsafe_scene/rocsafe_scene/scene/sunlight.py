@@ -3,11 +3,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from datetime import datetime, timezone
 
 import numpy as np
 
+from rocsafe_geo.limits import require_between
 from rocsafe_scene.mesh.mesh import Floats
 
 # Time of the sun in scenes that give none.
@@ -34,6 +35,8 @@ class Weather:
         Extinction along the line of sight.
     wetness
         How wet surfaces are, 0 to 1.
+    clouds
+        How distinct the clouds are in the sky.
     exposure
         Exposure factor of the camera.
     """
@@ -42,18 +45,31 @@ class Weather:
     sky: float
     greyness: float
     haze_per_m: float
+    clouds: float
     wetness: float = 0.0
     exposure: float = 1.0
 
 
 WEATHERS: Mapping[str, Weather] = {
-    'clear': Weather(sun=1.0, sky=1.0, greyness=0.0, haze_per_m=0.00022),
-    'overcast': Weather(sun=0.07, sky=1.5, greyness=0.9, haze_per_m=0.0005, exposure=1.15),
-    'wet': Weather(
-        sun=0.05, sky=1.25, greyness=0.85, haze_per_m=0.0012, wetness=0.9, exposure=1.15
+    'clear': Weather(sun=1.0, sky=1.0, greyness=0.0, haze_per_m=0.00022, clouds=0.8),
+    'overcast': Weather(
+        sun=0.07, sky=1.5, greyness=0.9, haze_per_m=0.0005, clouds=0.25, exposure=1.15
     ),
-    'fog': Weather(sun=0.03, sky=1.3, greyness=1.0, haze_per_m=0.011, wetness=0.3, exposure=1.1),
-    'dusk': Weather(sun=0.55, sky=0.55, greyness=0.15, haze_per_m=0.0006, exposure=1.35),
+    'wet': Weather(
+        sun=0.05,
+        sky=1.25,
+        greyness=0.85,
+        haze_per_m=0.0012,
+        clouds=0.2,
+        wetness=0.9,
+        exposure=1.15,
+    ),
+    'fog': Weather(
+        sun=0.03, sky=1.3, greyness=1.0, haze_per_m=0.011, clouds=0.0, wetness=0.3, exposure=1.1
+    ),
+    'dusk': Weather(
+        sun=0.55, sky=0.55, greyness=0.15, haze_per_m=0.0006, clouds=0.9, exposure=1.35
+    ),
 }
 
 
@@ -73,6 +89,8 @@ class Lighting:
         Light from the ground on surfaces that face down.
     haze_per_m
         Extinction along the line of sight; distant objects take on the colour of the horizon.
+    clouds
+        How distinct the clouds are in the sky.
     wetness
         Wetness of surfaces, 0 to 1.
     exposure
@@ -85,8 +103,39 @@ class Lighting:
     horizon: Light
     bounce: Light
     haze_per_m: float
+    clouds: float
     wetness: float
     exposure: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Air:
+    """What is added to the weather of a scene.
+
+    Attributes
+    ----------
+    fog
+        0: none, to 1: as in the weather ``fog``.
+    wetness
+        Least wetness of surfaces, 0 to 1.
+    """
+
+    fog: float = 0.0
+    wetness: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_between('fog', self.fog, 0.0, 1.0)
+        require_between('wetness', self.wetness, 0.0, 1.0)
+
+    def added_to(self, weather: Weather) -> Weather:
+        """Return the weather with this fog and wetness."""
+        foggy = WEATHERS['fog']
+        mixed = {
+            each.name: (1.0 - self.fog) * getattr(weather, each.name)
+            + self.fog * getattr(foggy, each.name)
+            for each in fields(Weather)
+        }
+        return Weather(**{**mixed, 'wetness': max(self.wetness, mixed['wetness'])})
 
 
 def sun_direction(time: datetime, latitude_deg: float, longitude_deg: float) -> Floats:
@@ -115,8 +164,8 @@ def sun_direction(time: datetime, latitude_deg: float, longitude_deg: float) -> 
     return np.array([east, north, up])
 
 
-def lighting(direction: Floats, weather: str) -> Lighting:
-    """Return the light of a sun in `direction` (3,) in `weather`.
+def lighting(direction: Floats, weather: str, air: Air | None = None) -> Lighting:
+    """Return the light of a sun in `direction` (3,) in `weather`, with what `air` adds.
 
     When the sun is below the horizon, a dim light just above it takes its place.
 
@@ -127,7 +176,7 @@ def lighting(direction: Floats, weather: str) -> Lighting:
     """
     if weather not in WEATHERS:
         raise ValueError(f'weather is {weather!r}: must be one of {", ".join(WEATHERS)}')
-    kind = WEATHERS[weather]
+    kind = (air or Air()).added_to(WEATHERS[weather])
     height = _DUSK_UP if weather == 'dusk' else float(direction[2])
     if weather == 'dusk':
         direction = _at_height(direction, _DUSK_UP)
@@ -152,6 +201,7 @@ def lighting(direction: Floats, weather: str) -> Lighting:
         horizon=_times(horizon, sky),
         bounce=bounce,
         haze_per_m=kind.haze_per_m,
+        clouds=kind.clouds,
         wetness=kind.wetness,
         exposure=kind.exposure,
     )

@@ -64,6 +64,19 @@ class Airframe:
         slower = replace(self.performance, cruise_speed_mps=speed_mps)
         return replace(self, performance=slower, _power=self.power)
 
+    def in_wind(self, wind_mps: tuple[float, float] | None) -> 'Airframe':
+        """Return it in another wind, east and north, with the same battery; None: in its own.
+
+        Raises
+        ------
+        ValueError
+            If there is too much wind.
+        """
+        if wind_mps is None:
+            return self
+        windy = replace(self.performance, wind_mps=wind_mps)
+        return replace(self, performance=windy, _power=self.power)
+
     @property
     def power(self) -> PowerModel:
         """Power in flight."""

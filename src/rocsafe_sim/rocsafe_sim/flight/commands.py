@@ -70,9 +70,11 @@ class Command:
     turn_rate_radps
         Yaw rate meanwhile, anticlockwise from above.
     yaw_rad
-        Yaw at the end of a way, rad, ENU; None: the present one.
+        Yaw at the end of a way, or to turn to at a velocity, rad, ENU; None: the present one.
     speed_mps
         Speed over ground; 0: that of the vehicle.
+    wind_mps
+        Wind to the east and to the north; None: that of the vehicle.
     is_held
         Whether it stays on the ground, where it waits, until it is resumed.
     """
@@ -94,6 +96,7 @@ class Command:
     turn_rate_radps: float = 0.0
     yaw_rad: float | None = None
     speed_mps: float = 0.0
+    wind_mps: tuple[float, float] | None = None
     is_held: bool = False
 
 
@@ -109,7 +112,8 @@ def timeline_of(command: Command, route: FlightRoute, airframe: Airframe) -> Tim
         return go_to_timeline(airframe, command.start, route, goals, command.yaw_rad)
     if command.kind is CommandKind.MOVE and command.velocity_enu is not None:
         velocity = (command.velocity_enu, command.flown_s)
-        return move_timeline(airframe, command.start, velocity, command.turn_rate_radps)
+        turn = (command.turn_rate_radps, command.yaw_rad)
+        return move_timeline(airframe, command.start, velocity, *turn)
     if command.kind is CommandKind.RETURN:
         place = command.goal_enu or route.home_enu
         return return_timeline(airframe, command.start, route, place)

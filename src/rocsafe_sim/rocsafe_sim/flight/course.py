@@ -35,7 +35,7 @@ class Course:
         self.route = route
         # A vehicle that is held on the ground never begins.
         self._begins_ns = math.inf if command.is_held else command.start_ns
-        airframe = airframe.at_speed(command.speed_mps)
+        airframe = airframe.in_wind(command.wind_mps).at_speed(command.speed_mps)
         self.timeline = timeline_of(command, route, airframe)
         self._capacity_j = airframe.power.capacity_j
         low_s = low_battery_s(

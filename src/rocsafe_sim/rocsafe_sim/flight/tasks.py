@@ -18,6 +18,8 @@ from rocsafe_sim.flight.timeline import Task, Timeline
 LEVEL_TOLERANCE_M = 1e-3
 # Yaw rate of a commanded turn, as autopilots have it (PX4: MPC_YAWRAUTO_MAX, 45 deg/s).
 TURN_RATE_RADPS = math.radians(45.0)
+# Yaw is interpolated the shorter way: longer turns are made of such legs.
+LEG_OF_TURN_RAD = 2.0
 # A bend whose height differs by less is flown level.
 LAYER_TOLERANCE_M = 0.4
 
@@ -115,19 +117,33 @@ def move_timeline(
     start: FlightPose,
     velocity: tuple[Enu, float],
     turn_rate_radps: float = 0.0,
+    yaw_rad: float | None = None,
 ) -> Timeline:
     """Return the flight at a velocity (m/s) for some seconds, a stop, and a stand.
 
-    The vehicle turns at a constant rate meanwhile, by less than half a turn in all.
+    The vehicle turns at a constant rate until the stop, or to `yaw_rad` if that is given.
     """
     performance = airframe.performance
     limits = (performance.level, performance.vertical)
     motion = VelocityMotion(start.motion, *velocity, *limits)
-    yaw = wrap_rad(start.yaw_rad + turn_rate_radps * motion.duration_s)
+    turn_s = velocity[1]
+    if yaw_rad is not None:
+        turn_rad = wrap_rad(yaw_rad - start.yaw_rad)
+        turn_rate_radps = math.copysign(TURN_RATE_RADPS, turn_rad)
+        turn_s = min(motion.duration_s, abs(turn_rad) / TURN_RATE_RADPS)
+    yaws = _turn(start.yaw_rad, turn_rate_radps, turn_s)
+    yaw = yaws[-1][1] if yaws else start.yaw_rad
     at = standing(motion.state(motion.duration_s).position_enu, yaw)
     here = Task(way=performance.way(at.position_enu, at.position_enu), mode=Mode.FLYING,
                 yaw_rad=yaw)  # fmt: skip
-    return Timeline(airframe, start, motion, [here, _stand(airframe, at)], lead_yaw_rad=yaw)
+    return Timeline(airframe, start, motion, [here, _stand(airframe, at)], lead_yaws=yaws)
+
+
+def _turn(yaw_rad: float, rate_radps: float, turn_s: float) -> list[tuple[float, float]]:
+    """Return times and yaws of a turn, less than half a turn apart."""
+    count = math.ceil(abs(rate_radps) * turn_s / LEG_OF_TURN_RAD)
+    times = (turn_s * number / count for number in range(1, count + 1))
+    return [(time_s, wrap_rad(yaw_rad + rate_radps * time_s)) for time_s in times]
 
 
 def land_timeline(

@@ -63,8 +63,9 @@ class Timeline:
         Motion from that pose to standstill; None if it stands.
     tasks
         Tasks, at least one; they begin where the stop ends.
-    lead_yaw_rad
-        Yaw at the end of the stop; None: that of `start`.
+    lead_yaws
+        Times within the stop, seconds, and the yaw at each, rad, in order; the yaw stays from the
+        last on. Less than half a turn lies between two.
     """
 
     def __init__(
@@ -74,7 +75,7 @@ class Timeline:
         stop: Motion | None,
         tasks: Sequence[Task],
         *,
-        lead_yaw_rad: float | None = None,
+        lead_yaws: Sequence[tuple[float, float]] = (),
     ) -> None:
         self._airframe = airframe
         self._stop = stop
@@ -82,8 +83,7 @@ class Timeline:
         at = start.position_enu if stop is None else stop.state(self._stop_s).position_enu
         radius = airframe.performance.corner_radius_m
         self._route = RouteMotion(at, [task.way for task in tasks], radius)
-        lead_yaw = start.yaw_rad if lead_yaw_rad is None else lead_yaw_rad
-        self.segments = tuple(self._segments((start.yaw_rad, lead_yaw), tasks))
+        self.segments = tuple(self._segments(start.yaw_rad, lead_yaws, tasks))
         self._ends = [segment.end_s for segment in self.segments]
 
     @property
@@ -157,10 +157,16 @@ class Timeline:
             return self._stop.state(elapsed_s)
         return self._route.state(elapsed_s - self._stop_s)
 
-    def _segments(self, yaws_rad: tuple[float, float], tasks: Sequence[Task]) -> Iterator[Segment]:
-        now, yaw = self._stop_s, yaws_rad[1]
-        if self._stop is not None:
-            yield _segment(tasks[0], 0.0, now, yaws_rad)
+    def _segments(
+        self, yaw: float, lead_yaws: Sequence[tuple[float, float]], tasks: Sequence[Task]
+    ) -> Iterator[Segment]:
+        now = 0.0
+        for time_s, next_yaw in lead_yaws:
+            yield _segment(tasks[0], now, time_s, (yaw, next_yaw))
+            now, yaw = time_s, next_yaw
+        if self._stop is not None and now < self._stop_s:
+            yield _segment(tasks[0], now, self._stop_s, (yaw, yaw))
+        now = self._stop_s
         times = zip(self._route.arrivals_s, self._route.departures_s, strict=True)
         for task, (arrival, departure) in zip(tasks, times, strict=True):
             arrives, departs = self._stop_s + arrival, self._stop_s + departure

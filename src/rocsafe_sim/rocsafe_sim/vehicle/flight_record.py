@@ -76,6 +76,8 @@ class VehicleRecord:
         Places on the ground to return to, if nearer than home, metres.
     speed_mps
         Speed over ground of the flight under way; 0: that of the vehicle.
+    wind_mps
+        Wind to the east and to the north, m/s; None: that of the vehicle.
     """
 
     home_enu: Enu
@@ -84,3 +86,4 @@ class VehicleRecord:
     fence: Fence = field(default_factory=Fence)
     rally_enu: tuple[Enu, ...] = ()
     speed_mps: float = 0.0
+    wind_mps: tuple[float, float] | None = None

@@ -167,6 +167,7 @@ class FlyingVehicle:
             distance_m=self._distance_m(time_ns),
             number=0 if self.flight is None else self.flight.command.number,
             speed_mps=self._record.speed_mps,
+            wind_mps=self._record.wind_mps,
         )
 
     def _ground_for(self, kind: CommandKind, start: FlightPose) -> float | None:

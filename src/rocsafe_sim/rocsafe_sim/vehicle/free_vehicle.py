@@ -14,6 +14,7 @@ from rocsafe_geo.limits import (
     require_positive,
 )
 from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.commands import CommandKind
 from rocsafe_sim.flight.course import Course
@@ -26,8 +27,8 @@ from rocsafe_sim.vehicle.flight_record import FlightRecord
 from rocsafe_sim.vehicle.simulated_vehicle import SimulatedVehicle
 
 LONGEST_S = 3600.0
-# Yaw turns the shorter way: a longer turn in one command would be flown backwards.
-WIDEST_TURN_RAD = 0.99 * math.pi
+# Far above what multirotors turn at.
+FASTEST_TURN_RADPS = 2.0 * math.pi
 _IN_THE_AIR = (Mode.TAKING_OFF, Mode.FLYING, Mode.HOLDING, Mode.RETURNING)
 _ON_GROUND = (Mode.DISARMED, Mode.LANDED)
 
@@ -71,7 +72,13 @@ class FreeVehicle(SimulatedVehicle):
             self._record = replace(self._record, speed_mps=min(speed_mps, own_mps))
         self._move(flight, CommandKind.GO_TO, goal_enu=places[-1], via_enu=places[:-1])
 
-    def fly_at(self, velocity_enu: Enu, flown_s: float, turn_rate_radps: float = 0.0) -> None:
+    def fly_at(
+        self,
+        velocity_enu: Enu,
+        flown_s: float,
+        turn_rate_radps: float = 0.0,
+        yaw_rad: float | None = None,
+    ) -> None:
         """Fly at a velocity for some time, turning meanwhile, and then stop.
 
         Parameters
@@ -81,7 +88,9 @@ class FreeVehicle(SimulatedVehicle):
         flown_s
             Up to an hour; the stop comes after it.
         turn_rate_radps
-            Yaw rate until it stands, anticlockwise from above; less than half a turn in all.
+            Yaw rate meanwhile, anticlockwise from above.
+        yaw_rad
+            Yaw to turn to instead, rad, ENU; None: it turns at the rate.
 
         Raises
         ------
@@ -93,18 +102,20 @@ class FreeVehicle(SimulatedVehicle):
         flight = self._require_mode('fly at a velocity', *_IN_THE_AIR)
         velocity_enu = self._limited(velocity_enu)
         require_between('duration_s', flown_s, 0.0, LONGEST_S, 's')
-        require_finite('turn_rate_radps', turn_rate_radps)
+        fastest = FASTEST_TURN_RADPS
+        require_between('turn_rate_radps', turn_rate_radps, -fastest, fastest, 'rad/s')
+        if yaw_rad is not None:
+            require_finite('yaw_rad', yaw_rad)
         aims: dict[str, Any] = {
             'velocity_enu': velocity_enu,
             'flown_s': flown_s,
             'turn_rate_radps': turn_rate_radps,
+            'yaw_rad': yaw_rad,
         }
         command = replace(self._command(CommandKind.MOVE, self.time_ns, flight.visited), **aims)
         course = Course(command, flight.route, self.airframe)
         if isinstance(course.timeline, Timeline):
             end_s = course.timeline.segments[-1].begin_s
-            turn = turn_rate_radps * end_s
-            require_between('the turn', turn, -WIDEST_TURN_RAD, WIDEST_TURN_RAD, 'rad')
             way = [course.timeline.pose(end_s * n / 16.0).position_enu for n in range(17)]
             self._require_free(flight, way)
         self._move(flight, CommandKind.MOVE, **aims)
@@ -121,6 +132,37 @@ class FreeVehicle(SimulatedVehicle):
         require_finite('yaw_rad', yaw_rad)
         here = stopped(self.airframe, self.pose_at(self.time_ns))[1].position_enu
         self._move(flight, CommandKind.GO_TO, goal_enu=here, yaw_rad=wrap_rad(yaw_rad))
+
+    def set_wind(self, wind_mps: tuple[float, float]) -> None:
+        """Fly in another wind, east and north, m/s; a flight under way stops, and goes on in it.
+
+        A landing is not changed.
+
+        Raises
+        ------
+        ValueError
+            If it could not fly in so much wind.
+        """
+        self.airframe.in_wind(wind_mps)
+        self._record = replace(self._record, wind_mps=wind_mps)
+        flight = self.flight
+        if flight is None or self.mode not in (Mode.WAITING, *_IN_THE_AIR):
+            return
+        command = flight.command
+        if self.mode is Mode.WAITING:
+            self._follow(replace(flight, command=replace(command, wind_mps=wind_mps)))
+            return
+        flown_s = (self.time_ns - command.start_ns) / NS_PER_S
+        self._give(
+            flight,
+            command.kind,
+            goal_enu=command.goal_enu,
+            via_enu=command.via_enu,
+            velocity_enu=command.velocity_enu,
+            flown_s=max(0.0, command.flown_s - flown_s),
+            turn_rate_radps=command.turn_rate_radps,
+            yaw_rad=command.yaw_rad,
+        )
 
     def _flight_for(self, what: str) -> FlightRecord:
         """Return the flight under way, or a new one without a route."""

@@ -89,7 +89,7 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
     factors = {kind: _least_ratio(table, costs) for kind, table in between.items()}
     # For the objective `sum`, the legs are not divided by the factor of the vehicle.
     worth = [factors[v.legs] if problem.objective == 'max' else 1.0 for v in vehicles]
-    halves = _end_stays(problem)
+    halves = end_stays(problem)
     starts = [tables[v.legs][v.start, :n] for v in vehicles]
     ends = [halves[v.legs] if v.end is None else tables[v.legs][:n, v.end] for v in vehicles]
     around = [v.fixed_cost + s + e for v, s, e in zip(vehicles, starts, ends, strict=True)]
@@ -159,7 +159,7 @@ def _point_leg(problem: RoutingProblem, kind: int, site: int | None) -> Floats:
     return np.asarray(flown + half, np.float64)
 
 
-def _end_stays(problem: RoutingProblem) -> list[Floats]:
+def end_stays(problem: RoutingProblem) -> list[Floats]:
     """Return, for each kind of legs, the stay left at the last customer of an open route."""
     stays = [legs.stay / 2 if isinstance(legs, PointLegs) else 0.0 for legs in problem.legs]
     return [np.full(problem.customers, stay) for stay in stays]

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Handlers of orders: prepared by a first request, confirmed and sent by a second."""
+
+import asyncio
+import math
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Any, TypeVar
+
+from aiohttp import web
+
+from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.orders.order_book import TARGETS, Order, Result, stale
+from rocsafe_console.people.roles import Action
+from rocsafe_console.web.context import Context, Fleet, context_of, session_of
+from rocsafe_console.web.guards import body_of, refused
+
+ORDER_S = 7.0
+# Of a search for a way; large maps take some seconds.
+DRIVE_PLAN_S = 20.0
+Found = TypeVar('Found')
+Planned = tuple[dict[str, Any] | None, str]
+
+
+async def prepare_order(request: web.Request) -> web.Response:
+    """First step of an order: it waits for its confirmation."""
+    context, body = context_of(request), await body_of(request)
+    verb = Action(body['verb'])
+    session = session_of(request, verb)
+    now_s = context.clock()
+    if wait_s := context.order_rate.wait_s(session.public_id, now_s):
+        return refused(429, f'too many orders: wait {math.ceil(wait_s)} s')
+    context.order_rate.note(session.public_id, now_s)
+    target, kind = body.get('target'), TARGETS.get(verb)
+    if target and kind is None:
+        raise ValueError(f'target: {verb.value} has none')
+    order = Order(
+        request_id=str(body['request_id']),
+        session=session.public_id,
+        user=session.user,
+        verb=verb,
+        revisions={str(name): int(seen) for name, seen in dict(body['revisions']).items()},
+        target=kind(**{key: float(target[key]) for key in target}) if kind and target else None,
+    )
+    with context.live.lock:
+        unknown = sorted(order.revisions.keys() - context.live.picture.vehicles.keys())
+    if unknown:
+        raise ValueError(f'vehicle {unknown[0]}: there is none')
+    answer: dict[str, Any] = {}
+    if verb is Action.SEND:
+        answer['drive'] = await _planned_drive(context, order)
+    # What is offered can be confirmed from now on, however long it took to plan.
+    answer['until_s'] = context.orders.prepare(order, context.clock())
+    return web.json_response(answer, status=201)
+
+
+async def confirm_order(request: web.Request) -> web.Response:
+    """Second step of an order: it is written to the evidence log, and sent."""
+    context = context_of(request)
+    session = session_of(request, Action.SEE)
+    request_id = request.match_info['id']
+    order = context.orders.confirm(request_id, session.public_id, context.clock())
+    if order is None:
+        return await _results(context, request_id)
+    session_of(request, order.verb)
+    with context.live.lock:
+        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
+    left_out = stale(order, revisions)
+    names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
+    try:
+        context.write('order', order.user, **_order_plain(order, names))
+    except (OSError, ConsoleError) as error:
+        context.orders.finish(request_id, ())
+        raise RefusedError(
+            f'nothing was sent: the evidence log cannot be written: {error}'
+        ) from error
+    results = (*left_out, *(await _sent(context, order, names) if names else ()))
+    plain = [_result_plain(result) for result in results]
+    context.orders.finish(request_id, results)
+    context.write('outcome', order.user, request_id=request_id, results=plain)
+    return web.json_response({'results': plain})
+
+
+async def _sent(context: Context, order: Order, names: tuple[str, ...]) -> tuple[Result, ...]:
+    """Send an order and return the results of all vehicles."""
+    fleet = _fleet(context)
+    return await _answer_of(lambda finish: fleet.send_order(order, names, finish), ORDER_S)
+
+
+async def _planned_drive(context: Context, order: Order) -> dict[str, Any]:
+    """Return the drive that is offered for an order; `RefusedError` if there is no way."""
+    fleet = _fleet(context)
+
+    def ask(settle: Callable[[Planned], None]) -> None:
+        fleet.plan_drive(order, lambda drive, why: settle((drive, why)))
+
+    try:
+        drive, why = await _answer_of(ask, DRIVE_PLAN_S)
+    except asyncio.TimeoutError as error:
+        raise RefusedError(f'no way was found within {DRIVE_PLAN_S:g} s') from error
+    if drive is None:
+        raise RefusedError(why)
+    return drive
+
+
+async def _answer_of(ask: Callable[[Callable[[Found], None]], None], limit_s: float) -> Found:
+    """Return what `ask` is told by another thread, once."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[Found] = loop.create_future()
+
+    def settle(found: Found) -> None:
+        if not future.done():
+            future.set_result(found)
+
+    def on_answer(found: Found) -> None:
+        loop.call_soon_threadsafe(settle, found)
+
+    ask(on_answer)
+    return await asyncio.wait_for(future, limit_s)
+
+
+def _fleet(context: Context) -> Fleet:
+    if context.fleet is None:
+        raise RefusedError('ROS has not started yet')
+    return context.fleet
+
+
+async def _results(context: Context, request_id: str) -> web.Response:
+    """Return the results of an order that was confirmed before."""
+    results = context.orders.results(request_id)
+    if results is None:
+        return web.json_response({'results': None}, status=202)
+    return web.json_response({'results': [_result_plain(result) for result in results]})
+
+
+def _order_plain(order: Order, names: tuple[str, ...]) -> dict[str, Any]:
+    target = asdict(order.target) if order.target else None
+    return {
+        'request_id': order.request_id,
+        'verb': order.verb.value,
+        'vehicles': sorted(names),
+        'revisions': dict(order.revisions),
+        'target': target,
+    }
+
+
+def _result_plain(result: Result) -> dict[str, str]:
+    return {'vehicle': result.vehicle, 'outcome': result.outcome.value, 'text': result.text}
