@@ -25,9 +25,11 @@ def example(name):
 
 
 def test_every_example_has_a_test():
-    """By its name in this file."""
+    """By its name in this file; and a line in docs/examples.md."""
     text = Path(__file__).read_text()
     assert [path.stem for path in EXAMPLES.glob('*.py') if path.stem not in text] == []
+    listed = (ROOT / 'docs/examples.md').read_text()
+    assert [path.name for path in EXAMPLES.glob('*.*') if path.name not in listed] == []
 
 
 @pytest.mark.slow

@@ -96,6 +96,8 @@ def lines_of(plan: DrivePlan) -> list[str]:
             f'while it drives {moving:.4g} uSv; the fastest way {fastest:.4g} uSv, '
             f'{times:.3g} times as much, in {duration_text(plan.fastest_s)}: '
             f'this one takes {100.0 * slower:+.1f} % time'
+            if slower > 0.0
+            else f'while it drives {moving:.4g} uSv; no way to the same points is faster'
         ),
         (
             f'over cells {duration_text(plan.grid_time_s)}; no drive over them within the budget '
