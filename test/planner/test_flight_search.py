@@ -22,6 +22,7 @@ from rocsafe_planner.routing.flight_search import (
 from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.routing.sorties import sorties
 from rocsafe_planner.site.survey_site import survey_site
+from rocsafe_planner.solver import solve
 
 from .fleets import FLEET, problem, request, vehicle
 
@@ -119,3 +120,27 @@ def test_without_need_nothing_else_is_searched():
     place, effort = world(endurance_s=2000.0), Effort(proposals=5_000)
     found = optimised_with_swaps(place, effort, lambda _value, _bound: True)
     assert found.orders == optimised(place, effort).orders
+
+
+@pytest.mark.parametrize('may_do', [False, True])
+def test_searches_for_flights_count_few_proposals(monkeypatch, may_do):
+    """All together three times those of the first; none without changes where a bound forbids."""
+    effort = Effort(proposals=20_000)
+    free = optimised(world(endurance_s=2000.0), effort)
+    needed_s = finish_s(world(endurance_s=2000.0), free.orders)
+    endurance_s = 0.5 * (free.bound + needed_s) if may_do else 0.95 * free.bound
+    counted: dict[str, list[int]] = {'solver_method': [], 'flight_search': []}
+    for module, seen in counted.items():
+        path = f'rocsafe_planner.routing.{module}.solve'
+
+        def counting(task, options, *others, _seen=seen, **named):
+            _seen.append(options.proposals)
+            return solve(task, options, *others, **named)
+
+        monkeypatch.setattr(path, counting)
+    optimised_with_swaps(world(endurance_s=endurance_s), effort, lambda _value, _bound: True)
+    first, *without_swaps = counted['solver_method']
+    assert first == 20_000
+    assert counted['flight_search']
+    assert sum(without_swaps) + sum(counted['flight_search']) <= 2 * first
+    assert len(without_swaps) == may_do

@@ -7,6 +7,7 @@ are searched for too; what lands first is taken, or what has least of another ob
 """
 
 import dataclasses
+import math
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -29,6 +30,8 @@ from rocsafe_planner.routing.solver_method import Watch, optimised, search_optio
 # Of the time: the search that knows nothing of batteries, and each of those that do.
 _FIRST_SHARE = 0.35
 _SHARE = 0.13
+# The same of a number of proposals, of which the first search has all.
+_PROPOSALS_SHARE = 0.4
 _ROUNDS = 3
 # From the time that would do if flights were divisible towards the best so far.
 _STEP = 0.4
@@ -45,18 +48,18 @@ def optimised_with_swaps(
     """
     if all(v.battery_swap_s is None for v in problem.vehicles):
         return optimised(problem, effort, watch, known)
-    found = optimised(problem, _part(effort, _FIRST_SHARE), watch, known)
+    found = optimised(problem, _part_of_time(effort, _FIRST_SHARE), watch, known)
     best = _Best(problem, found.orders, effort.objective)
     if best.is_without_swaps:
         # What is left of the time; a search that counts proposals has had all of them.
         if effort.budget_s == 0.0:
             return found
-        again = optimised(problem, _part(effort, 1.0 - _FIRST_SHARE), watch)
+        again = optimised(problem, _part_of_time(effort, 1.0 - _FIRST_SHARE), watch)
         best.offer(again.orders)
         bound = max(found, again, key=lambda one: one.bound)
         return dataclasses.replace(bound, orders=best.orders)
-    if watch(best.value, found.bound):
-        best.offer(optimised(_without_swaps(problem), _part(effort, _SHARE)).orders)
+    if not _must_swap(problem, effort, found.bound) and watch(best.value, found.bound):
+        best.offer(optimised(_without_swaps(problem), _later_part(problem, effort)).orders)
     if may_search(problem):
         _search_flights(problem, effort, best, lambda: watch(best.value, found.bound))
     return dataclasses.replace(found, orders=best.orders)
@@ -90,9 +93,7 @@ def _search_flights(
     problem: FleetProblem, effort: Effort, best: _Best, go_on: Callable[[], bool]
 ) -> None:
     """Search for the fewest flights, then for such as let all vehicles land at about one time."""
-    options = search_options(len(problem.points), _part(effort, _SHARE))
-    if options.proposals is not None:
-        options = dataclasses.replace(options, proposals=1 + 2 * options.proposals // 3)
+    options = search_options(len(problem.points), _later_part(problem, effort))
     options = dataclasses.replace(options, bound_share=0.0)
     flights = _flights(problem, best.orders)
     most = max(Counter(flight.vehicle for flight in flights).values(), default=0) + 1
@@ -134,9 +135,23 @@ def _mean_s(problem: FleetProblem, orders: list[Order]) -> float:
     return sum(times) / len(times)
 
 
-def _part(effort: Effort, share: float) -> Effort:
+def _part_of_time(effort: Effort, share: float) -> Effort:
     """Return a part of the time, or with a number of proposals all of it."""
     return dataclasses.replace(effort, budget_s=share * effort.budget_s)
+
+
+def _later_part(problem: FleetProblem, effort: Effort) -> Effort:
+    """Return the effort of each search that knows of batteries."""
+    proposals = search_options(len(problem.points), effort).proposals
+    if proposals is None:
+        return _part_of_time(effort, _SHARE)
+    return dataclasses.replace(effort, proposals=math.ceil(_PROPOSALS_SHARE * proposals))
+
+
+def _must_swap(problem: FleetProblem, effort: Effort, bound: float) -> bool:
+    """Return whether a proven bound of all plans says that one battery each does not do."""
+    longest_s = max(vehicle.first_endurance_s for vehicle in problem.vehicles)
+    return effort.minimises_makespan and bound > longest_s
 
 
 def _without_swaps(problem: FleetProblem) -> FleetProblem:
