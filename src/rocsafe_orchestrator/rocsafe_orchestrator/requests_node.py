@@ -14,11 +14,11 @@ from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import FlyRoute, PlanSurvey
-from rocsafe_interfaces.msg import GeoPoint, Route, StepDone, SurveyPlan
-from rocsafe_interfaces.srv import FleetCommand, SuggestViewpoints
+from rocsafe_interfaces.msg import Route, StepDone, SurveyPlan
+from rocsafe_interfaces.srv import FleetCommand
 from rocsafe_orchestrator import conversions
+from rocsafe_orchestrator.advice_requests_node import AdviceRequests
 from rocsafe_orchestrator.drive_requests_node import DriveRequests
-from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
@@ -47,25 +47,11 @@ _VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
 BROKEN_OFF = 'broke off with an error, see its log'
 
 
-def searches_of(scenario: Scenario) -> dict[str, Search]:
-    """Return the searches of a scenario by the name of the service that says where to go."""
-    gamma, gas = scenario.radiation.search, scenario.air.search
-    return {
-        topics.SUGGEST_VIEWPOINTS.name: Search(
-            extra_rounds=gamma.extra_rounds, viewpoints_a_round=gamma.viewpoints_a_round
-        ),
-        topics.SUGGEST_GAS_VIEWPOINTS.name: Search(
-            extra_rounds=gas.extra_rounds, viewpoints_a_round=gas.viewpoints_a_round
-        ),
-    }
-
-
 class Requests:
     """Clients of the planner, the vehicles, the world, the map maker, localizer and estimator.
 
     Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``<vehicle>/hold``,
-    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``, ``hazard/suggest_viewpoints``,
-    ``hazard/suggest_gas_viewpoints``.
+    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``.
 
     Parameters
     ----------
@@ -89,8 +75,6 @@ class Requests:
         self._plans: dict[str, SurveyPlan] = {}
         self._plan: SurveyPlan | None = None
         self._routes: dict[tuple[str, str], Route] = {}
-        self._viewpoints: list[GeoPoint] = []
-        self._advice: Advice[GeoPoint] = Advice(searches_of(scenario))
         self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
         self._vehicles = {
             name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
@@ -107,6 +91,7 @@ class Requests:
             for kind, spec in _VERBS.items()
             for name in scenario.all_names
         }
+        self._advice = AdviceRequests(self._services, scenario)
         self._drives = self._drives_of(node) if scenario.driver_name else None
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._real = {vehicle.name for vehicle in scenario.linked}
@@ -118,7 +103,7 @@ class Requests:
         self._send: dict[OrderKind, Callable[[Order], None]] = {
             OrderKind.PLAN: self._send_plan,
             OrderKind.FLY: self._send_fly,
-            OrderKind.ADVISE: self._send_advise,
+            OrderKind.ADVISE: self._advice.send,
             OrderKind.HOLD: self._send_verb,
             OrderKind.RETURN: self._send_verb,
             OrderKind.RETREAT: self._send_retreat,
@@ -142,6 +127,7 @@ class Requests:
     def begin(self, mission: Mission) -> None:
         """Report answers to `mission` from now on."""
         self._mission = mission
+        self._advice.begin(mission)
         if self._drives is not None:
             self._drives.begin(mission)
 
@@ -212,9 +198,9 @@ class Requests:
             if len(self._visited) == goal_conversions.viewpoint_count(self._plan):
                 self._mission.nothing_left()
                 return
-        elif self._viewpoints:
+        elif self._advice.viewpoints:
             goal = goal_conversions.further_goal(
-                goal, self._viewpoints, list(self._plans.values())
+                goal, self._advice.viewpoints, list(self._plans.values())
             )
         self._send_goal(self._planner, goal, order, self._on_plan)
 
@@ -297,21 +283,6 @@ class Requests:
             self._call(topics.WORLD_RUN, SetBool.Request(data=False), order)
         elif self._mission is not None:
             self._mission.answered(order)
-
-    def _send_advise(self, _order: Order) -> None:
-        for name, count in self._advice.open_questions:
-            answer = self._services[name].call_async(SuggestViewpoints.Request(count=count))
-            answer.add_done_callback(partial(self._on_advice, name))
-
-    def _on_advice(self, name: str, future: Any) -> None:
-        answer = future.result()
-        # It is still working: the request is repeated.
-        if self._mission is None or answer is None or answer.status == answer.NOT_YET:
-            return
-        joined = self._advice.add(name, list(answer.viewpoints), answer.reason)
-        if joined is not None:
-            self._viewpoints, reason = joined
-            self._mission.advised(len(self._viewpoints), reason)
 
     def _send_goal(
         self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]

@@ -41,14 +41,8 @@ def write_products(run_directory: Path) -> RunSummary:
     record = read_run(run.path)
     readings = record.log.readings if record.log else ()
     write_readings(run.readings, readings, mission_frame(record))
-    if (
-        record.log is not None
-        and record.scenario is not None
-        and not record.scenario.has_radiation
-    ):
-        # A simulated detector that has nothing to read says nothing.
-        record = dataclasses.replace(record, log=dataclasses.replace(record.log, readings=()))
-    record = _with_advice(_with_releases(_with_estimates(record, run), run), run)
+    record = _with_estimates(_without_idle_detectors(record), run)
+    record = _with_advice(_with_releases(record, run), run)
     summary = summarise(record)
     _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
     _write_text(run.report, report_page(record, summary, mission_frame(record)))

@@ -76,27 +76,16 @@ def parser() -> argparse.ArgumentParser:
         metavar='FILE',
         help='also use the readings of a run: its params/estimator.yaml',
     )
-    found.add_argument(
-        '--saw',
-        action='append',
-        default=[],
-        metavar='OBSERVATION',
-        help='was observed; may be repeated',
-    )
-    found.add_argument(
-        '--no',
-        action='append',
-        default=[],
-        metavar='OBSERVATION',
-        help='was looked for and is absent; may be repeated',
-    )
-    found.add_argument(
-        '--sensor',
-        action='append',
-        default=[],
-        metavar='KIND=READING',
-        help='reading of a gas sensor, in the unit of its kind; may be repeated',
-    )
+    for name, value, text in (
+        ('--saw', 'OBSERVATION', 'was observed; may be repeated'),
+        ('--no', 'OBSERVATION', 'was looked for and is absent; may be repeated'),
+        (
+            '--sensor',
+            'KIND=READING',
+            'reading of a gas sensor, in the unit of its kind; may be repeated',
+        ),
+    ):
+        found.add_argument(name, action='append', default=[], metavar=value, help=text)
     found.add_argument('--un', type=int, metavar='NUMBER', help='UN number on a placard')
     found.add_argument(
         '--procedures',

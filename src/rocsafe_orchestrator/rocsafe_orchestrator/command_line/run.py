@@ -32,6 +32,14 @@ def add_to(commands: Commands) -> None:
         metavar='DIR',
         help='where to make the run directory <scenario>-<date>-<time> (default: runs)',
     )
+    _add_values(parser)
+    _add_servers(parser)
+    parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
+    parser.set_defaults(command=_run)
+
+
+def _add_values(parser: argparse.ArgumentParser) -> None:
+    """Add the options that take precedence over the scenario, and the confirmation."""
     parser.add_argument(
         '--speed',
         type=speed,
@@ -59,9 +67,6 @@ def add_to(commands: Commands) -> None:
         help='let real vehicles take off by the plan with this hash, as a terminal asks for it; '
         'may be given several times',
     )
-    _add_servers(parser)
-    parser.add_argument('--quiet', action='store_true', help='print nothing but errors')
-    parser.set_defaults(command=_run)
 
 
 def _add_servers(parser: argparse.ArgumentParser) -> None:
