@@ -24,7 +24,7 @@ from rocsafe_planner.solver.model.compiled import IS_COMPILED
 
 # Number of computed bounds: a count and no time, so that the bound is reproducible.
 _LOOKS_TIMES_POINTS = 8_000
-CLOSE_ENOUGH = 1.003
+CLOSE_ENOUGH = 1.01
 """A plan is not worth a better bound if it is at most so many times as long as the best one."""
 _FEWEST_LOOKS, _MOST_LOOKS = 6, 40
 # The same without compiled loops: only the bounds that need none.

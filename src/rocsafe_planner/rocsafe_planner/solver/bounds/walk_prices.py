@@ -48,13 +48,13 @@ class PriceOptions:
     """
 
     steps: tuple[int, ...] = (500, 2500)
-    work: float = 1.5e9
-    fewest_rounds: int = 15
+    work: float = 6e8
+    fewest_rounds: int = 10
     walks: int = 40
     kept: float = 20.0
     pull: float = 0.9
-    let_go: int = 12
-    stalled: int = 30
+    let_go: int = 8
+    stalled: int = 20
 
 
 def price_bounds(
