@@ -18,6 +18,7 @@ from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0
 NODE = """
+import os
 import sys
 from rclpy.node import Node
 from std_msgs.msg import String
@@ -25,14 +26,14 @@ from rocsafe_ros.run import run
 
 class Subject(Node):
     def __init__(self, **options):
-        super().__init__('subject_' + sys.argv[1], **options)
+        super().__init__('subject_' + os.environ['SUBJECT'], **options)
         self.said = self.create_publisher(String, 'said', 10)
         self.heard = self.create_subscription(String, 'said', self.on_said, 10)
-        self.create_timer(0.1, lambda: self.said.publish(String(data=sys.argv[1])))
+        self.create_timer(0.1, lambda: self.said.publish(String(data=os.environ['SUBJECT'])))
         self.others = set()
 
     def on_said(self, message):
-        if message.data != sys.argv[1] and message.data not in self.others:
+        if message.data != os.environ['SUBJECT'] and message.data not in self.others:
             self.others.add(message.data)
             print(message.data, flush=True)
 
@@ -136,10 +137,10 @@ def test_no_socket_of_a_node_is_open_to_the_network(own_domain, tmp_path, other)
     elsewhere = {} if other == 'bound' else {PROFILES[0]: str(nothing)}
     nodes = [
         subprocess.Popen(
-            [sys.executable, '-c', NODE, name],
+            [sys.executable, '-c', NODE],
             stdout=subprocess.PIPE,
             text=True,
-            env={**environment, **extra},
+            env={**environment, **extra, 'SUBJECT': name},
         )
         for name, extra in (('one', {}), ('two', elsewhere))
     ]
