@@ -51,3 +51,27 @@ def test_a_flood_of_refusals_fills_no_log():
     assert len(found) == MOST_TOLD + 50
     assert len(told) == MOST_TOLD
     assert max(map(len, told)) < 400
+
+
+def test_a_call_that_fails_closes_its_connection():
+    """Nobody foresaw its error; its client would wait for ever."""
+    told = []
+
+    async def fail(_call):
+        raise SystemError('a setter has failed')
+
+    async def asked():
+        server = AirsimServer(fail, told.append)
+        reader, writer = await asyncio.open_connection(
+            '127.0.0.1', await server.start('127.0.0.1', 0)
+        )
+        writer.write(msgpack.packb([0, 1, 'ping', []]))
+        data = await reader.read()
+        writer.close()
+        await server.stop()
+        return data
+
+    assert asyncio.run(asyncio.wait_for(asked(), DEADLINE_S)) == b''
+    assert told == [
+        "a connection is closed: a call has failed: SystemError('a setter has failed')"
+    ]

@@ -3,6 +3,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 from rocsafe_airsim.errors import AirsimError, ProtocolError
@@ -81,7 +82,14 @@ class AirsimServer:
                 task = asyncio.create_task(self._answer(call, writer))
                 pending.add(task)
                 task.add_done_callback(pending.discard)
+                task.add_done_callback(partial(self._ended, writer))
             await writer.drain()
+
+    def _ended(self, writer: asyncio.StreamWriter, task: asyncio.Task[None]) -> None:
+        """Close the connection of a call that failed without an answer: its client would wait."""
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self._tell(f'a connection is closed: a call has failed: {error!r}')
+            writer.close()
 
     async def _answer(self, call: Call, writer: asyncio.StreamWriter) -> None:
         try:
