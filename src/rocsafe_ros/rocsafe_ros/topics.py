@@ -116,7 +116,7 @@ def _stream() -> QoSProfile:
 
 def _newest() -> QoSProfile:
     """Return a stream of orders each of which replaces the ones before: none is followed late."""
-    return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+    return QoSProfile(depth=STATES_KEPT, reliability=ReliabilityPolicy.RELIABLE)
 
 
 def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
