@@ -305,6 +305,9 @@ def listening() -> Iterator[Receipts]:
     import rclpy  # noqa: TID251 - it listens as a vehicle does
     from rclpy.node import Node  # noqa: TID251
 
+    from rocsafe_ros.domain.network import bind_interfaces
+
+    bind_interfaces(os.environ)
     rclpy.init()
     node, is_over = Node('kill_campaign'), Event()
 
