@@ -33,11 +33,19 @@ PROFILES = ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE')
 RMW = 'rmw_fastrtps_cpp'
 # Transports of Fast DDS where no profile says others.
 TRANSPORTS, UDP = 'FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4'
-_OURS = 'rocsafe_interfaces_'
-_PROFILE = """\
+# Files of our profiles begin so.
+OURS = 'rocsafe_dds_'
+EMPTY = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <dds xmlns="http://www.eprosima.com">
-  <profiles>
+  <profiles>"""
+END = """
+  </profiles>
+</dds>
+"""
+_PROFILE = (
+    EMPTY
+    + """
     <transport_descriptors>
       <transport_descriptor>
         <transport_id>udp</transport_id>
@@ -54,10 +62,9 @@ _PROFILE = """\
         </userTransports>
         <useBuiltinTransports>false</useBuiltinTransports>{peers}
       </rtps>
-    </participant>{writers}
-  </profiles>
-</dds>
-"""
+    </participant>{writers}"""
+    + END
+)
 # A unicast address for discovery in place of the multicast group. A participant announces itself
 # to each port of each peer: by default every 3 s, which fills a radio.
 _PEERS = """
@@ -71,9 +78,10 @@ _PEERS = """
         </builtin>"""
 # Over a network packets are lost. A reader asks for them when it hears a heartbeat: by default
 # every 3 s, while the messages behind a lost one wait.
-_WRITERS = """
+HEARTBEATS = '<times><heartbeatPeriod><nanosec>100000000</nanosec></heartbeatPeriod></times>'
+_WRITERS = f"""
     <data_writer profile_name="rocsafe_writer" is_default_profile="true">
-      <times><heartbeatPeriod><nanosec>100000000</nanosec></heartbeatPeriod></times>
+      {HEARTBEATS}
     </data_writer>"""
 _PEER = '<locator><udpv4><address>{address}</address></udpv4></locator>'
 # Participants of a host that are found: each is a process, and has ports of its own.
@@ -96,9 +104,8 @@ def bind_interfaces(environment: MutableMapping[str, str]) -> None:
         If there is no such interface, or it cannot be done: nothing is bound to less than asked.
     """
     named, peers = _listed(environment, INTERFACES), _listed(environment, PEERS)
-    profile = next((environment[name] for name in PROFILES if environment.get(name)), '')
-    if profile and not Path(profile).name.startswith(_OURS):
-        if named:
+    if profile := profile_of(environment):
+        if named and not profile.name.startswith(OURS):
             raise ParameterError(f'{INTERFACES} and {PROFILES[0]} are both set: set one of them')
         return
     leave_shared_memory(environment)
@@ -108,17 +115,23 @@ def bind_interfaces(environment: MutableMapping[str, str]) -> None:
         if named:
             raise ParameterError(f'{INTERFACES} is for {RMW} only')
         return
-    profile = _PROFILE.format(
+    text = _PROFILE.format(
         interfaces=''.join(map(_element, [LOOPBACK, *named])),
         buffer=RECEIVE_BUFFER,
         most=MOST_PARTICIPANTS,
         peers=_asked(peers) if peers else '',
         writers=_WRITERS if peers else '',
     )
-    environment.update(dict.fromkeys(PROFILES, str(_written(profile))))
+    environment.update(dict.fromkeys(PROFILES, str(_written(text))))
     # The range for this machine alone would open sockets beside those of the profile; that of a
     # subnet would use the multicast group.
     environment[RANGE] = 'SYSTEM_DEFAULT' if peers else 'SUBNET'
+
+
+def profile_of(environment: MutableMapping[str, str]) -> Path | None:
+    """Return the file of the profile for Fast DDS that `environment` names, None without one."""
+    named = next((environment[name] for name in PROFILES if environment.get(name)), '')
+    return Path(named) if named else None
 
 
 def leave_shared_memory(environment: MutableMapping[str, str]) -> None:
@@ -169,7 +182,7 @@ def _is_ours(address: str) -> bool:
 def _written(profile: str) -> Path:
     """Return a file with `profile`, named by its content."""
     folder = Path(os.environ.get('XDG_CACHE_HOME') or Path.home() / '.cache') / 'rocsafe'
-    name = f'{_OURS}{hashlib.sha256(profile.encode()).hexdigest()[:16]}.xml'
+    name = f'{OURS}{hashlib.sha256(profile.encode()).hexdigest()[:16]}.xml'
     path = folder / name
     try:
         folder.mkdir(parents=True, exist_ok=True)
