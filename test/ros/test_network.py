@@ -18,22 +18,22 @@ from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0
 NODE = """
+import os
 import sys
-NAME = sys.argv.pop()
 from rclpy.node import Node
 from std_msgs.msg import String
 from rocsafe_ros.run import run
 
 class Subject(Node):
     def __init__(self, **options):
-        super().__init__('subject_' + NAME, **options)
+        super().__init__('subject_' + os.environ['SUBJECT'], **options)
         self.said = self.create_publisher(String, 'said', 10)
         self.heard = self.create_subscription(String, 'said', self.on_said, 10)
-        self.create_timer(0.1, lambda: self.said.publish(String(data=NAME)))
+        self.create_timer(0.1, lambda: self.said.publish(String(data=os.environ['SUBJECT'])))
         self.others = set()
 
     def on_said(self, message):
-        if message.data != NAME and message.data not in self.others:
+        if message.data != os.environ['SUBJECT'] and message.data not in self.others:
             self.others.add(message.data)
             print(message.data, flush=True)
 
@@ -147,7 +147,10 @@ def test_no_process_shares_memory_with_others(own_domain, reach):
     environment.pop(TRANSPORTS, None)
     nodes = [
         subprocess.Popen(
-            [sys.executable, '-c', NODE, name], stdout=subprocess.PIPE, text=True, env=environment
+            [sys.executable, '-c', NODE],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**environment, 'SUBJECT': name},
         )
         for name in ('one', 'two')
     ]
@@ -171,10 +174,10 @@ def test_no_socket_of_a_node_is_open_to_the_network(own_domain, tmp_path, other)
     elsewhere = {} if other == 'bound' else {PROFILES[0]: str(nothing)}
     nodes = [
         subprocess.Popen(
-            [sys.executable, '-c', NODE, name],
+            [sys.executable, '-c', NODE],
             stdout=subprocess.PIPE,
             text=True,
-            env={**environment, **extra},
+            env={**environment, **extra, 'SUBJECT': name},
         )
         for name, extra in (('one', {}), ('two', elsewhere))
     ]

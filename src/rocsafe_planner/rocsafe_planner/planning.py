@@ -24,8 +24,9 @@ from rocsafe_planner.site.survey_site import SurveySite, survey_site
 
 if TYPE_CHECKING:
     from rocsafe_planner.routing.bound import LowerBound
+    from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
-PRICE_WORK_PER_S = 1e8
+PRICE_WORK_PER_S, PRICE_WORK_PER_PROPOSAL = 1e8, 1.3e3
 """Work for the prices of a bound in relation to the budget of a search: a third of its time."""
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""
@@ -183,22 +184,32 @@ def _bound(
     """Return the best bound of the makespan: that of the search, or a later one."""
     # Loaded when it is asked for: see `_found`.
     from rocsafe_planner.routing.bound import LowerBound, lower_bound
-    from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
     has_proof = site.request.effort.minimises_makespan and found.bound > 0.0
     proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
     if has_proof and len(site.problem.points) > MANY_POINTS:
         return proven  # a forest of so many points takes longer than it is worth beside a proof
-    budget_s = site.request.effort.budget_s
-    work = PRICE_WORK_PER_S * budget_s or PriceOptions().work
-    is_urgent = any(vehicle.aloft for vehicle in site.request.vehicles)
     later = lower_bound(
         site.problem,
         makespan_s,
         lambda seconds: on_progress(makespan_s, seconds),
-        prices=None if is_urgent else dataclasses.replace(PriceOptions(), work=work),
+        prices=_prices(site.request),
     )
     return proven if has_proof and found.bound > later.makespan_s else later
+
+
+def _prices(request: SurveyRequest) -> 'PriceOptions | None':
+    """Return how the prices of a bound are sought: in proportion to the search for the routes.
+
+    None for a method without a search, and while vehicles wait in the air.
+    """
+    from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
+
+    effort = request.effort
+    if effort.method in METHODS or any(vehicle.aloft for vehicle in request.vehicles):
+        return None
+    work = PRICE_WORK_PER_S * effort.budget_s or PRICE_WORK_PER_PROPOSAL * effort.proposals
+    return PriceOptions(work=work) if work else PriceOptions()
 
 
 def _sight(site: SurveySite, apart: KeptApart) -> Sight:

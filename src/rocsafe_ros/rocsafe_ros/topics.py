@@ -114,6 +114,11 @@ def _stream() -> QoSProfile:
     return QoSProfile(depth=STREAM_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 
 
+def _newest() -> QoSProfile:
+    """Return a stream of orders each of which replaces the ones before: none is followed late."""
+    return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+
+
 def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
     """Return a stream whose last `depth` messages also reach late subscribers.
 
@@ -273,7 +278,7 @@ CAMERA_POSE = _vehicle(
 CMD_VEL = _vehicle(
     'cmd_vel',
     TwistStamped,
-    _stream(),
+    _newest(),
     'by a program',
     'see move; simulated vehicles only',
 )

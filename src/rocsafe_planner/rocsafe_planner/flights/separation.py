@@ -45,9 +45,7 @@ def delays_apart(tracks: Sequence[FlightTrack], separation_m: float, turn: int =
     placed = Placed(separation_m)
     delays = [0.0] * len(tracks)
     for k in flying_order(tracks, turn):
-        delay_s = placed.delay_s(tracks[k])
-        delays[k] = delay_s if np.isfinite(delay_s) else 0.0
-        placed.add(tracks[k], delays[k])
+        delays[k] = placed.add(tracks[k], placed.delay_s(tracks[k]))
     return delays
 
 
@@ -71,9 +69,11 @@ class Placed:
         self._separation = separation_m
         self._flights: list[tuple[FlightTrack, float]] = []
 
-    def add(self, track: FlightTrack, delay_s: float) -> None:
-        """Keep a place for a track."""
+    def add(self, track: FlightTrack, delay_s: float) -> float:
+        """Keep a place for a track, and return its delay: 0 s if no wait is long enough."""
+        delay_s = delay_s if np.isfinite(delay_s) else 0.0
         self._flights.append((track, delay_s))
+        return delay_s
 
     def delay_s(self, track: FlightTrack, limit_s: float = np.inf) -> float:
         """Return the least delay with which a track keeps away; infinite if above a limit.
