@@ -270,7 +270,11 @@ CAMERA_LABELS = _vehicle(
     'instances, mono16; engine only, while heard',
 )
 CAMERA_LABEL_TABLE = _vehicle(
-    'camera/label_table', String, _latched(), 'once', 'JSON: number, name, class, colour'
+    'camera/label_table',
+    String,
+    _latched(),
+    'once',
+    'JSON: number, name, class, colour; place and yaw of what stands',
 )
 CAMERA_POSE = _vehicle(
     'camera/pose', PoseStamped, _pictures(), 'as image_raw', 'true, of the optical frame'
