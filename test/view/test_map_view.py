@@ -19,7 +19,7 @@ EMPTY = MapView(
     origin_deg=(53.28, -9.06), metres_per_degree=(111_000.0, 66_000.0), vehicles=('rav1', 'rav2'),
     colours={'rav1': '#111111', 'rav2': '#222222'}, region=(SQUARE,), exclusions=(), routes={},
     planned={}, viewpoints={}, tracks={}, replay={}, readings=(), readings_per_point=1, photos=(),
-    homes={}, sources=(), estimates=(), cordons=(), replanned={}, picture=None,
+    homes={}, sources=(), estimates=(), cordons=(), zones=(), releases=(), replanned={}, picture=None,
 )  # fmt: skip
 
 
