@@ -18,7 +18,6 @@ from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.hidden import HIDDEN_MULTIPLES, HiddenReleases
 from rocsafe_dispersion.estimation.plume_kernel import (
     LEAST_SPEED_MPS,
-    MEANDER_WEIGHTS,
     PlumeShape,
     unit_readings,
 )
@@ -170,7 +169,7 @@ def _cases(
 
 
 def _without(survey: GasSurvey, scatter: float, options: LocateOptions) -> RateFits:
-    units = np.zeros((len(MEANDER_WEIGHTS), len(survey.values_g_m3), 1, 0))
+    units = np.zeros((1, len(survey.values_g_m3), 1, 0))
     return fit_rates(survey, units, scatter, options)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import special
 
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
-from rocsafe_dispersion.estimation.plume_kernel import MEANDER_WEIGHTS
+from rocsafe_dispersion.estimation.plume_kernel import offset_weights
 from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_geo.arrays import FloatArray
 
@@ -72,7 +72,7 @@ def fit_rates(
     options
         Tails, missed readings.
     """
-    mean_units = np.einsum('o,onmp->nmp', MEANDER_WEIGHTS, units)
+    mean_units = np.einsum('o,onmp->nmp', offset_weights(units), units)
     count, hypotheses, releases = mean_units.shape
     members = np.eye(survey.instruments.max() + 1)[survey.instruments]
     design = np.concatenate(
@@ -166,7 +166,7 @@ def log_likelihoods(
     found = np.empty((background.shape[1], len(multiples)))
     for index, multiple in enumerate(multiples):
         density = missed.copy()
-        for share, gas in zip(MEANDER_WEIGHTS, others + multiple * last, strict=True):
+        for share, gas in zip(offset_weights(units), others + multiple * last, strict=True):
             spread = np.hypot(noise, scatter * gas)
             seen = _densities(survey, gas + background, spread)
             density += (1.0 - options.missed_probability) * share * seen
