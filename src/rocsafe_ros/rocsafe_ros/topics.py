@@ -39,6 +39,8 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_interfaces.action import DriveRoute, FlyRoute, PlanGroundRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    AgentAdvice,
+    AgentReport,
     AgentState,
     Control,
     Decision,
@@ -345,6 +347,12 @@ GROUND_ROUTE = _fleet(
 GROUND_PATH = _fleet('ground/path', Path, _latched(), 'on change', 'the same, poses for Nav2')
 GROUND_COSTS = _fleet(
     'ground/costs', OccupancyGrid, _latched(), 'on change', 'where it can drive; dose rate, log'
+)
+AGENT_REPORTS = _fleet(
+    'hazard/reports', AgentReport, _kept(), 'as told', 'what people say of the agent'
+)
+AGENT = _fleet(
+    'hazard/agent', AgentAdvice, _latched(), 'on change', 'which agent, procedures that fit'
 )
 RELEASES = _fleet(
     'hazard/release', ReleaseEstimateArray, _latched(), 'on change', 'estimated releases of gas'
