@@ -206,7 +206,7 @@ def _prices(request: SurveyRequest) -> 'PriceOptions | None':
     from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
     effort = request.effort
-    if effort.method in METHODS or any(vehicle.aloft for vehicle in request.vehicles):
+    if effort.method != 'solver' or any(vehicle.aloft for vehicle in request.vehicles):
         return None
     work = PRICE_WORK_PER_S * effort.budget_s or PRICE_WORK_PER_PROPOSAL * effort.proposals
     return PriceOptions(work=work) if work else PriceOptions()
