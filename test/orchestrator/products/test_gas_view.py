@@ -15,9 +15,9 @@ from rocsafe_orchestrator.products import release_estimates
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.summary import summarise
+from rocsafe_orchestrator.report.gas_zones import ZONES, read_zones, release_points
 from rocsafe_orchestrator.report.run_texts import lead, verdict
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
-from rocsafe_orchestrator.report.sections.gas_zones import ZONES, read_zones, release_points
 from rocsafe_scenario.scenario_file import read_scenario
 
 CONTENT: dict[str, Any] = {

@@ -15,6 +15,7 @@ from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.report.gas_zones import read_zones, release_points
 from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
     exclusion_rings,
@@ -25,7 +26,6 @@ from rocsafe_orchestrator.report.plan_data import (
     route_lines,
 )
 from rocsafe_orchestrator.report.sections.cordons import safe_cordons
-from rocsafe_orchestrator.report.sections.gas_zones import read_zones, release_points
 from rocsafe_view.map_view import (
     DosePoint,
     EstimatePoint,
