@@ -27,7 +27,7 @@ class AdvisorOptions:
     period_s: float = field(
         default=5.0,
         metadata={
-            'doc': 'least wall time between two advices, seconds',
+            'doc': 'least wall time between two pieces of advice, seconds',
             'min': 0.1,
             'max': 3600.0,
         },
