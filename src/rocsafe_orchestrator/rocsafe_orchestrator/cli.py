@@ -59,6 +59,9 @@ def _answered(words: Sequence[str]) -> int:
             file=sys.stderr,
         )
         return EXIT_SETUP
+    except ImportError as error:
+        print(f'rocsafe: cannot load a library: {error}', file=sys.stderr)
+        return EXIT_SETUP
     except MemoryError:
         print('rocsafe: not enough memory', file=sys.stderr)
         return EXIT_SETUP

@@ -89,6 +89,7 @@ def plan_survey(
         covered_area_m2=sight.covered_area_m2,
         largest_hole_m2=sight.largest_hole_m2,
         minimum_separation_m=apart.separation_m,
+        near_unheard=apart.near_unheard,
         left_out=site.left_out,
     )
 

@@ -116,6 +116,11 @@ def _stream() -> QoSProfile:
     return QoSProfile(depth=STREAM_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 
 
+def _newest() -> QoSProfile:
+    """Return a stream of orders each of which replaces the ones before: none is followed late."""
+    return QoSProfile(depth=STATES_KEPT, reliability=ReliabilityPolicy.RELIABLE)
+
+
 def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
     """Return a stream whose last `depth` messages also reach late subscribers.
 
@@ -267,7 +272,11 @@ CAMERA_LABELS = _vehicle(
     'instances, mono16; engine only, while heard',
 )
 CAMERA_LABEL_TABLE = _vehicle(
-    'camera/label_table', String, _latched(), 'once', 'JSON: number, name, class, colour'
+    'camera/label_table',
+    String,
+    _latched(),
+    'once',
+    'JSON: number, name, class, colour; place and yaw of what stands',
 )
 CAMERA_POSE = _vehicle(
     'camera/pose', PoseStamped, _pictures(), 'as image_raw', 'true, of the optical frame'
@@ -275,7 +284,7 @@ CAMERA_POSE = _vehicle(
 CMD_VEL = _vehicle(
     'cmd_vel',
     TwistStamped,
-    _stream(),
+    _newest(),
     'by a program',
     'see move; simulated vehicles only',
 )
