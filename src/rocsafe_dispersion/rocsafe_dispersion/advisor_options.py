@@ -19,7 +19,9 @@ class AdvisorOptions:
         'until then, or empty: the examples that are supplied',
     )
     most_procedures: int = option(5, 'largest number of sections told', 1, 100)
-    period_s: float = option(5.0, 'least wall time between two pieces of advice, seconds', 0.1, 3600.0)
+    period_s: float = option(
+        5.0, 'least wall time between two pieces of advice, seconds', 0.1, 3600.0
+    )
     spool_directory: str = option(
         '',
         'folder in which reports are kept, beside the readings of the estimator; empty: nowhere',
