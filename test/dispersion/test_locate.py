@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from rocsafe_dispersion.estimation.evidence import independent_share
+from rocsafe_dispersion.estimation.evidence import independent_share, plume_share
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey, point_survey
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.plume_kernel import (
@@ -125,6 +125,18 @@ def test_share_of_independent_readings_is_that_of_a_process_of_first_order():
         order = np.random.default_rng(2).permutation(5000)
         mixed = point_survey(place, wind, values[order], noise, order.astype(float))
         assert independent_share(mixed, zero, least) == pytest.approx(share)
+
+
+def test_readings_within_a_plume_tell_no_more_than_their_shared_error_allows():
+    """The design effect of Kish: n independent readings are n / (1 + (n - 1) rho)."""
+    for count, expected in ((0, 0.3), (1, 0.3), (11, 1 / 7), (41, 1 / 25)):
+        values = np.where(np.arange(100) < count, 1.0, 0.0) + 1e-3
+        survey = point_survey(np.zeros((100, 3)), np.ones((100, 2)), values, np.full(100, 1e-2))
+        share = plume_share(survey, LocateOptions(), 1)
+        assert share == pytest.approx(expected)
+        assert share * count < 1.0 / 0.6 + 1.0
+    # Two plumes of 20 or 21 readings each.
+    assert plume_share(survey, LocateOptions(), 2) == pytest.approx(1 / 12.7)
 
 
 @pytest.mark.slow

@@ -184,7 +184,7 @@ def test_threat_zones_lie_over_the_photographs_below_the_tracks():
     listed = re.findall(r'(AEGL-\d)</span><span>([^<]*)<', page)
     assert [name for name, _ in listed] == ['AEGL-2', 'AEGL-1']
     assert [text.replace('\u202f', ' ').replace('\xa0', ' ') for _, text in listed] == [
-        '210 m to the NE', '210 m or more to the NE',
+        '210 m to the NE', 'at least 210 m to the NE',
     ]  # fmt: skip
     assert 'release 1 (estimated)' in page
 

@@ -144,8 +144,8 @@ class GasZone:
     @property
     def reach_text(self) -> str:
         """How far it reaches and where to."""
-        end = ' or more' if self.is_cut else ''
-        return f'{_metres(self.reach_m)}{end} to the {formats.compass(self.reach_deg)}'
+        least = 'at least ' if self.is_cut else ''
+        return f'{least}{_metres(self.reach_m)} to the {formats.compass(self.reach_deg)}'
 
     @property
     def name(self) -> str:

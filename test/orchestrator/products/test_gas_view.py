@@ -123,7 +123,7 @@ def test_people_leave_the_outer_bound_of_lasting_harm(estimated: Path) -> None:
     assert view is not None
     text = view.leave.replace('\u202f', ' ').replace('\xa0', ' ')
     assert 'outer bound of AEGL-2 (160 ppm over 60 minutes' in text
-    assert 'up to 130 m to the NE of the release' in text
+    assert 'reaches 130 m to the NE of the release' in text
 
 
 @pytest.mark.parametrize('content', ['', '{}', '{"features": [{}]}', '[]'])

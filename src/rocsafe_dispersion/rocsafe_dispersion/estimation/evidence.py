@@ -13,6 +13,7 @@ from scipy.special import logsumexp
 
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.rate_fit import MULTIPLES, RateFits
+from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_geo.arrays import FloatArray
 
 # Before readings the logarithm of the rate is even over four decades; the likelihood is averaged
@@ -21,6 +22,8 @@ RATE_PRIOR_SHARE = float(np.log(MULTIPLES[-1] / MULTIPLES[0]) / np.log(1e4))
 # Residuals are cut at this many standard deviations: a plume that is met is no correlated noise.
 _CUT = 2.0
 _FEWEST_PAIRS = 8
+# A reading so many standard deviations above the median is within a plume.
+_CLEAR = 5.0
 
 
 def log_evidence(fits: Sequence[RateFits], log_priors: Sequence[float], share: float) -> float:
@@ -71,3 +74,31 @@ def independent_share(survey: GasSurvey, background_g_m3: FloatArray, least: flo
         return least
     rho = max(float(product.sum() / square.sum()), 0.0)
     return max((1.0 - rho) / (1.0 + rho), least)
+
+
+def plume_share(survey: GasSurvey, options: LocateOptions, releases: int) -> float:
+    """Return the share of the information of readings within a plume that counts.
+
+    Parameters
+    ----------
+    survey
+        Readings.
+    options
+        The largest share, and the correlation of any two readings within a plume by the error of
+        the model.
+    releases
+        Number of plumes, which share the readings evenly.
+
+    Notes
+    -----
+    Of n readings with the correlation rho of each with each, n / (1 + (n - 1) rho) are
+    independent (design effect, Kish 1965). Those within a plume are the ones clearly above the
+    median of their instrument.
+    """
+    count = 0
+    for number in np.unique(survey.instruments):
+        own = survey.instruments == number
+        above = survey.values_g_m3[own] - np.median(survey.values_g_m3[own])
+        count += int((above > _CLEAR * survey.std_g_m3[own]).sum())
+    others = max(count / max(releases, 1) - 1.0, 0.0)
+    return min(options.information_share, 1.0 / (1.0 + others * options.shared_error))

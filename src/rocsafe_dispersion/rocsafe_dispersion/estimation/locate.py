@@ -3,7 +3,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -12,6 +12,7 @@ from rocsafe_dispersion.estimation.evidence import (
     RATE_PRIOR_SHARE,
     independent_share,
     log_evidence,
+    plume_share,
 )
 from rocsafe_dispersion.estimation.found_release import FoundRelease, drawn, found_release
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
@@ -128,7 +129,9 @@ def locate_releases(
             break
         chosen, case, share = found, own, options.information_share
         background = _at(survey, case, chosen, options).backgrounds_g_m3[0]
-    releases = _regions(survey, cases, case, chosen, places, area, options)
+    within = plume_share(survey, options, len(chosen))
+    of_places = replace(options, information_share=within)
+    releases = _regions(survey, cases, case, chosen, places, area, of_places)
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         gains=tuple(gains),

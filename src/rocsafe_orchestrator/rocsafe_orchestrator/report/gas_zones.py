@@ -8,9 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
-from rocsafe_orchestrator.report.plan_data import points
 from rocsafe_orchestrator.report.sections.cordons import ring_points
 from rocsafe_view.map_view import GasZone, ReleasePoint
 from rocsafe_view.svg import Rings
@@ -81,11 +79,10 @@ def release_points(
     estimates: ReleaseEstimates | None, frame: LocalFrame
 ) -> tuple[ReleasePoint, ...]:
     """Return the estimated releases in map coordinates."""
-    found = estimates.releases if estimates else ()
-    altitude_m = frame.origin.altitude_m
-    places = points(
-        frame, (GeoPosition(one.latitude_deg, one.longitude_deg, altitude_m) for one in found)
-    )
+    if estimates is None or not estimates.releases:
+        return ()
+    found = estimates.releases
+    places = ring_points([[one.longitude_deg, one.latitude_deg] for one in found], frame)
     return tuple(
         ReleasePoint(x=x, y=y, radius_m=math.sqrt(one.region_95_m2 / math.pi))
         for (x, y), one in zip(places, found, strict=True)

@@ -46,8 +46,8 @@ def _leave(zones: Sequence[GasZone]) -> str:
         return ''
     return (
         f'People leave the ground within the outer bound of {zone.level} ({zone.ppm:g} ppm over '
-        f'{zone.minutes:g} minutes: lasting harm, or too ill to leave), up to {zone.reach_text} '
-        'of the release. It is on the map, over the photographs.'
+        f'{zone.minutes:g} minutes: lasting harm, or too ill to leave). It reaches '
+        f'{zone.reach_text} of the release, and is on the map, over the photographs.'
     )
 
 
