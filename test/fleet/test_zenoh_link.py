@@ -13,7 +13,7 @@ from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
 
 DEADLINE_S = 20.0
-SHARED_MEMORY = Path('/dev/shm')  # noqa: S108
+SHARED_MEMORY = Path('/dev/shm')
 pytest.importorskip('zenoh', reason='needs pip install eclipse-zenoh')
 Open = Callable[..., ZenohLink]
 
