@@ -42,7 +42,7 @@ LONGEST_S = 3.0
 # A process that was stopped goes on after this time, s.
 STANDSTILL_S = (0.05, 3.0)
 DEADLINE_S = 240.0
-# DDS takes a killed vehicle for alive for 20 s, and `fleet_verbs` stays 5 s longer than the last one.
+# DDS takes a killed vehicle for alive for 20 s, and `fleet_verbs` stays 5 s longer than the last.
 ORPHAN_S = 40.0
 POLL_S = 0.02
 # Products of a mission that is complete.

@@ -163,7 +163,8 @@ class Vehicle:
 
     def label_table(self, camera) -> Sequence[dict]:
         """Return two instances."""
-        rows = [{'number': 3, 'name': 'wagon_1'}, {'number': 300, 'name': 'drum'}]
+        wagon = {'number': 3, 'name': 'wagon_1', 'place': [-30.0, 27.0, 2.0], 'yaw': 0.0}
+        rows = [wagon, {'number': 300, 'name': 'drum'}]
         return rows if camera == 'camera' else ()
 
     def reading(self, kind):
@@ -450,6 +451,19 @@ def test_the_sun_follows_the_time_of_day(world):
     assert vehicle.light.sun_ns is None
     with pytest.raises(AirsimError, match='must be as 2025'):
         ask(world, ('simSetTimeOfDay', True, 'noon', False, 1.0, 60.0, True))
+
+
+def test_things_that_stand_have_a_pose_about_the_first_vehicle(world):
+    """It stands 10 m east and 2 m north of home, and looks east; what moves is refused."""
+    found = ask(world, ('simGetObjectPose', 'Wagon_1', True))
+    assert found['position'] == {'x_val': 2.0, 'y_val': 10.0, 'z_val': -2.0}
+    half = math.sqrt(0.5)
+    assert found['orientation'] == pytest.approx(
+        {'w_val': half, 'x_val': 0.0, 'y_val': 0.0, 'z_val': half}
+    )
+    for name, text in (('drum', 'moves'), ('nothing', 'no such thing')):
+        with pytest.raises(AirsimError, match=text):
+            ask(world, ('simGetObjectPose', name))
 
 
 def test_detections_are_boxes_of_the_wanted_instances_within_the_radius(world):

@@ -18,6 +18,7 @@ from rocsafe_scene.scene.sunlight import lighting, sun_direction
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_scene.engine.renderer import Renderer
 from rocsafe_scene.graphics.lens import looking
+from rocsafe_scene.graphics.rendering import Purpose
 
 LENS = PinholeCamera(math.radians(60.0), 240, 180)
 NADIR = (np.array([0.5, -1.0, 32.0]), rotation_enu_from_optical(0.3, 0.05, -0.03))
@@ -111,6 +112,22 @@ def test_the_same_pose_gives_the_same_bytes_in_any_order(renderer, eye):
     for frame in (again, third):
         for name in ('image', 'depth_m', 'numbers', 'classes', 'normals'):
             assert np.array_equal(getattr(first, name), getattr(frame, name)), name
+
+
+@pytest.mark.slow
+def test_what_a_camera_is_not_for_changes_nothing_else(renderer, eye):
+    """Its image, or its depth and labels, have the bytes that a camera for all gives."""
+    everything = eye.expose(*OBLIQUE)
+    for purpose, names, empty in (
+        (Purpose.IMAGE, ('image', 'numbers', 'normals'), 'depth_m'),
+        (Purpose.TRUTH, ('depth_m', 'numbers', 'classes', 'normals'), 'image'),
+    ):
+        camera = renderer.camera(LENS, purpose)
+        frame = camera.expose(*OBLIQUE)
+        camera.close()
+        for name in names:
+            assert np.array_equal(getattr(frame, name), getattr(everything, name)), name
+        assert getattr(frame, empty).size == 0
 
 
 def test_points_are_seen_where_the_lens_says(eye, environment):

@@ -39,6 +39,8 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_interfaces.action import DriveRoute, FlyRoute, PlanGroundRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    AgentAdvice,
+    AgentReport,
     AgentState,
     Control,
     Decision,
@@ -116,7 +118,7 @@ def _stream() -> QoSProfile:
 
 def _newest() -> QoSProfile:
     """Return a stream of orders each of which replaces the ones before: none is followed late."""
-    return QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+    return QoSProfile(depth=STATES_KEPT, reliability=ReliabilityPolicy.RELIABLE)
 
 
 def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
@@ -270,7 +272,11 @@ CAMERA_LABELS = _vehicle(
     'instances, mono16; engine only, while heard',
 )
 CAMERA_LABEL_TABLE = _vehicle(
-    'camera/label_table', String, _latched(), 'once', 'JSON: number, name, class, colour'
+    'camera/label_table',
+    String,
+    _latched(),
+    'once',
+    'JSON: number, name, class, colour; place and yaw of what stands',
 )
 CAMERA_POSE = _vehicle(
     'camera/pose', PoseStamped, _pictures(), 'as image_raw', 'true, of the optical frame'
@@ -341,6 +347,12 @@ GROUND_ROUTE = _fleet(
 GROUND_PATH = _fleet('ground/path', Path, _latched(), 'on change', 'the same, poses for Nav2')
 GROUND_COSTS = _fleet(
     'ground/costs', OccupancyGrid, _latched(), 'on change', 'where it can drive; dose rate, log'
+)
+AGENT_REPORTS = _fleet(
+    'hazard/reports', AgentReport, _kept(), 'as told', 'what people say of the agent'
+)
+AGENT = _fleet(
+    'hazard/agent', AgentAdvice, _latched(), 'on change', 'which agent, procedures that fit'
 )
 RELEASES = _fleet(
     'hazard/release', ReleaseEstimateArray, _latched(), 'on change', 'estimated releases of gas'

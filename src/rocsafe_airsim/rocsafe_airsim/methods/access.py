@@ -115,6 +115,11 @@ class Access:
                     return table
         return ()
 
+    def instance(self, name: str) -> Mapping[str, Any] | None:
+        """Return the thing of a name, whatever its case; None if there is none."""
+        same = (row for row in self.instances() if str(row['name']).lower() == name.lower())
+        return next(same, None)
+
     def draw(
         self,
         lines_ned: Sequence[Sequence[Vector]],

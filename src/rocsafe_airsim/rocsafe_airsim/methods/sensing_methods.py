@@ -10,7 +10,7 @@ from rocsafe_airsim import images, values
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, matches, served
 from rocsafe_airsim.methods.moving import vector_of
-from rocsafe_airsim.ned import Quaternion, attitude_ned
+from rocsafe_airsim.ned import Quaternion, attitude_ned, heading
 from rocsafe_airsim.vehicle import DISARMED, Picture
 
 # A camera that is rolled by no more counts as level.
@@ -152,13 +152,24 @@ class SensingMethods:
     async def _sim_list_scene_objects(self, name_regex: str = '.*') -> list[str]:
         return [str(row['name']) for row in self._at.instances() if matches(name_regex, row)]
 
+    @served('simGetObjectPose')
+    async def _sim_get_object_pose(self, mesh: str, *_is_ned: Any) -> values.Plain:
+        row = self._at.instance(mesh)
+        if row is None:
+            raise AirsimError(f'{mesh!r}: no such thing, see simListSceneObjects')
+        if 'place' not in row:
+            raise AirsimError(f'{mesh}: has no place of its own, or moves')
+        return values.pose(
+            self._at.vehicle('').origin.to_ned(row['place']), heading(float(row['yaw']))
+        )
+
     @served('simGetSegmentationObjectID')
     async def _sim_get_segmentation_object_id(self, mesh: str) -> int:
-        for row in self._at.instances():
-            if str(row['name']).lower() == mesh.lower():
-                number = int(row['number'])
-                return self._at.ids.get(number, number % images.MOST_IDS)
-        return -1
+        row = self._at.instance(mesh)
+        if row is None:
+            return -1
+        number = int(row['number'])
+        return self._at.ids.get(number, number % images.MOST_IDS)
 
     @served('simSetSegmentationObjectID')
     async def _sim_set_segmentation_object_id(

@@ -54,13 +54,15 @@ class LocateOptions:
     missed_probability
         Probability that a sensor within the plume reads nothing of it.
     information_share
-        Share of the readings' information that counts: readings that follow each other see the
-        same eddies, and no plume is a Gaussian one. Chosen so that regions of simulated surveys
-        hold what they state (docs/dispersion.md).
+        Share of the readings' information that counts within a plume: readings that follow each
+        other see the same eddies, and no plume is a Gaussian one. Whether there is any release
+        is asked of more where the noise of the readings is independent. Chosen so that regions
+        of simulated surveys hold what they state (docs/dispersion.md).
     most_releases
         Largest number of releases, at most 3.
     least_gain
-        Gain of the logarithm of the likelihood, beyond the penalty of BIC, for one release more.
+        Logarithm of the odds that one release more needs, where one more and none more were
+        equally probable before: 4.6 stands for 99 to 1.
     smallest_g_s
         Rate of the weakest release that matters, g/s: what is said of releases that were not
         found is said of this rate.
@@ -74,7 +76,7 @@ class LocateOptions:
     missed_probability: float = 0.1
     information_share: float = 0.3
     most_releases: int = 3
-    least_gain: float = 4.0
+    least_gain: float = 4.6
     smallest_g_s: float = 0.5
 
     def __post_init__(self) -> None:

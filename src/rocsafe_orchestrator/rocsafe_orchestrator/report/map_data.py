@@ -25,6 +25,7 @@ from rocsafe_orchestrator.report.plan_data import (
     route_lines,
 )
 from rocsafe_orchestrator.report.sections.cordons import safe_cordons
+from rocsafe_orchestrator.report.sections.gas_zones import read_zones, release_points
 from rocsafe_view.map_view import (
     DosePoint,
     EstimatePoint,
@@ -49,6 +50,7 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
     tracks = record.log.tracks if record.log else {}
     readings = record.log.readings if record.log else ()
     stride = max(-(-len(readings) // MOST_READINGS), 1)
+    releases = release_points(record.releases, frame)
     return MapView(
         origin_deg=(frame.origin.latitude_deg, frame.origin.longitude_deg),
         metres_per_degree=metres_per_degree(frame),
@@ -68,6 +70,8 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
         sources=_sources(record, frame),
         estimates=estimate_points(record.estimates, frame),
         cordons=safe_cordons(record.path, frame),
+        zones=read_zones(record.path, frame, releases),
+        releases=releases,
         replanned=further_lines(record, frame),
         picture=ground_picture(record.path / MOSAIC, frame),
     )

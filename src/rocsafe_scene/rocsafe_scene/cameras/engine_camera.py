@@ -2,9 +2,11 @@
 """Cameras of simulated vehicles that see a scene of the engine."""
 
 import json
+import math
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,16 +174,26 @@ def reported_numbers(frame: Rendering) -> NDArray[np.uint32]:
 def label_table(objects: tuple[SceneObject, ...]) -> str:
     """Return the instances as JSON: number, name, class and colour (red, green, blue) of each.
 
-    Ground of class k has the number 65279 + k.
+    Ground of class k has the number 65279 + k. Things that stand have a place, too.
     """
-    rows = [(SKY_NUMBER, 'sky', 'sky')]
-    rows += [(thing.number, thing.name, thing.label) for thing in objects]
+    rows = [_row(SKY_NUMBER, 'sky', 'sky')]
+    rows += [_row(one.number, one.name, one.label) | _standing(one) for one in objects]
     rows += [
-        (GROUND_NUMBERS + label.number, 'ground', label.name)
+        _row(GROUND_NUMBERS + label.number, 'ground', label.name)
         for label in CLASSES.values()
         if label.number != SKY_NUMBER
     ]
-    keys = ('number', 'name', 'class', 'colour')
-    return json.dumps(
-        [dict(zip(keys, (*row, CLASSES[row[2]].colour), strict=True)) for row in rows]
-    )
+    return json.dumps(rows)
+
+
+def _row(number: int, name: str, label: str) -> dict[str, Any]:
+    return {'number': number, 'name': name, 'class': label, 'colour': CLASSES[label].colour}
+
+
+def _standing(thing: SceneObject) -> dict[str, Any]:
+    """Return the middle of a thing that never moves, metres east, north, up, and its yaw, rad."""
+    if thing.path is not None:
+        return {}
+    middle, ahead = thing.bounds.mean(axis=0), thing.pieces[0].rotation[:, 0]
+    yaw_rad = math.atan2(ahead[1], ahead[0])
+    return {'place': [round(part, 3) for part in middle.tolist()], 'yaw': round(yaw_rad, 4)}

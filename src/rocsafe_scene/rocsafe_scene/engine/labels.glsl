@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Floats and numbers travel as raw bits in 8-bit targets, lossless.
 
+#ifdef LABELS
+vec4 picture;                   // Goes nowhere, so that nothing it is made of is computed.
+#else
 layout(location = 0) out vec4 picture;
+#endif
 layout(location = 1) out vec4 depth_bits;
 layout(location = 2) out vec4 label_bits;
 layout(location = 3) out vec4 normal_bits;

@@ -2,6 +2,7 @@
 """Renderers of scenes, and a camera that draws at a higher resolution and scales down."""
 
 from datetime import datetime
+from functools import cached_property
 from pathlib import Path
 
 import cv2
@@ -13,7 +14,7 @@ from rocsafe_scene.engine.renderer import Renderer, RendererCamera
 from rocsafe_scene.engine.software_renderer import SoftwareRenderer, SoftwareRendererCamera
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.graphics.pipe import open_pipe
-from rocsafe_scene.graphics.rendering import Rendering
+from rocsafe_scene.graphics.rendering import Purpose, Rendering
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.building import build
 from rocsafe_scene.scene.description import SceneDescription
@@ -22,6 +23,7 @@ from rocsafe_scene.scene.sunlight import lighting, sun_direction
 
 LARGEST_SIDE_PX = 8192
 AnyRenderer = Renderer | SoftwareRenderer
+_AnyCamera = RendererCamera | SoftwareRendererCamera
 
 
 def open_renderer(
@@ -83,29 +85,36 @@ class OversampledCamera:
                 f'of {LARGEST_SIDE_PX} px at most'
             )
         self.lens = lens
-        self._plain = renderer.camera(lens)
-        self._large: RendererCamera | SoftwareRendererCamera | None = None
+        self._renderer = renderer
+        self._pair: tuple[_AnyCamera, _AnyCamera] | None = None
         if oversampling > 1:
             large = PinholeCamera(
                 lens.horizontal_fov_rad,
                 oversampling * lens.image_width_px,
                 oversampling * lens.image_height_px,
             )
-            self._large = renderer.camera(large)
+            self._pair = (
+                renderer.camera(large, Purpose.IMAGE),
+                renderer.camera(lens, Purpose.TRUTH),
+            )
 
     def expose_once(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose, drawn once; see `RendererCamera.expose`."""
-        self._plain.resolve(self.lens.focal_px)
         return self._plain.expose(position_enu, rotation_enu_from_optical)
+
+    @cached_property
+    def _plain(self) -> _AnyCamera:
+        return self._renderer.camera(self.lens)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose, see `RendererCamera.expose`."""
-        if self._large is None:
+        if self._pair is None:
             return self.expose_once(position_enu, rotation_enu_from_optical)
+        for_image, for_truth = self._pair
         # Labels must show the same leaves as the image.
-        self._plain.resolve(self._large.lens.focal_px)
-        frame = self._plain.expose(position_enu, rotation_enu_from_optical)
-        large = self._large.expose(position_enu, rotation_enu_from_optical)
+        for_truth.resolve(for_image.lens.focal_px)
+        frame = for_truth.expose(position_enu, rotation_enu_from_optical)
+        large = for_image.expose(position_enu, rotation_enu_from_optical)
         size = (self.lens.image_width_px, self.lens.image_height_px)
         image = cv2.resize(large.image, size, interpolation=cv2.INTER_AREA)
         return Rendering(

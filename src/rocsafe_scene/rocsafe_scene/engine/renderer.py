@@ -18,19 +18,28 @@ from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
 from rocsafe_scene.graphics.lens import flat_lens, node_matrix, pinhole_lens
 from rocsafe_scene.graphics.memory import return_freed_memory
 from rocsafe_scene.graphics.pipe import Pipe, open_pipe
-from rocsafe_scene.graphics.rendering import Rendering
+from rocsafe_scene.graphics.rendering import Purpose, Rendering
 from rocsafe_scene.mesh.mesh import Floats
 from rocsafe_scene.scene.environment import Environment, SceneObject
 from rocsafe_scene.scene.sunlight import Lighting
 
+_PICTURE, _DEPTH, _LABELS, _NORMALS = range(4)
 _PLANES = (
     core.GraphicsOutput.RTPColor,
     core.GraphicsOutput.RTPAuxRgba0,
     core.GraphicsOutput.RTPAuxRgba1,
     core.GraphicsOutput.RTPAuxRgba2,
 )
+# What is read back. Edges are smoothed where labels and normals have them.
+_READ = {
+    Purpose.ALL: (_PICTURE, _DEPTH, _LABELS, _NORMALS),
+    Purpose.IMAGE: (_PICTURE, _LABELS, _NORMALS),
+    Purpose.TRUTH: (_DEPTH, _LABELS, _NORMALS),
+}
 # The class is the highest byte of a label, the instance the others.
 _CLASS_BYTE, _NUMBER_MASK = 3, 0xFFFFFF
+_NO_BYTES: NDArray[np.uint8] = np.empty((0, 0), np.uint8)
+_NO_DEPTH: NDArray[np.float32] = np.empty((0, 0), np.float32)
 
 
 class Renderer:
@@ -78,24 +87,26 @@ class Renderer:
         self.graph.light(lighting)
         self._shadow_maps.relight(lighting)
 
-    def camera(self, lens: PinholeCamera) -> 'RendererCamera':
+    def camera(self, lens: PinholeCamera, purpose: Purpose = Purpose.ALL) -> 'RendererCamera':
         """Return a camera of this scene."""
         self.thread.require()
-        return RendererCamera(self, lens)
+        return RendererCamera(self, lens, purpose)
 
 
 class RendererCamera:
     """A camera with its buffer; make it once and use it again."""
 
-    def __init__(self, renderer: Renderer, lens: PinholeCamera) -> None:
+    def __init__(self, renderer: Renderer, lens: PinholeCamera, purpose: Purpose) -> None:
         self.lens = lens
-        self._renderer = renderer
+        self._renderer, self._read = renderer, _READ[purpose]
         engine = renderer.pipe.engine
         self._textures = [core.Texture(f'plane {number}') for number in range(len(_PLANES))]
         self._buffer = self._make_buffer(renderer.pipe)
         self._camera = core.Camera('eye', pinhole_lens(lens))
         self._camera.setScene(renderer.graph.root)
         self._camera.setCameraMask(ALL)
+        if purpose is Purpose.TRUTH:
+            renderer.graph.leave_out_light(self._camera)
         self.resolve(lens.focal_px)
         self._node = renderer.graph.root.attachNewNode(self._camera)
         self._buffer.makeDisplayRegion().setCamera(self._node)
@@ -104,8 +115,10 @@ class RendererCamera:
 
     def _make_buffer(self, pipe: Pipe) -> Any:
         buffer = make_buffer(pipe, self.lens, 'eye', aux_count=len(_PLANES) - 1)
-        for texture, plane in zip(self._textures, _PLANES, strict=True):
-            buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam, plane)
+        for number, plane in enumerate(_PLANES):
+            if number in self._read:
+                texture = self._textures[number]
+                buffer.addRenderTexture(texture, core.GraphicsOutput.RTMCopyRam, plane)
             buffer.setClearActive(plane, True)
             buffer.setClearValue(plane, core.LVecBase4f(0.0))
         return buffer
@@ -128,7 +141,7 @@ class RendererCamera:
         self._camera.setLodScale(DETAIL.map_scale)
 
     def expose(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
-        """Return what is seen from a pose.
+        """Return what is seen from a pose; what is not its purpose is left empty.
 
         Parameters
         ----------
@@ -154,14 +167,16 @@ class RendererCamera:
         return pixels_of(self._textures[number], self.lens)
 
     def _frame(self) -> Rendering:
-        labels = self._plane(2)
+        labels = self._plane(_LABELS)
         numbers = np.bitwise_and(labels.view(np.uint32)[::-1, :, 0], np.uint32(_NUMBER_MASK))
-        normals = cv2.flip(cv2.cvtColor(self._plane(3), cv2.COLOR_BGRA2RGB), 0)
-        image = np.asarray(cv2.flip(cv2.cvtColor(self._plane(0), cv2.COLOR_BGRA2BGR), 0))
+        normals = np.asarray(cv2.flip(cv2.cvtColor(self._plane(_NORMALS), cv2.COLOR_BGRA2RGB), 0))
+        image, depth_m, classes = _NO_BYTES, _NO_DEPTH, _NO_BYTES
+        if _PICTURE in self._read:
+            drawn = cv2.flip(cv2.cvtColor(self._plane(_PICTURE), cv2.COLOR_BGRA2BGR), 0)
+            image = smoothed(np.asarray(drawn), numbers, normals)
+        if _DEPTH in self._read:
+            depth_m = np.ascontiguousarray(self._plane(_DEPTH).view(np.float32)[::-1, :, 0])
+            classes = np.asarray(cv2.flip(cv2.extractChannel(labels, _CLASS_BYTE), 0))
         return Rendering(
-            image=smoothed(image, numbers, normals),
-            depth_m=np.ascontiguousarray(self._plane(1).view(np.float32)[::-1, :, 0]),
-            numbers=numbers,
-            classes=np.asarray(cv2.flip(cv2.extractChannel(labels, _CLASS_BYTE), 0)),
-            normals=np.asarray(normals),
+            image=image, depth_m=depth_m, numbers=numbers, classes=classes, normals=normals
         )

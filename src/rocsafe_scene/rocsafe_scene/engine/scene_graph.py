@@ -78,6 +78,10 @@ class SceneGraph:
         air = (lighting.haze_per_m, lighting.wetness, lighting.exposure, lighting.clouds)
         self.root.setShaderInput('air', core.LVecBase4f(*air))
 
+    def leave_out_light(self, camera: Any) -> None:
+        """Let a camera see all but the picture."""
+        self._shaders.leave_out_light(camera)
+
     def move(self, time_s: float) -> None:
         """Move objects to their places at a time, seconds after the start."""
         for thing, node in self._moving:

@@ -12,6 +12,8 @@ from panda3d import core
 
 _FOLDER = Path(__file__).parent
 _SHARED = ('labels', 'light')
+# Tag of a node with its program and switches.
+_TAG = 'program'
 # Vertex shaders whose name differs from that of the fragment shader.
 _VERTEX = {'object': 'surface', 'sky': 'ground', 'sunlit': 'ground', 'alone': 'plain'}
 
@@ -42,6 +44,7 @@ class NodeShaders:
     def assign(self, node: Any, name: str, *switches: str) -> None:
         """Draw `node` by the program called `name`, with `switches` defined."""
         self._assigned.append((node, name, switches))
+        node.setTag(_TAG, ' '.join((name, *switches)))
         node.setShader(self._program(name, switches))
 
     def set_wet(self, *, is_wet: bool) -> None:
@@ -51,6 +54,14 @@ class NodeShaders:
         self._is_wet = is_wet
         for node, name, switches in self._assigned:
             node.setShader(self._program(name, switches))
+
+    def leave_out_light(self, camera: Any) -> None:
+        """Let a camera see depth, labels and normals of all nodes, and no picture."""
+        camera.setTagStateKey(_TAG)
+        for program in {(name, switches) for _, name, switches in self._assigned}:
+            state = core.NodePath('state')
+            state.setShader(shader(program[0], *program[1], 'LABELS'))
+            camera.setTagState(' '.join((program[0], *program[1])), state.getState())
 
     def _program(self, name: str, switches: tuple[str, ...]) -> Any:
         if self._is_wet and name != 'foliage':

@@ -17,7 +17,7 @@ from rocsafe_scene.engine.software_scene_graph import KNOW, LOOK, SoftwareSceneG
 from rocsafe_scene.graphics.buffers import OneThread, make_buffer, pixels_of
 from rocsafe_scene.graphics.lens import NEAR_M, node_matrix, pinhole_lens
 from rocsafe_scene.graphics.pipe import Pipe, open_pipe
-from rocsafe_scene.graphics.rendering import Rendering
+from rocsafe_scene.graphics.rendering import Purpose, Rendering
 from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.mesh.mesh import Floats, unit
 from rocsafe_scene.scene.environment import Environment
@@ -52,8 +52,10 @@ class SoftwareRenderer:
         self.thread.require()
         self.graph.move(time_s)
 
-    def camera(self, lens: PinholeCamera) -> 'SoftwareRendererCamera':
-        """Return a camera of this scene."""
+    def camera(
+        self, lens: PinholeCamera, _purpose: Purpose = Purpose.ALL
+    ) -> 'SoftwareRendererCamera':
+        """Return a camera of this scene, which draws all for any purpose."""
         self.thread.require()
         return SoftwareRendererCamera(self, lens)
 

@@ -2,14 +2,26 @@
 """The result of drawing a scene once."""
 
 from dataclasses import dataclass
+from enum import Enum, auto
 
 import numpy as np
 from numpy.typing import NDArray
 
 
+class Purpose(Enum):
+    """What a camera is for; a renderer may leave out the rest."""
+
+    ALL = auto()
+    IMAGE = auto()
+    TRUTH = auto()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Rendering:
     """Image, depth and labels of one pose, aligned to the pixel; row 0 at the top.
+
+    What is not the purpose of a camera may be empty: images have no depth and classes, the truth
+    has no image.
 
     Attributes
     ----------
