@@ -63,7 +63,7 @@ def test_others_may_publish_what_programs_and_detectors_of_the_user_do(
     names = set(open_topics(read_scenario(small({'vehicles[1]': real}))))
     own = {'rav2/radiation', 'rav2/accumulated_dose', 'rav2/dose_alarm'}
     programs = {f'{name}/{topic}' for name in ('rav1', 'rav2') for topic in ('cmd_vel', GIMBAL)}
-    assert names == own | programs | {'drawings'}
+    assert names == own | programs | {'drawings', 'hazard/reports'}
 
 
 @pytest.mark.parametrize(

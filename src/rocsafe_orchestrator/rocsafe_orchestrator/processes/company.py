@@ -4,7 +4,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
 from rocsafe_ros import topics
@@ -57,12 +56,12 @@ def needed_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> frozenset[
 
 def open_topics(scenario: Scenario) -> Iterator[str]:
     """Yield the topics that programs of others may publish to a mission in flight."""
-    yield topics.DRAWINGS.name
     others = [camera.name for camera in scenario.other_cameras]
     simulated = set(scenario.metered_names)
+    gimbals = [topics.of_camera(topics.GIMBAL_COMMAND, camera) for camera in others]
     for spec, vehicle in recorded_topics(scenario.all_names, others):
         is_detector = spec in DETECTOR_TOPICS and vehicle not in simulated
-        if is_detector or spec.message_type is GimbalCommand or spec is topics.CMD_VEL:
+        if is_detector or spec in (*topics.FROM_ANYBODY, *gimbals):
             yield topics.name_of(spec, vehicle)
 
 
