@@ -118,7 +118,8 @@ def test_library_that_cannot_be_loaded_is_one_line(
     monkeypatch.setattr(cli, '_obey', fail)
     assert main(['check', 'x.yaml']) == errors.EXIT_SETUP
     assert capsys.readouterr().err == (
-        'rocsafe: cannot load a library: libX.so: failed to map segment from shared object\n'
+        'rocsafe: cannot load all parts: libX.so: failed to map segment from shared object '
+        '(too little memory, or run `make setup`)\n'
     )
 
 

@@ -12,11 +12,11 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from rocsafe_ros.domain import mission_partition
-from rocsafe_ros.domain.mission_partition import keep_own_names
+from rocsafe_ros.domain.mission_partition import keep_to_mission
 from rocsafe_ros.domain.network import HEARTBEATS, PROFILES, RANGE, TRANSPORTS, bind_interfaces
 
 DEADLINE_S = 60.0
-OWN = (('topic', 'rav1/fix'), ('service', 'rav1/hold'))
+OPEN = ('open',)
 # Says its name on two topics, serves and asks two services, and prints whom it has heard.
 NODE = """
 import sys
@@ -73,28 +73,24 @@ def profiles(path: Path) -> dict[tuple[str, str], str]:
     }
 
 
-def test_names_of_each_kind_are_kept(tmp_path: Path) -> None:
-    """Topics where they are heard; requests and replies of services and actions at the client."""
+def test_all_is_closed_but_what_others_may_publish(tmp_path: Path) -> None:
+    """Requests are taken from everybody, and asked of the mission only."""
     environment: dict[str, str] = {}
-    assert keep_own_names(environment, tmp_path, 'a1', [*OWN, ('action', 'rav1/fly')])
+    assert keep_to_mission(environment, tmp_path, 'a1', ['rav1/cmd_vel'])
     found = profiles(Path(environment[PROFILES[0]]))
-    assert found.pop(('data_writer', 'mission_writer')) == ';a1'
-    assert found.pop(('data_reader', 'mission_reader')) == ';a1'
-    calls = [
-        'rav1/hold',
-        *(f'rav1/fly/_action/{n}' for n in ('send_goal', 'cancel_goal', 'get_result')),
-    ]
-    assert found == dict.fromkeys(
-        [
-            *(
-                ('data_reader', f'/{n}')
-                for n in ('rav1/fix', 'rav1/fly/_action/feedback', 'rav1/fly/_action/status')
-            ),
-            *(('data_writer', f'rq/{call}Request') for call in calls),
-            *(('data_reader', f'rr/{call}Reply') for call in calls),
-        ],
-        'a1',
-    )
+    opened = {
+        f'/{name}' for name in ('rosout', 'parameter_events', 'diagnostics', 'tf', 'tf_static')
+    }
+    assert found == {
+        ('data_writer', 'mission_writer'): ';a1',
+        ('data_reader', 'mission_reader'): 'a1',
+        ('data_reader', 'service'): ';a1',
+        ('data_writer', 'client'): 'a1',
+        **dict.fromkeys(
+            (('data_reader', name) for name in (*opened, '/rav1/cmd_vel', 'ros_discovery_info')),
+            ';a1',
+        ),
+    }
 
 
 def test_interfaces_stay_bound_and_a_mission_started_by_another_has_its_own(
@@ -106,7 +102,7 @@ def test_interfaces_stay_bound_and_a_mission_started_by_another_has_its_own(
     bind_interfaces(environment)
     for token in ('a1', 'b2'):
         (tmp_path / token).mkdir()
-        keep_own_names(environment, tmp_path / token, token, OWN)
+        keep_to_mission(environment, tmp_path / token, token, OPEN)
         bind_interfaces(environment)
     path = Path(environment[PROFILES[0]])
     text = path.read_text(encoding='utf-8')
@@ -121,29 +117,29 @@ def test_profile_of_the_user_is_left_alone(
 ) -> None:
     """Nor is another middleware given one that it does not read."""
     environment = {PROFILES[0]: '/mine.xml'}
-    assert not keep_own_names(environment, tmp_path, 'a1', OWN)
+    assert not keep_to_mission(environment, tmp_path, 'a1', OPEN)
     monkeypatch.setattr(
         mission_partition, 'get_rmw_implementation_identifier', lambda: 'rmw_other'
     )
-    assert not keep_own_names({}, tmp_path, 'a1', OWN)
+    assert not keep_to_mission({}, tmp_path, 'a1', OPEN)
     assert environment == {PROFILES[0]: '/mine.xml'}
 
 
 def test_stranger_of_the_same_name_is_neither_heard_nor_asked(
     own_domain: None, tmp_path: Path
 ) -> None:
-    """It hears the mission, may call it, and is heard where others may speak."""
+    """It hears the mission, may call it, and is heard where others may publish."""
     path = os.pathsep.join(entry for entry in sys.path if entry)
     outside = {**os.environ, 'PYTHONPATH': path, RANGE: 'SUBNET', TRANSPORTS: 'UDPv4'}
     inside = dict(outside)
-    keep_own_names(inside, tmp_path, 'a1', OWN)
+    keep_to_mission(inside, tmp_path, 'a1', OPEN)
     nodes = {
         name: subprocess.Popen(
             [sys.executable, '-c', NODE, name], stdout=subprocess.PIPE, text=True, env=environment
         )
         for name, environment in (('one', inside), ('two', inside), ('stranger', outside))
     }
-    names, closed = ('open', 'free', 'rav1/fix', 'rav1/hold'), ('rav1/fix', 'rav1/hold')
+    names, closed = ('open', 'free', 'rav1/fix', 'rav1/hold'), ('free', 'rav1/fix', 'rav1/hold')
     everything = {f'{name} {who}\n' for name in names for who in nodes}
     wanted = everything - {f'{name} stranger\n' for name in closed}
     heard: dict[str, set[str]] = {'one': set(), 'stranger': set()}

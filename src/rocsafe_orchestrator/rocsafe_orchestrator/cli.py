@@ -60,7 +60,8 @@ def _answered(words: Sequence[str]) -> int:
         )
         return EXIT_SETUP
     except ImportError as error:
-        print(f'rocsafe: cannot load a library: {error}', file=sys.stderr)
+        hint = 'too little memory, or run `make setup`'
+        print(f'rocsafe: cannot load all parts: {error} ({hint})', file=sys.stderr)
         return EXIT_SETUP
     except MemoryError:
         print('rocsafe: not enough memory', file=sys.stderr)

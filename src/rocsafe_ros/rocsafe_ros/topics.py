@@ -377,6 +377,9 @@ DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health
 TOPICS = tuple(value for value in tuple(globals().values()) if isinstance(value, TopicSpec))
 """All of the above, in their order."""
 
+FROM_ANYBODY = (CMD_VEL, GIMBAL_COMMAND, DRAWINGS, AGENT_REPORTS)
+"""What people and programs beside a mission publish to it; all else it hears from its own only."""
+
 
 def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> CallSpec:
     return CallSpec(name=name, call_type=call_type, kind=kind, scope=scope, note=note)

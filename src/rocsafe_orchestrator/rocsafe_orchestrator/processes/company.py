@@ -4,16 +4,13 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from rocsafe_interfaces.msg import GimbalCommand
-from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
+from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
 from rocsafe_ros import topics
 from rocsafe_ros.domain.mission_identity import BOUND, MissionIdentity
 from rocsafe_scenario.scenario import Scenario
 
 ELSEWHERE = 'wait for its end, or choose another domain, for instance ROS_DOMAIN_ID=1'
-# Programs of others publish these to a mission, as they do commands of gimbals.
-BY_OTHERS = (topics.CMD_VEL, topics.DRAWINGS)
 # The user's own detector publishes these.
 DETECTOR_TOPICS = (topics.RADIATION, topics.ACCUMULATED_DOSE, topics.DOSE_ALARM)
 
@@ -46,35 +43,34 @@ class Speaker:
 
 def needed_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> frozenset[str]:
     """Return the topics, services and actions that only the mission's own processes may have."""
-    return frozenset(end.name for end in _own_ends(scenario, table))
+    names = {end.name for spec in table for end in spec.readiness if end.spec not in BOUND}
+    names |= {
+        topics.name_of(call, vehicle)
+        for call in topics.CALLS
+        if call.scope is topics.Scope.VEHICLE
+        for vehicle in scenario.all_names
+    }
+    # Names that begin with a slash are everybody's, such as /diagnostics.
+    return frozenset(names | {name for name in _topics(scenario) if not name.startswith('/')})
 
 
-def own_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> Iterator[tuple[str, str]]:
-    """Yield kind and name of what a mission in flight hears from its own processes only.
+def open_topics(scenario: Scenario) -> Iterator[str]:
+    """Yield the topics that programs of others may publish to a mission in flight."""
+    others = [camera.name for camera in scenario.other_cameras]
+    simulated = set(scenario.metered_names)
+    gimbals = [topics.of_camera(topics.GIMBAL_COMMAND, camera) for camera in others]
+    for spec, vehicle in recorded_topics(scenario.all_names, others):
+        is_detector = spec in DETECTOR_TOPICS and vehicle not in simulated
+        if is_detector or spec in (*topics.FROM_ANYBODY, *gimbals):
+            yield topics.name_of(spec, vehicle)
 
-    These are the needed names without what programs beside a mission may give it.
-    """
-    for end in _own_ends(scenario, table):
-        if end.spec not in BY_OTHERS and not _is_for_gimbal(end):
-            yield end.kind, end.name
 
-
-def _own_ends(scenario: Scenario, table: Iterable[ProcessSpec]) -> Iterator[Endpoint]:
-    yield from (end for spec in table for end in spec.readiness if end.spec not in BOUND)
-    for call in topics.CALLS:
-        if call.scope is topics.Scope.VEHICLE:
-            yield from (Endpoint(spec=call, vehicle=vehicle) for vehicle in scenario.all_names)
+def _topics(scenario: Scenario) -> Iterator[str]:
     others = [camera.name for camera in scenario.other_cameras]
     simulated = set(scenario.metered_names)
     for spec, vehicle in recorded_topics(scenario.all_names, others):
-        # Names that begin with a slash are everybody's, such as /diagnostics.
-        is_ours = spec not in DETECTOR_TOPICS or vehicle in simulated
-        if is_ours and not spec.name.startswith('/'):
-            yield Endpoint(spec=spec, vehicle=vehicle)
-
-
-def _is_for_gimbal(end: Endpoint) -> bool:
-    return isinstance(end.spec, topics.TopicSpec) and end.spec.message_type is GimbalCommand
+        if spec not in DETECTOR_TOPICS or vehicle in simulated:
+            yield topics.name_of(spec, vehicle)
 
 
 def objections(mission: MissionIdentity, speakers: Iterable[Speaker]) -> list[str]:

@@ -5,10 +5,10 @@ A node of another hand that publishes or serves a name of a running mission, for
 of the same name, does not match the mission's subscriptions and clients: it is not heard and not
 commanded. Everybody else may still listen to the mission and call its services.
 
-The partition is named by the token of the mission. A profile for Fast DDS puts every publisher and
-subscription of the mission into the common partition and into that of the mission; what hears its
-own names, and what asks its own servers, is in that of the mission alone (property ``partitions``
-of Fast DDS; DDS 1.4, 2.2.3.13).
+The partition is named by the token of the mission. A profile for Fast DDS puts what the mission
+publishes and serves into the common partition and into its own, and what it hears and asks into
+its own alone, but for topics that others may publish to it (property ``partitions`` of Fast DDS;
+DDS 1.4, 2.2.3.13).
 """
 
 from collections.abc import Iterable, Iterator, MutableMapping
@@ -19,8 +19,12 @@ from rclpy.utilities import get_rmw_implementation_identifier
 from rocsafe_ros.domain.network import EMPTY, END, HEARTBEATS, OURS, PROFILES, RMW, profile_of
 
 FILE = f'{OURS}mission.xml'
-# Names of an action's services and topics below its own.
-ACTION_SERVICES, ACTION_TOPICS = ('send_goal', 'cancel_goal', 'get_result'), ('feedback', 'status')
+# The graph of ROS, and what nodes of all hands share. The first is named without a slash.
+EVERYBODYS = (
+    'ros_discovery_info', '/rosout', '/parameter_events', '/diagnostics', '/tf', '/tf_static',
+)  # fmt: skip
+# The middleware takes these profiles for the requests and replies of all services and clients.
+SERVICE, CLIENT = 'service', 'client'
 _BEGIN = '<!-- of the mission -->'
 _PARTITIONS = (
     '<propertiesPolicy><properties><property><name>partitions</name><value>{}</value></property>'
@@ -28,13 +32,10 @@ _PARTITIONS = (
 )
 
 
-def keep_own_names(
-    environment: MutableMapping[str, str],
-    folder: Path,
-    token: str,
-    names: Iterable[tuple[str, str]],
+def keep_to_mission(
+    environment: MutableMapping[str, str], folder: Path, token: str, open_topics: Iterable[str]
 ) -> bool:
-    """Let the processes with `environment` hear some names from their own mission only.
+    """Let the processes with `environment` hear and ask their own mission only.
 
     It has to be called before ROS is started.
 
@@ -46,9 +47,9 @@ def keep_own_names(
         Folder for the profile.
     token
         Token of the mission.
-    names
-        Kind (``'topic'``, ``'service'`` or ``'action'``) and name, without a slash at its
-        beginning, of what only the mission's own processes may publish or serve.
+    open_topics
+        Names of the topics, without a slash at the beginning, that others may publish to it,
+        besides `EVERYBODYS`.
 
     Returns
     -------
@@ -64,25 +65,19 @@ def keep_own_names(
     text = (profile.read_text(encoding='utf-8') if profile else EMPTY).removesuffix(END)
     text = text.partition(_BEGIN)[0]
     times = HEARTBEATS if HEARTBEATS in text else ''
-    section = '\n'.join(sorted(set(_section(token, names, times))))
+    section = '\n'.join(_section(token, sorted(set(open_topics)), times))
     path = folder / FILE
     path.write_text(f'{text}{_BEGIN}\n{section}{END}', encoding='utf-8')
     environment.update(dict.fromkeys(PROFILES, str(path)))
     return True
 
 
-def _section(token: str, names: Iterable[tuple[str, str]], times: str) -> Iterator[str]:
+def _section(token: str, open_topics: Iterable[str], times: str) -> Iterator[str]:
     own, both = _PARTITIONS.format(token), _PARTITIONS.format(f';{token}')
     default = 'is_default_profile="true"'
     yield f'<data_writer profile_name="mission_writer" {default}>{times}{both}</data_writer>'
-    yield f'<data_reader profile_name="mission_reader" {default}>{both}</data_reader>'
-    for kind, name in names:
-        is_action = kind == 'action'
-        topics = [f'{name}/_action/{part}' for part in ACTION_TOPICS] if is_action else [name]
-        services = [f'{name}/_action/{part}' for part in ACTION_SERVICES] if is_action else [name]
-        for topic in topics if kind != 'service' else ():
-            yield f'<data_reader profile_name="/{topic}">{own}</data_reader>'
-        for service in services if kind != 'topic' else ():
-            request, reply = f'rq/{service}Request', f'rr/{service}Reply'
-            yield f'<data_writer profile_name="{request}">{times}{own}</data_writer>'
-            yield f'<data_reader profile_name="{reply}">{own}</data_reader>'
+    yield f'<data_reader profile_name="mission_reader" {default}>{own}</data_reader>'
+    yield f'<data_reader profile_name="{SERVICE}">{both}</data_reader>'
+    yield f'<data_writer profile_name="{CLIENT}">{times}{own}</data_writer>'
+    for topic in (*EVERYBODYS, *(f'/{name}' for name in open_topics)):
+        yield f'<data_reader profile_name="{topic}">{both}</data_reader>'
