@@ -79,7 +79,7 @@ MAY_IMPORT = {
     'rocsafe_dispersion': {'rocsafe_hazard'},
     'rocsafe_scenario': {'rocsafe_planner.plan'},
     'rocsafe_sim': {'rocsafe_scene'},
-    'rocsafe_learning': {'rocsafe_dispersion', 'rocsafe_radiation'},
+    'rocsafe_learning': {'rocsafe_dispersion', 'rocsafe_radiation', 'rocsafe_scene'},
     'rocsafe_dataset': {'rocsafe_scene', 'rocsafe_sim', 'rocsafe_mapping'},
     # Compilation of loops; the order of more than twelve evidence points.
     'rocsafe_ground': {'rocsafe_planner.solver'},

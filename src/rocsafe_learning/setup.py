@@ -18,7 +18,4 @@ setup(
     ],
     extras_require={'test': ['pytest'], 'environments': ['gymnasium', 'pettingzoo']},
     zip_safe=False,
-    entry_points={
-        'gymnasium.envs': ['rocsafe = rocsafe_learning.registration:register_environments'],
-    },
 )

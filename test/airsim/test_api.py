@@ -72,6 +72,10 @@ class World:
         """Keep what is drawn."""
         self.drawn.append((lines, rgba, size_m, kind, duration_s))
 
+    def write(self, texts, rgba, size_m, duration_s):
+        """Keep what is written."""
+        self.drawn.append((texts, rgba, size_m, 'text', duration_s))
+
     def trace(self, vehicle, rgba, size_m):
         """Keep what is traced."""
         self.drawn.append((vehicle, rgba, size_m))
@@ -508,6 +512,27 @@ def test_a_vehicle_is_placed_before_its_first_flight(world):
     assert world.vehicles['rav1'].core.home_enu[:2] == pytest.approx((-34.0, 30.0), abs=1e-6)
     with pytest.raises(AirsimError, match='has flown'):
         ask(world, *LED, ('simSetVehiclePose', pose, True, ''))
+
+
+def test_poses_are_drawn_as_their_axes_with_their_names(world):
+    """Ahead red, right green, down blue; one that looks east has its right to the south."""
+    half = math.sqrt(0.5)
+    pose = {
+        'position': {'x_val': 1.0, 'y_val': 2.0, 'z_val': -3.0},
+        'orientation': {'w_val': half, 'x_val': 0.0, 'y_val': 0.0, 'z_val': half},
+    }
+    red = [1.0, 0.0, 0.0, 1.0]
+    ask(world, ('simPlotTransformsWithNames', [pose], ['camp'], 200.0, 5.0, 10.0, red, 1e300))
+    *axes, (texts, _, size_m, _, duration_s) = world.drawn
+    place = np.array([-38.0, 26.0, 3.0])
+    for (lines, rgba, _, _, _), reach in zip(
+        axes, ([2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0, 0.0, -2.0]), strict=True
+    ):
+        assert np.allclose(lines, [[place, place + reach]])
+        assert sum(rgba) == 2.0
+    assert texts[0][0] == 'camp'
+    assert np.allclose(texts[0][1], place)
+    assert (size_m, duration_s) == (1.0, 1e9)
 
 
 def test_drawings_lie_in_the_frame_of_the_mission(world):

@@ -4,6 +4,7 @@
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -44,6 +45,16 @@ def test_gymnasium_has_nothing_to_say(name):
         warnings.simplefilter('error')
         warnings.filterwarnings('ignore', message='.*[Mm]ore than one|.*render')
         check_env(gymnasium.make(name).unwrapped, skip_render_check=True)
+
+
+def test_the_lines_of_the_page_run_in_a_process_of_their_own():
+    """What a newcomer copies first from docs/learning.md, and nothing that a test did before."""
+    page = (Path(__file__).parents[2] / 'docs' / 'learning.md').read_text()
+    blocks = page.split('\n\n#')[0].split('\n\n')
+    lines = [line[4:] for block in blocks for line in block.splitlines() if line[:4] == '    ']
+    code = '\n'.join(line for line in lines if not line.startswith('pip '))
+    assert 'gymnasium.make' in code
+    subprocess.run([sys.executable, '-c', code], check=True, timeout=60.0)
 
 
 def test_gymnasium_has_nothing_to_say_about_gas():

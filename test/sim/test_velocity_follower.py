@@ -90,6 +90,7 @@ def test_a_failsafe_of_the_vehicle_ends_it() -> None:
         ({'velocity': (math.nan, 0.0, 0.0)}, 'three finite numbers'),
         ({'turn_radps': math.inf}, 'turn_rate_radps'),
         ({'stamp_ns': START_NS}, 's old'),
+        ({'stamp_ns': START_NS + 10**15}, 's ahead of simulated time'),
         ({'velocity': (0.0, -8.0, 0.0)}, 'leaves the fence'),
     ],
 )

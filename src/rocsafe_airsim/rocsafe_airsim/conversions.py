@@ -168,6 +168,16 @@ def marker_of(
     return marker
 
 
+def text_marker_of(
+    number: int, text: str, place: Vector, rgba: Sequence[float], size_m: float
+) -> Marker:
+    """Return a text, letters of this height, as a marker in the frame of the mission."""
+    marker = marker_of(number, [], rgba, size_m, 'text')
+    marker.type, marker.text, marker.scale.z = Marker.TEXT_VIEW_FACING, text, size_m
+    marker.pose.position = Point(x=place[0], y=place[1], z=place[2])
+    return marker
+
+
 def _pixels(image: Image) -> Any:
     if image.encoding not in _DTYPES:
         known = ', '.join(_DTYPES)

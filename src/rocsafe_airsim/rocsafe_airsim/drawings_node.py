@@ -8,7 +8,7 @@ from geometry_msgs.msg import Point
 from rclpy.node import Node
 from visualization_msgs.msg import Marker, MarkerArray
 
-from rocsafe_airsim.conversions import marker_of
+from rocsafe_airsim.conversions import marker_of, text_marker_of
 from rocsafe_airsim.ned import Vector
 from rocsafe_ros import topics
 
@@ -46,16 +46,30 @@ class Drawings:
     ) -> None:
         """Show points or lines, in the frame of the mission."""
         with self._lock:
-            marker = self._add(lines, rgba, size_m, kind)
-            marker.lifetime.sec = int(duration_s)
-            marker.lifetime.nanosec = int(duration_s % 1.0 * 1e9)
+            number = self._next()
+            self._keep(marker_of(number, lines, rgba, size_m, kind), duration_s)
+            self._publish()
+
+    def write(
+        self,
+        texts: Sequence[tuple[str, Vector]],
+        rgba: Sequence[float],
+        size_m: float,
+        duration_s: float,
+    ) -> None:
+        """Show texts at places, in the frame of the mission."""
+        with self._lock:
+            for text, place in texts:
+                marker = text_marker_of(self._next(), text, place, rgba, size_m)
+                self._keep(marker, duration_s)
             self._publish()
 
     def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
         """Show where a vehicle flies from now on; what it has flown keeps its colour."""
         with self._lock:
-            marker = self._add([], rgba, size_m, 'lines')
+            marker = marker_of(self._next(), [], rgba, size_m, 'lines')
             marker.type = Marker.LINE_STRIP
+            self._keep(marker, 0.0)
             self._traces[vehicle] = marker
 
     def follow(self, place_of: Callable[[str], Vector]) -> None:
@@ -74,17 +88,19 @@ class Drawings:
                 self._drawings[marker.id] = marker
             self._publisher.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL)]))
 
-    def _add(
-        self, lines: Sequence[Sequence[Vector]], rgba: Sequence[float], size_m: float, kind: str
-    ) -> Marker:
+    def _next(self) -> int:
         self._drawn += 1
-        marker = self._drawings[self._drawn] = marker_of(self._drawn, lines, rgba, size_m, kind)
+        return self._drawn
+
+    def _keep(self, marker: Marker, duration_s: float) -> None:
+        marker.lifetime.sec = int(duration_s)
+        marker.lifetime.nanosec = int(duration_s % 1.0 * 1e9)
+        self._drawings[marker.id] = marker
         while len(self._drawings) > MOST_DRAWINGS:
             del self._drawings[next(iter(self._drawings))]
-        return marker
 
     def _publish(self) -> None:
-        shown = [each for each in self._drawings.values() if each.points]
+        shown = [each for each in self._drawings.values() if each.points or each.text]
         self._publisher.publish(MarkerArray(markers=shown))
 
 

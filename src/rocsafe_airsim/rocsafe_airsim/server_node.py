@@ -109,6 +109,16 @@ class AirsimNode(Node):
         """Show points or lines to viewers of the topic drawings."""
         self._drawings.draw(lines, rgba, size_m, kind=kind, duration_s=duration_s)
 
+    def write(
+        self,
+        texts: Sequence[tuple[str, Vector]],
+        rgba: Sequence[float],
+        size_m: float,
+        duration_s: float,
+    ) -> None:
+        """Show texts at places to viewers of the topic drawings."""
+        self._drawings.write(texts, rgba, size_m, duration_s)
+
     def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
         """Show where a vehicle flies from now on."""
         self._drawings.trace(vehicle, rgba, size_m)

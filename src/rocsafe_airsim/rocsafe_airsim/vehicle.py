@@ -207,6 +207,10 @@ class World(Protocol):
              *, kind: str, duration_s: float) -> None:  # fmt: skip
         """Show ``points`` or ``lines`` to viewers, places in the mission's frame."""
 
+    def write(self, texts: Sequence[tuple[str, Vector]], rgba: Sequence[float], size_m: float,
+              duration_s: float) -> None:  # fmt: skip
+        """Show texts at places in the mission's frame."""
+
     def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
         """Show where a vehicle flies from now on."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Names under which gymnasium makes the environments; its plug-in mechanism calls this module."""
+"""Names under which gymnasium makes the environments."""
 
 import gymnasium
 

@@ -363,7 +363,11 @@ THREAT_ZONES = _fleet(
 )
 MOSAIC = _fleet('mosaic', Mosaic, _latched(), 'on change', 'map: preview and file')
 DRAWINGS = _fleet(
-    'drawings', MarkerArray, _latched(), 'on change', 'lines and points of clients of AirSim'
+    'drawings',
+    MarkerArray,
+    _latched(),
+    'on change',
+    'lines, points and texts of clients of AirSim',
 )
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')

@@ -17,6 +17,10 @@ FIRST_CAMERA_NAMES = frozenset({'', '0', '1', '3', 'front_center', 'bottom_cente
 # AirSim's own examples name their vehicles so.
 _NUMBERED = re.compile(r'(?:[Dd]rone|[Vv]ehicle|UAV)_?(\d+)$')
 _WHITE = (1.0, 1.0, 1.0, 1.0)
+# Messages hold seconds in 32 bits.
+LONGEST_SHOWN_S = 1e9
+# Height of letters of AirSim's scale 1; longer texts are cut.
+_LETTER_M, LONGEST_TEXT = 0.1, 200
 
 
 def served(name: str) -> Callable[[MethodT], MethodT]:
@@ -131,9 +135,31 @@ class Access:
         """Show lines or points; `lasting` is their duration in seconds, and whether for ever."""
         origin = self.vehicle('').origin
         lines = [[origin.to_enu(place) for place in line] for line in lines_ned]
-        duration_s = 0.0 if lasting[1] else max(float(lasting[0]), 0.0)
+        duration_s = 0.0 if lasting[1] else shown_s(lasting[0])
         colour, size_m = pen(rgba, size)
         self.world.draw(lines, colour, size_m, kind=kind, duration_s=duration_s)
+
+    def write(
+        self,
+        texts: Sequence[Any],
+        places_ned: Sequence[Vector],
+        rgba: Any,
+        scale: Any,
+        duration_s: Any,
+    ) -> None:
+        """Show texts, each at its place."""
+        origin = self.vehicle('').origin
+        placed = [
+            (str(text)[:LONGEST_TEXT], origin.to_enu(place))
+            for text, place in zip(texts, places_ned, strict=True)
+        ]
+        size_m = max(float(scale) * _LETTER_M, 0.05)
+        self.world.write(placed, pen(rgba, 0.0)[0], size_m, shown_s(duration_s))
+
+
+def shown_s(duration_s: Any) -> float:
+    """Return how long a drawing is shown, seconds; 0 is for ever."""
+    return min(max(float(duration_s), 0.0), LONGEST_SHOWN_S)
 
 
 def pen(rgba: Any, size: Any) -> tuple[tuple[float, ...], float]:

@@ -4,8 +4,13 @@
 import asyncio
 from typing import Any
 
+from rocsafe_airsim.detections import rotation_of
 from rocsafe_airsim.methods.access import Access, parameters, pen, served
 from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S, vector_of
+from rocsafe_airsim.ned import Vector
+
+# Colours of ahead, right, down.
+_AXES = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
 
 
 class WorldMethods:
@@ -57,6 +62,25 @@ class WorldMethods:
         pairs = [[vector_of(a), vector_of(b)] for a, b in zip(starts, ends, strict=True)]
         self._at.draw(pairs, rgba, size, 'lines', (duration_s, is_lasting))
 
+    @served('simPlotTransforms')
+    async def _sim_plot_transforms(self, *call: Any) -> None:
+        poses, scale, thickness, duration_s, is_lasting = parameters(call, 5)
+        for axis, rgba in enumerate(_AXES):
+            lines = [_axis(pose, axis, float(scale)) for pose in poses]
+            self._at.draw(lines, rgba, thickness, 'lines', (duration_s, is_lasting))
+
+    @served('simPlotStrings')
+    async def _sim_plot_strings(self, *call: Any) -> None:
+        texts, places, scale, rgba, duration_s = parameters(call, 5)
+        self._at.write(texts, list(map(vector_of, places)), rgba, scale, duration_s)
+
+    @served('simPlotTransformsWithNames')
+    async def _sim_plot_transforms_with_names(self, *call: Any) -> None:
+        poses, names, scale, thickness, letters, rgba, duration_s = parameters(call, 7)
+        await self._sim_plot_transforms(poses, scale, thickness, duration_s, False)
+        places = [vector_of(pose['position']) for pose in poses]
+        self._at.write(names, places, rgba, letters, duration_s)
+
     @served('simSetTraceLine')
     async def _sim_set_trace_line(self, rgba: Any, thickness: float = 1.0, name: str = '') -> None:
         self._at.world.trace(self._at.vehicle(name).name, *pen(rgba, thickness))
@@ -70,3 +94,12 @@ class WorldMethods:
         self, message: str, parameter: str = '', _severity: int = 0
     ) -> None:
         self._at.tell(f'{message}{parameter}')
+
+
+def _axis(pose: Any, axis: int, scale: float) -> list[Vector]:
+    """Return both ends of an axis of a pose, `scale` hundredths of a metre long."""
+    place, turned = vector_of(pose['position']), pose['orientation']
+    w, x, y, z = (float(turned[f'{part}_val']) for part in 'wxyz')
+    ahead = rotation_of((x, y, z, w))[:, axis] * (scale / 100.0)
+    north, east, down = (a + float(b) for a, b in zip(place, ahead, strict=True))
+    return [place, (north, east, down)]

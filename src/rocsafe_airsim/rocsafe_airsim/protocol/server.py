@@ -3,6 +3,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 from rocsafe_airsim.errors import AirsimError, ProtocolError
@@ -13,6 +14,8 @@ MOST_CLIENTS = 64
 # Calls of one client that wait for their end, such as movements; no more are read meanwhile.
 MOST_PENDING = 64
 CHUNK = 65_536
+# So many different refusals are told, each once and cut to a length.
+MOST_TOLD, LONGEST_TOLD = 200, 300
 Handle = Callable[[Call], Awaitable[Any]]
 Tell = Callable[[str], None]
 
@@ -31,6 +34,7 @@ class AirsimServer:
     def __init__(self, handle: Handle, tell: Tell) -> None:
         self._handle, self._tell = handle, tell
         self._clients = 0
+        self._refusals: set[str] = set()
         self._server: asyncio.Server | None = None
 
     async def start(self, host: str, port: int) -> int:
@@ -78,16 +82,34 @@ class AirsimServer:
                 task = asyncio.create_task(self._answer(call, writer))
                 pending.add(task)
                 task.add_done_callback(pending.discard)
+                task.add_done_callback(partial(self._ended, writer))
             await writer.drain()
+
+    def _ended(self, writer: asyncio.StreamWriter, task: asyncio.Task[None]) -> None:
+        """Close the connection of a call that failed without an answer: its client would wait."""
+        if not task.cancelled() and (error := task.exception()) is not None:
+            self._tell(f'a connection is closed: a call has failed: {error!r}')
+            writer.close()
 
     async def _answer(self, call: Call, writer: asyncio.StreamWriter) -> None:
         try:
             result = await self._handle(call)
             told = answer(call.call_id or 0, result)
         except AirsimError as error:
-            told = refusal(call.call_id or 0, f'{call.method}: {error}')
+            told = self._refused(call, f'{call.method}: {error}')
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError) as error:
             # A parameter of the client has a wrong type.
-            told = refusal(call.call_id or 0, f'{call.method}: wrong parameters: {error}')
+            told = self._refused(call, f'{call.method}: wrong parameters: {error}')
         if call.call_id is not None and not writer.is_closing():
             writer.write(told)
+
+    def _refused(self, call: Call, text: str) -> bytes:
+        """Return the refusal of a call.
+
+        It is told too: a script that only waits for the end of an order does not see why.
+        """
+        line = text[:LONGEST_TOLD]
+        if line not in self._refusals and len(self._refusals) < MOST_TOLD:
+            self._refusals.add(line)
+            self._tell(f'refused: {line}')
+        return refusal(call.call_id or 0, text)

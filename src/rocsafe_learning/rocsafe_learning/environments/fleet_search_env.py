@@ -46,6 +46,11 @@ class FleetSearchEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):
         self._observations = {name: observation_space(self.search.options) for name in names}
         self._generator = np.random.default_rng(0)
 
+    @property
+    def area_m(self) -> float:
+        """Side of the square area, metres."""
+        return self.search.options.area_m
+
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         """Return the space of what a drone knows."""
         return self._observations[agent]

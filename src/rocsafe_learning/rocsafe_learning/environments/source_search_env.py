@@ -49,6 +49,11 @@ class SourceSearchEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self.action_space = action_space()
         self.observation_space = observation_space(self.search.options)
 
+    @property
+    def area_m(self) -> float:
+        """Side of the square area, metres."""
+        return self.search.options.area_m
+
     def reset(
         self,
         *,

@@ -38,6 +38,11 @@ class SurveyEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             }
         )
 
+    @property
+    def area_m(self) -> float:
+        """Side of the square area, metres."""
+        return self.survey.options.area_m
+
     def reset(
         self,
         *,

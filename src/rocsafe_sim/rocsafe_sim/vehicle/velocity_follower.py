@@ -75,8 +75,10 @@ class VelocityFollower:
         vehicle = self._vehicle
         age_s = (vehicle.time_ns - stamp_ns) / NS_PER_S if stamp_ns else 0.0
         if abs(age_s) > self._deadline_s:
+            side = 'old' if age_s > 0.0 else 'ahead of simulated time'
             raise CommandRefusedError(
-                f'a velocity is {age_s:g} s old: must be {self._deadline_s:g} s at most'
+                f'a velocity is {abs(age_s):.3g} s {side}: must be {self._deadline_s:g} s at most; '
+                'a stamp of 0 stands for now'
             )
         if is_of_body:
             velocity = _turned(velocity, vehicle.pose_at(vehicle.time_ns).yaw_rad)
