@@ -3,7 +3,6 @@
 
 import argparse
 import math
-import resource
 import tempfile
 import time
 from collections.abc import Sequence
@@ -168,8 +167,13 @@ def rms_m(off: FloatArray) -> float:
 
 
 def peak_mb() -> int:
-    """Return the peak memory of this process, MiB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    """Return the peak memory of this process, MiB, without that of the one which started it.
+
+    `ru_maxrss` begins with the memory that a process had before it ran its own program.
+    """
+    status = Path('/proc/self/status').read_text(encoding='ascii')
+    (peak_kb,) = (line.split()[1] for line in status.splitlines() if line.startswith('VmHWM'))
+    return int(peak_kb) // 1024
 
 
 def root_mean(values: FloatArray) -> float:

@@ -105,8 +105,9 @@ class RosSession:
 
 @pytest.fixture(scope='session', autouse=True)
 def ros_stays_on_this_machine(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Keep discovery on the loopback interface and logs out of the home folder."""
+    """Keep discovery on the loopback interface, DDS by UDP, and logs out of the home folder."""
     os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
+    os.environ['FASTDDS_BUILTIN_TRANSPORTS'] = 'UDPv4'
     os.environ['ROS_LOG_DIR'] = str(tmp_path_factory.mktemp('ros_log'))
 
 

@@ -47,6 +47,11 @@ NODES = (
         'releases of gas from readings',
         'rocsafe_dispersion.estimator_options:EstimatorOptions',
     ),
+    (
+        'advisor',
+        'which agent, from detectors and reports',
+        'rocsafe_dispersion.advisor_options:AdvisorOptions',
+    ),
     ('detector', 'a real detector', 'rocsafe_radiation.detector_options:DetectorOptions'),
     ('localizer', 'sources from readings', 'rocsafe_radiation.localizer_options:LocalizerOptions'),
     ('router', 'drives of a ground vehicle', 'rocsafe_ground.options:RouterOptions'),

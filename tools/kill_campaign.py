@@ -42,7 +42,8 @@ LONGEST_S = 3.0
 # A process that was stopped goes on after this time, s.
 STANDSTILL_S = (0.05, 3.0)
 DEADLINE_S = 240.0
-ORPHAN_S = 20.0
+# DDS takes a killed vehicle for alive for 20 s, and `fleet_verbs` stays 5 s longer than the last.
+ORPHAN_S = 40.0
 POLL_S = 0.02
 # Products of a mission that is complete.
 PRODUCTS = (
@@ -305,6 +306,9 @@ def listening() -> Iterator[Receipts]:
     import rclpy  # noqa: TID251 - it listens as a vehicle does
     from rclpy.node import Node  # noqa: TID251
 
+    from rocsafe_ros.domain.network import bind_interfaces
+
+    bind_interfaces(os.environ)
     rclpy.init()
     node, is_over = Node('kill_campaign'), Event()
 

@@ -28,6 +28,7 @@ setup(
     entry_points={
         'console_scripts': [
             'air = rocsafe_dispersion.air_node:main',
+            'advisor = rocsafe_dispersion.advisor_node:main',
             'estimator = rocsafe_dispersion.estimator_node:main',
             'advise = rocsafe_dispersion.command_line.advise_command:main',
             'locate-release = rocsafe_dispersion.command_line.locate_command:main',

@@ -6,12 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
+from rocsafe_dispersion.estimation.evidence import independent_share, plume_share
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey, point_survey
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.plume_kernel import (
-    MEANDER_WEIGHTS,
     PlumeShape,
+    offset_weights,
     unit_readings,
 )
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
@@ -61,7 +63,7 @@ def test_kernel_is_the_plume():
     release = Release(place_m=(-20.0, 3.0), height_m=AREA.height_m, rate_g_s=1.0)
     plume = SteadyPlume(release=release, travel=TRAVEL, wind=EASTWARDS)
     expected = plume.concentrations_g_m3(places())
-    found = np.einsum('o,on->n', MEANDER_WEIGHTS, units[:, :, 0])
+    found = np.einsum('o,on->n', offset_weights(units), units[:, :, 0])
     strong = expected > 0.05 * expected.max()
     # Five offsets stand for all.
     assert found[strong] == pytest.approx(expected[strong], rel=0.15)
@@ -87,6 +89,54 @@ def test_two_releases_are_found():
     assert len(found.releases) == 2
     for release, source in zip(found.releases, sources, strict=True):
         assert math.dist(release.place_m, source[:2]) < 10.0
+
+
+def test_few_clear_readings_are_a_release():
+    """Two readings, 36 and 74 times the noise: clean air is no explanation."""
+    survey = readings([(22.0, 13.0, 0.15)], 3)
+    assert (survey.values_g_m3 > 5.0 * NOISE_G_M3).sum() == 2
+    found = locate_releases(survey, AREA, LAYER, options=QUICK)
+    assert len(found.releases) == 1
+    assert found.releases[0].holds(22.0, 13.0)
+
+
+def test_a_zero_that_wanders_is_no_release():
+    """By twice the noise, within ten readings: in 20 surveys none is found."""
+    options = replace(QUICK, most_releases=1)
+    for seed in range(20):
+        clean = readings([], seed)
+        white = np.random.default_rng(seed + 100).standard_normal(100)
+        wandering = lfilter([math.sqrt(1.0 - 0.9**2)], [1.0, -0.9], white)
+        values = clean.values_g_m3 + 2.0 * NOISE_G_M3 * wandering
+        survey = replace(clean, values_g_m3=values)
+        assert not locate_releases(survey, AREA, LAYER, options=options).releases
+
+
+def test_share_of_independent_readings_is_that_of_a_process_of_first_order():
+    """(1 - rho) / (1 + rho); readings of clean air count fully, and none for less than asked."""
+    white = np.random.default_rng(1).standard_normal(5000)
+    zero, noise = np.zeros(1), np.full(5000, 1.0)
+    place, wind = np.zeros((5000, 3)), np.ones((5000, 2))
+    for rho, least, expected in ((0.0, 0.3, 1.0), (0.5, 0.1, 1 / 3), (0.9, 0.3, 0.3)):
+        values = lfilter([math.sqrt(1.0 - rho**2)], [1.0, -rho], white)
+        share = independent_share(point_survey(place, wind, values, noise), zero, least)
+        assert share == pytest.approx(expected, rel=0.1)
+        # The order of the rows is not that of the times.
+        order = np.random.default_rng(2).permutation(5000)
+        mixed = point_survey(place, wind, values[order], noise, order.astype(float))
+        assert independent_share(mixed, zero, least) == pytest.approx(share)
+
+
+def test_readings_within_a_plume_tell_no_more_than_their_shared_error_allows():
+    """The design effect of Kish: n independent readings are n / (1 + (n - 1) rho)."""
+    for count, expected in ((0, 0.3), (1, 0.3), (11, 1 / 7), (41, 1 / 25)):
+        values = np.where(np.arange(100) < count, 1.0, 0.0) + 1e-3
+        survey = point_survey(np.zeros((100, 3)), np.ones((100, 2)), values, np.full(100, 1e-2))
+        share = plume_share(survey, LocateOptions(), 1)
+        assert share == pytest.approx(expected)
+        assert share * count < 1.0 / 0.6 + 1.0
+    # Two plumes of 20 or 21 readings each.
+    assert plume_share(survey, LocateOptions(), 2) == pytest.approx(1 / 12.7)
 
 
 @pytest.mark.slow

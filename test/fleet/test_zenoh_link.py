@@ -4,6 +4,7 @@
 import socket
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
@@ -12,6 +13,7 @@ from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
 
 DEADLINE_S = 20.0
+SHARED_MEMORY = Path('/dev/shm')
 pytest.importorskip('zenoh', reason='needs pip install eclipse-zenoh')
 Open = Callable[..., ZenohLink]
 
@@ -110,3 +112,12 @@ def test_options_of_the_link_fit_together(changes: dict[str, str], text: str) ->
     """A link that would not be used is refused."""
     with pytest.raises(ValueError, match=text):
         AgentOptions(vehicles=('rav1',), plan_file='plan.json', **changes)  # type: ignore[arg-type]
+
+
+def test_nothing_is_kept_in_shared_memory(link: Open) -> None:
+    """Its segments would stay after the agents."""
+    before = set(SHARED_MEMORY.glob('*.zenoh'))
+    here, there = free_addresses(2)
+    first, other = link(here, there), link(there, here)
+    assert heard(first, other, b'1')
+    assert set(SHARED_MEMORY.glob('*.zenoh')) == before

@@ -49,12 +49,12 @@ def write_village(folder: Path, *, source=(0.0, 10.0), rate_std_usvh: float = 25
     _paint(image, (north > 30.0) & (north < 36.0), ROAD)
     _paint(image, (np.abs(north - 20.0) < 0.5) & (east < 10.0), RED)
     image[3] = np.where(east < 36.0, 255, 0)
-    _write(folder / 'mosaic.tif', image, PIXEL_M)
+    write_bands(folder / 'mosaic.tif', image, PIXEL_M)
     east, north = _axes(DOSE_CELL_M)
     law = SOURCE_RATE_USVH / ((east - source[0]) ** 2 + (north - source[1]) ** 2 + 1e-6)
     mean = 0.1 + law
     std = law * rate_std_usvh / SOURCE_RATE_USVH
-    _write(folder / 'dose_map.tif', np.stack([mean, std, mean + 1.645 * std]), DOSE_CELL_M)
+    write_bands(folder / 'dose_map.tif', np.stack([mean, std, mean + 1.645 * std]), DOSE_CELL_M)
     place = FRAME.to_geodetic([*source, 1.0])[0]
     found = {
         'place': dict(
@@ -79,7 +79,8 @@ def _paint(image, where, colour):
         band[where] = value
 
 
-def _write(path: Path, bands, pixel_m: float) -> None:
+def write_bands(path: Path, bands, pixel_m: float) -> None:
+    """Write bands over the village, row 0 in the north."""
     count, rows, columns = bands.shape
     with rasterio.open(
         path, 'w', driver='GTiff', count=count, height=rows, width=columns,
@@ -96,7 +97,7 @@ def write_labels(folder: Path) -> Path:
     labels[0][np.hypot(east + 10.0, north) < 0.5] = 2
     labels[0][np.hypot(east - 5.0, north + 15.0) < 0.4] = 2
     labels[0][np.hypot(east - 25.0, north + 25.0) < 5.0] = 3
-    _write(folder / 'labels.tif', labels, PIXEL_M)
+    write_bands(folder / 'labels.tif', labels, PIXEL_M)
     rows = [
         {'value': value, 'class': name}
         for value, name in ((1, 'meadow'), (2, 'drum'), (3, 'water'))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bridge between ROS and fake copters: what a vehicle's namespace offers, it offers."""
 
+import json
 import math
 
 import pytest
@@ -172,6 +173,21 @@ def test_restarted_bridge_picks_up_the_flight(ros, air, tmp_path):
     assert (answer.outcome, answer.viewpoints_visited) == (FlyRoute.Result.COMPLETED, 10)
     assert set(air.told()[len(told) :]) <= {ASK_FOR_A_RATE}
     second.close()
+
+
+def test_delay_of_a_route_does_not_count_again_after_a_restart(ros, air, tmp_path):
+    """The mission sends the route again: it is due when it was before."""
+    route, due_s = survey(), []
+    route.delay_s = 600.0
+    for _ in range(2):
+        post = Ground(ros, air, tmp_path)
+        post.listen(topics.STATE)
+        post.fly(route=route)
+        post.until(lambda post=post: post.seen().state == VehicleState.WAITING)
+        (kept,) = tmp_path.rglob('late_start.json')
+        due_s.append(json.loads(kept.read_text())['due_s'])
+        post.close()
+    assert due_s[0] == due_s[1]
 
 
 def test_old_parameters_are_refused_with_the_new_name(ros):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rocsafe_orchestrator import errors
+from rocsafe_orchestrator import cli, errors
 from rocsafe_orchestrator.cli import main
 
 DERAILMENT = Path(__file__).parents[2] / 'config' / 'scenarios' / 'derailment.yaml'
@@ -107,6 +107,22 @@ def test_workspace_that_is_not_sourced_ends_with_3_and_leaves_nothing(
 
 
 @pytest.mark.slow
+def test_library_that_cannot_be_loaded_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With too little memory an import fails half-way."""
+
+    def fail(_words: object) -> int:
+        raise ImportError('libX.so: failed to map segment from shared object')
+
+    monkeypatch.setattr(cli, '_obey', fail)
+    assert main(['check', 'x.yaml']) == errors.EXIT_SETUP
+    assert capsys.readouterr().err == (
+        'rocsafe: cannot load all parts: libX.so: failed to map segment from shared object '
+        '(too little memory, or run `make setup`)\n'
+    )
+
+
 def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
     """Area, viewpoints, vehicles and sources are printed."""
     assert main(['check', str(DERAILMENT)]) == errors.EXIT_COMPLETE

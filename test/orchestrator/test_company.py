@@ -20,13 +20,14 @@ from rclpy.node import Node
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_orchestrator.company_node import LookoutNode, place_of
-from rocsafe_orchestrator.processes.company import Speaker, needed_names, objections
+from rocsafe_orchestrator.processes.company import Speaker, needed_names, objections, open_topics
 from rocsafe_orchestrator.processes.process_table import process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import MissionIdentity, new_identity
 from rocsafe_scenario.scenario_file import read_scenario
 
 DEADLINE_S = 60.0
+GIMBAL = 'camera/gimbal/command'
 OWN, OTHER = new_identity('own'), new_identity('other-2')
 
 
@@ -52,6 +53,17 @@ def test_detector_of_the_user_may_speak(small: Callable[..., Path]) -> None:
     names = needed(small({'vehicles[1]': real}))
     assert 'rav2/radiation' not in names
     assert {'rav1/radiation', 'rav2/state'} <= names
+
+
+def test_others_may_publish_what_programs_and_detectors_of_the_user_do(
+    small: Callable[..., Path],
+) -> None:
+    """To a mission in flight, and nothing else."""
+    real = {'name': 'rav2', 'link': 'udp:127.0.0.1:14550', 'drone': {'detector': 'own'}}
+    names = set(open_topics(read_scenario(small({'vehicles[1]': real}))))
+    own = {'rav2/radiation', 'rav2/accumulated_dose', 'rav2/dose_alarm'}
+    programs = {f'{name}/{topic}' for name in ('rav1', 'rav2') for topic in ('cmd_vel', GIMBAL)}
+    assert names == own | programs | {'drawings', 'hazard/reports'}
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pytest
 import yaml
 from test.planner.terrains import write_terrain
 
+from rocsafe_dispersion.advisor_options import AdvisorOptions
 from rocsafe_dispersion.air_field.air_options import AirOptions
 from rocsafe_dispersion.estimator_options import EstimatorOptions
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
@@ -52,6 +53,7 @@ from rocsafe_sim.options import FleetOptions, RavOptions, VehicleOptions, WorldO
 
 OPTIONS: dict[str, Any] = {
     'air': AirOptions,
+    'advisor': AdvisorOptions,
     'estimator': EstimatorOptions,
     'planner': PlannerOptions,
     'world': WorldOptions,

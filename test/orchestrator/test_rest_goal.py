@@ -11,9 +11,10 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
+from rocsafe_interfaces.msg import GeoPoint, Route, SurveyPlan, Viewpoint
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, VehicleStatus
 from rocsafe_orchestrator.parameters.goal_conversions import rest_goal
+from rocsafe_ros.conversions import point_of_position
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
 
@@ -104,7 +105,13 @@ def test_height_of_a_vehicle_that_nobody_hears_is_occupied(
     flown = {key: Route(vehicle=r.vehicle, viewpoints=r.viewpoints) for key, r in ROUTES.items()}
     flown['p', 'rav2'].flight_height_m = 42.0
     goal = rest_goal(scenario(small), (FIRST, flown), seen, {'rav1'}, ['rav2'])
-    assert list(goal.occupied_heights_m) == heights_m
-    assert (
-        list(rest_goal(scenario(small), (FIRST, flown), seen, {'rav1'}).occupied_heights_m) == []
-    )
+    assert [one.flight_height_m for one in goal.unheard] == heights_m
+    places = [view.position for view in flown['p', 'rav2'].viewpoints]
+    home = scenario(small).ground_position(scenario(small).vehicles[1].home)
+    for one in goal.unheard:
+        assert one.places == [point_of_position(HERE), *places]
+        assert (one.name, one.home) == ('rav2', point_of_position(home))
+    assert rest_goal(scenario(small), (FIRST, flown), seen, {'rav1'}).unheard == []
+    flown['p', 'rav2'].end = [GeoPoint(latitude=53.0)]
+    goal = rest_goal(scenario(small), (FIRST, flown), seen, {'rav1'}, ['rav2'])
+    assert [one.home.latitude for one in goal.unheard[1:]] == [53.0] * len(heights_m)

@@ -23,8 +23,8 @@ from rocsafe_orchestrator.processes.supervisor import Supervisor, last_line
 
 DEADLINE_S = 60.0
 SLEEP = 'import time; time.sleep(60)'
-STUBBORN = f'import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); print("up"); {SLEEP}'
-# Ignores SIGINT in a grandchild as well, and ends itself when asked.
+STUBBORN = f'import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN); print("up"); {SLEEP}'
+# Ignores SIGTERM in a grandchild as well, and ends itself when asked.
 PARENT = (
     'import subprocess, sys, time\n'
     f'child = subprocess.Popen([sys.executable, "-uc", {STUBBORN!r}], stdout=subprocess.PIPE)\n'
@@ -185,7 +185,7 @@ def test_stop_asks_all_before_it_waits(supervise: MakeSupervisor, tmp_path: Path
         '    while len(list(folder.glob("*.asked"))) < 2: time.sleep(0.01)\n'
         '    (folder / "NAME.ended").touch()\n'
         '    sys.exit(0)\n'
-        'signal.signal(signal.SIGINT, end)\n'
+        'signal.signal(signal.SIGTERM, end)\n'
         'print("up"); time.sleep(60)'
     )
     supervisor = supervise({name: program.replace('NAME', name) for name in 'ab'})
@@ -193,6 +193,16 @@ def test_stop_asks_all_before_it_waits(supervise: MakeSupervisor, tmp_path: Path
     supervisor.stop(deadline_s=DEADLINE_S)
     assert {path.name for path in tmp_path.glob('*.ended')} == {'a.ended', 'b.ended'}
     assert not supervisor.running
+
+
+def test_process_that_still_imports_ends_without_a_traceback(
+    supervise: MakeSupervisor, tmp_path: Path
+) -> None:
+    """One that was started again a moment ago has not set its handlers yet."""
+    supervisor = supervise({'node': f'print("up"); {SLEEP}'})
+    start_and_wait_for_output(supervisor, 'node')
+    supervisor.stop(deadline_s=DEADLINE_S)
+    assert 'Traceback' not in (tmp_path / 'node.log').read_text()
 
 
 def test_stubborn_process_is_killed_at_the_deadline(supervise: MakeSupervisor) -> None:

@@ -2,6 +2,7 @@
 """Vehicles kept apart by layers of height instead of waiting."""
 
 import dataclasses
+import json
 import math
 
 import pytest
@@ -12,6 +13,8 @@ from rocsafe_planner.errors import BeyondEnduranceError, NoFreeHeightError, NoWa
 from rocsafe_planner.flights.keeping_apart import _turns
 from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.plan.plan_json import plan_document
+from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.survey_options import UnheardVehicle
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.replanning import Situation, replan
@@ -113,44 +116,113 @@ def test_no_layer_is_above_the_greatest_height():
     assert check_plan(plan) == []
 
 
-def rest_of(plan, *occupied_m, **request_changes):
+def rest_of(plan, *, unheard=True, places=None, homes=None, **request_changes):
     """Return the rest of a plan for all but the second vehicle, which nobody hears in the air."""
     plan = dataclasses.replace(plan, request=dataclasses.replace(plan.request, **request_changes))
     ids = [view.id for route in plan.routes for view in route.viewpoints]
-    first, _silent, *others = plan.routes
+    first, silent, *others = plan.routes
     place = first.viewpoints[0].position
     now = Aloft(position=dataclasses.replace(place, altitude_m=0.0), used_s=60.0)
     alive = {first.vehicle.name: now, **{route.vehicle.name: None for route in others}}
+    lost = [
+        UnheardVehicle(
+            name=silent.vehicle.name,
+            flight_height_m=silent.flight_height_m,
+            home=home,
+            places=places or tuple(view.position for view in silent.viewpoints),
+        )
+        for home in homes or [silent.vehicle.home]
+    ]
     situation = Situation(
-        alive=alive, visited=frozenset(ids[:1]), occupied_heights_m=tuple(occupied_m)
+        alive=alive, visited=frozenset(ids[:1]), unheard=tuple(lost) if unheard else ()
     )
     return replan(plan, situation)
 
 
+def stating(plan, **changes):
+    """Return a plan with other statements about the vehicle that nobody hears."""
+    request = dataclasses.replace(
+        plan.request,
+        continuation=dataclasses.replace(
+            plan.request.continuation,
+            unheard=changes.pop('unheard', plan.request.continuation.unheard),
+        ),
+    )
+    return dataclasses.replace(plan, request=request, **changes)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('by', ['layers', 'delay'])
-def test_rest_keeps_away_from_the_height_of_a_vehicle_that_nobody_hears(by):
+def test_rest_keeps_away_from_the_height_of_a_vehicle_that_nobody_hears(by, tmp_path):
     """It goes on along its route by itself, at its height: the others fly in other layers."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by=by))
     silent_m = plan.routes[1].flight_height_m
-    rest = rest_of(plan, silent_m)
+    rest = rest_of(plan)
     flown = [route for route in rest.routes if route.sorties]
     assert flown
     assert all(abs(route.flight_height_m - silent_m) >= 15.0 - 1e-6 for route in flown)
     assert check_plan(rest) == []
-    assert plan_document(rest)['request']['continuation']['occupied_heights_m'] == [silent_m]
-    free = rest_of(plan)
+    (document,) = plan_document(rest)['request']['continuation']['unheard']
+    assert (document['name'], document['flight_height_m']) == ('rav2', silent_m)
+    (tmp_path / 'plan.json').write_text(json.dumps(plan_document(rest)))
+    again = read_plan(tmp_path / 'plan.json')
+    assert again.request.continuation.unheard == rest.request.continuation.unheard
+    assert again.near_unheard == rest.near_unheard
+    free = rest_of(plan, unheard=False)
     assert any(abs(route.flight_height_m - silent_m) < 15.0 for route in free.routes)
-    again = dataclasses.replace(
-        free,
-        request=dataclasses.replace(
-            free.request,
-            continuation=dataclasses.replace(
-                free.request.continuation, occupied_heights_m=(silent_m,)
-            ),
-        ),
-    )
+    again = stating(free, unheard=rest.request.continuation.unheard)
     assert any('is occupied' in fault for fault in check_plan(again))
+
+
+def away(place, east_deg, north_deg=0.0):
+    """Return a place beside another."""
+    return dataclasses.replace(
+        place,
+        latitude_deg=place.latitude_deg + north_deg,
+        longitude_deg=place.longitude_deg + east_deg,
+    )
+
+
+def test_who_climbs_beside_the_way_of_a_vehicle_that_nobody_hears_is_free():
+    """Its column and its route are elsewhere: nothing is stated, whatever the layer."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))
+    far = [away(view.position, 0.01) for view in plan.routes[1].viewpoints]
+    rest = rest_of(plan, places=tuple(far), homes=[away(CROWD[1].home, 0.01)])
+    assert rest.near_unheard == ()
+    assert check_plan(rest) == []
+
+
+def test_who_must_climb_where_a_vehicle_may_be_that_nobody_hears_is_named():
+    """Its homeward way crosses the columns of the others, and no layer below is free."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))
+    low = dataclasses.replace(plan.routes[1], flight_height_m=32.0)
+    plan = dataclasses.replace(plan, routes=(plan.routes[0], low, *plan.routes[2:]))
+    rest = rest_of(plan, places=tuple(vehicle.home for vehicle in CROWD))
+    flown = {route.vehicle.name for route in rest.routes if route.sorties}
+    assert flown
+    assert set(rest.near_unheard) == flown
+    assert check_plan(rest) == []
+    hidden = check_plan(stating(rest, near_unheard=()))
+    assert any('comes near to where rav2 may be' in fault for fault in hidden)
+
+
+def test_layer_is_changed_for_the_column_of_a_vehicle_that_nobody_hears():
+    """Where it is higher, who would fly through the column of its home flies above it."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))
+    under = plan.routes[0].viewpoints[1].position
+    high = dataclasses.replace(plan.routes[1], flight_height_m=47.0)
+    plan = dataclasses.replace(plan, routes=(plan.routes[0], high, *plan.routes[2:]))
+    beyond = away(under, 0.0, 0.002)
+    free = rest_of(plan, homes=[beyond], places=(away(beyond, 1e-4),))
+    rest = rest_of(plan, homes=[under], places=(away(under, 1e-4),))
+    name = plan.routes[0].vehicle.name
+    heights = [
+        next(r.flight_height_m for r in one.routes if r.vehicle.name == name)
+        for one in (free, rest)
+    ]
+    assert heights[0] < 47.0 < heights[1]
+    assert name not in rest.near_unheard
+    assert check_plan(rest) == []
 
 
 def test_rest_without_a_free_height_is_refused():
@@ -158,14 +230,14 @@ def test_rest_without_a_free_height_is_refused():
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))
     low = dataclasses.replace(plan.request.airspace, max_height_agl_m=40.0)
     with pytest.raises(NoFreeHeightError, match=r'up to 40 m keeps 15 m from .* at 32 m'):
-        rest_of(plan, 32.0, airspace=low)
+        rest_of(plan, airspace=low)
 
 
 @pytest.mark.slow
 def test_rest_of_a_rest_in_another_layer_is_planned():
     """The silent vehicle is heard again: the next plan may use its height."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))
-    rest = rest_of(plan, 32.0)
+    rest = rest_of(plan)
     names = [route.vehicle.name for route in rest.routes]
     last = replan(rest, Situation(alive=dict.fromkeys(names), visited=frozenset()))
     assert check_plan(last) == []

@@ -6,11 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.solver import PointLegs, SearchOptions, one_depot, solve
 from rocsafe_planner.solver.bounds.walk_prices import PriceOptions, price_bounds
 from rocsafe_planner.solver.bounds.walks import best_ends, collect, count_visits
 
 from . import tiny_routing
+from .fleets import request
 
 
 @pytest.mark.parametrize('seed', range(300, 330))
@@ -79,3 +81,13 @@ def test_what_is_collected_is_the_most_of_all_walks(seed):
     visits = np.empty((len(ends), n), np.int32)
     count_visits(legs, before[0], before[1], ends, times, visits)
     assert (visits @ price).max(initial=0.0) == pytest.approx(most[-1])
+
+
+@pytest.mark.slow
+def test_a_plan_of_the_solver_is_proven_by_prices():
+    """By default; a method without a search is bounded as fast as it plans."""
+    proven = plan_survey(request(method='solver'))
+    assert proven.lower_bound_method == 'prices'
+    assert proven.gap_fraction < 0.03
+    greedy = plan_survey(request())
+    assert greedy.lower_bound_method not in ('prices', 'none')

@@ -13,7 +13,7 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from rocsafe_ros.domain import network
-from rocsafe_ros.domain.network import INTERFACES, PROFILES, RANGE, bind_interfaces
+from rocsafe_ros.domain.network import INTERFACES, PROFILES, RANGE, TRANSPORTS, bind_interfaces
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0
@@ -67,10 +67,17 @@ def test_loopback_alone_where_discovery_ends_at_this_machine():
 
 @pytest.mark.parametrize('environment', [{}, {RANGE: 'SUBNET'}, {RANGE: 'OFF'}])
 def test_nothing_is_bound_unasked(environment):
-    """The defaults of ROS hold."""
+    """The defaults of ROS hold, but for shared memory."""
     before = dict(environment)
     bind_interfaces(environment)
-    assert environment == before
+    assert environment == {**before, TRANSPORTS: 'UDPv4'}
+
+
+def test_transports_that_the_user_chose_are_left():
+    """Where they are not bound to interfaces."""
+    environment = {TRANSPORTS: 'SHM'}
+    bind_interfaces(environment)
+    assert environment == {TRANSPORTS: 'SHM'}
 
 
 def test_named_interfaces_are_bound_beside_loopback():
@@ -116,7 +123,7 @@ def test_another_middleware_is_not_trusted_with_it(monkeypatch):
         bind_interfaces({INTERFACES: 'lo'})
     environment = {RANGE: 'LOCALHOST'}
     bind_interfaces(environment)
-    assert environment == {RANGE: 'LOCALHOST'}
+    assert environment == {RANGE: 'LOCALHOST', TRANSPORTS: 'UDPv4'}
 
 
 def listening(pid):
@@ -125,6 +132,36 @@ def listening(pid):
     own = {link[8:-1] for link in links if link.startswith('socket:[')}
     rows = [row.split() for row in Path(f'/proc/{pid}/net/udp').read_text().splitlines()[1:]]
     return {row[1].split(':')[0] for row in rows if row[9] in own}
+
+
+def segments(pid):
+    """Return the files of shared memory that a process has mapped for DDS."""
+    return re.findall('/dev/shm/.*fast.*', Path(f'/proc/{pid}/maps').read_text())
+
+
+@pytest.mark.parametrize('reach', ['LOCALHOST', 'SUBNET'])
+def test_no_process_shares_memory_with_others(own_domain, reach):
+    """What one that is killed leaves there would stop the others, or their start."""
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    environment = {**os.environ, 'PYTHONPATH': path, RANGE: reach}
+    environment.pop(TRANSPORTS, None)
+    nodes = [
+        subprocess.Popen(
+            [sys.executable, '-c', NODE],
+            stdout=subprocess.PIPE,
+            text=True,
+            env={**environment, 'SUBJECT': name},
+        )
+        for name in ('one', 'two')
+    ]
+    try:
+        assert nodes[0].stdout.readline() == 'two\n'
+        assert [segments(node.pid) for node in nodes] == [[], []]
+    finally:
+        for node in nodes:
+            node.kill()
+            node.wait(timeout=DEADLINE_S)
+            node.stdout.close()
 
 
 @pytest.mark.parametrize('other', ['bound', 'unbound'])

@@ -33,6 +33,12 @@ def test_state_is_latched(spec):
     assert spec.is_state
 
 
+def test_of_velocities_only_the_newest_is_followed():
+    """A vehicle that is busy for a while does not follow a queue of old ones."""
+    assert topics.CMD_VEL.is_state
+    assert topics.CMD_VEL.qos.durability is DurabilityPolicy.VOLATILE
+
+
 def test_what_is_published_again_and_again_is_not_overwritten():
     """A publisher that keeps one message loses those that its subscribers are late for.
 

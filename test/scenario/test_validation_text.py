@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mistakes in files are told by key path, value and limit."""
 
+from datetime import datetime, timezone
+
 import pytest
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -59,6 +61,8 @@ def test_long_values_are_shortened() -> None:
     """A line stays readable, and lists are written as lists."""
     assert value_text((1, (2, 3))) == '[1, [2, 3]]'
     assert value_text({'a': 1}) == ''
+    year = datetime(1066, 1, 1, tzinfo=timezone.utc)
+    assert value_text(year) == '1066-01-01T00:00:00+00:00'
     text = value_text('x' * 500)
     assert len(text) == 60
     assert text.endswith('...')

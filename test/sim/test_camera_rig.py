@@ -31,9 +31,10 @@ def flown(folder, *cameras, spool=None, **values):
     home = options.frame().position_of(HOME)
     place = GeoPosition(home.latitude_deg, home.longitude_deg, 0.0)
     rav = make_rav(options, 'rav1', place, make_shared(options), spool)
-    rav.step(START_NS)
+    begin_ns = max(START_NS, rav.vehicle.time_ns)
+    rav.step(begin_ns)
     rav.vehicle.fly_route(ROUTE)
-    for time_ns in range(START_NS, START_NS + 300 * 10**9, 2 * 10**8):
+    for time_ns in range(begin_ns, begin_ns + 300 * 10**9, 2 * 10**8):
         _, shots = rav.step(time_ns)
         if shots:
             return rav, shots[0], list(rav.pictures)

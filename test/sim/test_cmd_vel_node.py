@@ -75,6 +75,13 @@ def test_velocities_are_followed_under_the_lease(operator: Operator, rav: Any) -
     pilot.fly_until(lambda: abs(pilot.speed) < 1e-3)
 
 
+def test_no_order_is_followed_before_time_begins(operator: Operator, rav: Any) -> None:
+    """It would count from time 0, and decades would pass in it at the first step."""
+    rav()
+    away = {'kind': Move.Request.ALONG, 'places': [point((0.0, 0.0, 0.0))], 'heights_m': [3.0]}
+    assert operator.order(Move, 'move', **away).message == 'rav1: its time has not begun'
+
+
 def test_wind_and_light_are_set_or_refused_by_reason(operator: Operator, rav: Any) -> None:
     """Too much wind, and a ground that is a photograph."""
     rav(lock_step=False)

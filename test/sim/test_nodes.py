@@ -104,7 +104,8 @@ def test_commands_by_service(operator: Operator, world: Any, rav: Any) -> None:
     """hold, resume, return_home obey in flight; refused commands say why."""
     world('rav1', speed=20.0)
     rav()
-    states = operator.listen(topics.STATE)
+    states, fixes = operator.listen(topics.STATE), operator.listen(topics.FIX)
+    operator.ros.spin_until(lambda: bool(fixes), DEADLINE_S)
     assert operator.call('rav1/hold', Trigger.Request()).success
     refused = operator.order(Resume, 'resume')
     assert (refused.success, refused.message) == (False, 'rav1: cannot resume: disarmed')

@@ -82,3 +82,16 @@ def test_vehicle_that_was_cut_off_flies_nothing_of_what_it_missed(
     assert seen.pose.position_enu[:2] == pytest.approx(place[:2], abs=20.0)
     assert rav.hold_if_cut_off(back_ns + STEP_NS) == 0
     assert rav.step(back_ns + 600 * STEP_NS)[0].mode is mode
+
+
+def test_an_order_after_a_restart_begins_where_it_was(tmp_path: Path) -> None:
+    """Not where it was at its last order, though that alone is in the journal."""
+    rav = rav_of(tmp_path)
+    rav.step(START_NS)
+    rav.vehicle.fly_route(ROUTE)
+    for time_ns in range(START_NS, START_NS + 35 * 10**9, STEP_NS):
+        rav.step(time_ns)
+    again = rav_of(tmp_path)
+    again.vehicle.hold()
+    assert again.vehicle.pose_at(time_ns) == rav.vehicle.pose_at(time_ns)
+    assert again.step(time_ns + 20 * 10**9)[0].mode is Mode.HOLDING

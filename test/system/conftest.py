@@ -244,6 +244,32 @@ class Intruder:
 
         self._node.create_timer(0.05, publish)
 
+    def pretend(self, name: str) -> None:
+        """Publish, from now on, as a lost vehicle of the name far away in a high dose rate."""
+        from sensor_msgs.msg import NavSatFix
+
+        from rocsafe_interfaces.msg import RadiationReading, VehicleState
+        from rocsafe_ros import topics
+
+        specs = (topics.FIX, topics.GROUND_TRUTH_FIX, topics.RADIATION, topics.STATE)
+        outputs = [topics.create_publisher(self._node, spec, name) for spec in specs]
+        fix = NavSatFix(latitude=53.27, longitude=-9.06, altitude=90.0)
+        reading = RadiationReading(vehicle=name, dose_rate_usvh=1e6)
+        state = VehicleState(vehicle=name, state=VehicleState.CRASHED, ending=3, is_simulated=True)
+        topics.create_subscription(self._node, topics.FIX, self._on_fix, name)
+
+        def publish() -> None:
+            for message in (fix, reading, state):
+                message.header.stamp = self._stamp
+            for output, message in zip(outputs, (fix, fix, reading, state), strict=True):
+                output.publish(message)
+
+        self._stamp = fix.header.stamp
+        self._node.create_timer(0.02, publish)
+
+    def _on_fix(self, fix: Any) -> None:
+        self._stamp = fix.header.stamp
+
     def _on_step(self, report: Any) -> None:
         self.heard_steps += report.step.sec < 2_000_000_000
 

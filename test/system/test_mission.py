@@ -242,6 +242,20 @@ def test_foreign_clock_and_steps_move_nothing(complete: Any, fly: Fly, intruder:
     assert readings(flight.run.readings) == readings(complete.run.readings)
 
 
+@pytest.mark.all
+def test_foreign_vehicle_of_the_same_name_changes_nothing(
+    complete: Any, fly: Fly, intruder: Any
+) -> None:
+    """It begins in the middle of the mission, and says that it is lost: the same mission."""
+    flight = fly(*SPEED)
+    flight.wait_for_images(2)
+    intruder.pretend('rav1')
+    assert flight.end() == 0, flight.output
+    assert flight.images() == complete.images()
+    assert readings(flight.run.readings) == readings(complete.run.readings)
+    assert flight.info()['restarts'] == {}
+
+
 def test_vehicle_that_somebody_has_is_not_flown(fly: Fly, intruder: Any) -> None:
     """A bridge that serves rav1 is up: nothing is started, and the line says who has it."""
     with intruder.vehicle('rav1'):

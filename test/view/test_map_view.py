@@ -9,7 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_view.map_view import Cordon, DosePoint, MapView, PhotoPoint, ReplayTrack, SourcePoint
+from rocsafe_view.map_view import (
+    Cordon,
+    DosePoint,
+    GasZone,
+    MapView,
+    PhotoPoint,
+    ReleasePoint,
+    ReplayTrack,
+    SourcePoint,
+)
 from rocsafe_view.pages import render
 from rocsafe_view.palette import DoseScale, ramp_colour
 
@@ -19,7 +28,8 @@ EMPTY = MapView(
     origin_deg=(53.28, -9.06), metres_per_degree=(111_000.0, 66_000.0), vehicles=('rav1', 'rav2'),
     colours={'rav1': '#111111', 'rav2': '#222222'}, region=(SQUARE,), exclusions=(), routes={},
     planned={}, viewpoints={}, tracks={}, replay={}, readings=(), readings_per_point=1, photos=(),
-    homes={}, sources=(), estimates=(), cordons=(), replanned={}, picture=None,
+    homes={}, sources=(), estimates=(), cordons=(), zones=(), releases=(),
+    replanned={}, picture=None,
 )  # fmt: skip
 
 
@@ -149,3 +159,39 @@ def test_what_a_run_lacks_cannot_be_switched_on():
     """Without cordons and further plans their switches are off and say so."""
     assert 'Routes planned in flight (none)' in drawn(EMPTY)
     assert 'Cordons, upper 95 % (none)' in drawn(EMPTY)
+
+
+def zone(number, side_m, **changed):
+    """Return a square zone about the origin."""
+    ring = ((0.0, 0.0), (side_m, 0.0), (side_m, -side_m), (0.0, -side_m))
+    return GasZone(**{
+        'level': f'AEGL-{number}', 'number': number, 'agent': 'ammonia', 'ppm': 160.0,
+        'minutes': 60.0, 'expected': (), 'outer': (ring,), 'is_cut': False, 'reach_m': 212.0,
+        'reach_deg': 44.0,
+    } | changed)  # fmt: skip
+
+
+def test_threat_zones_lie_over_the_photographs_below_the_tracks():
+    """Each with its level; where they reach is listed, the highest level first."""
+    view = dataclasses.replace(
+        EMPTY, zones=(zone(1, 400.0, is_cut=True), zone(2, 150.0)),
+        releases=(ReleasePoint(x=1.0, y=2.0, radius_m=9.0),),
+    )  # fmt: skip
+    page = drawn(view)
+    assert page.index('data-layer="ground"') < page.index('gas-zone gas-zone-1')
+    assert page.index('gas-zone gas-zone-2') < page.index('data-layer="tracks"')
+    assert 'ammonia, AEGL-2: 160 ppm over 60 minutes, outer bound 95 %' in page
+    listed = re.findall(r'(AEGL-\d)</span><span>([^<]*)<', page)
+    assert [name for name, _ in listed] == ['AEGL-2', 'AEGL-1']
+    assert [text.replace('\u202f', ' ').replace('\xa0', ' ') for _, text in listed] == [
+        '210 m to the NE', 'at least 210 m to the NE',
+    ]  # fmt: skip
+    assert 'release 1 (estimated)' in page
+
+
+def test_all_that_was_found_can_be_brought_into_view():
+    """Threat zones end far from the region."""
+    view = dataclasses.replace(EMPTY, zones=(zone(1, 400.0),))
+    assert view.boxes['all'][2] > 400.0
+    assert view.boxes['region'] == EMPTY.boxes['region']
+    assert 'Gas</button>' not in drawn(EMPTY)

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the node."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from rocsafe_airsim.protocol.server import PORT
 from rocsafe_geo.limits import require_count
+from rocsafe_geo.option import option
 from rocsafe_geo.origin_options import OriginOptions
 
 
@@ -12,14 +13,12 @@ from rocsafe_geo.origin_options import OriginOptions
 class AirsimOptions(OriginOptions):
     """ROS parameters of the node: its address, and the origin of the mission's frame."""
 
-    host: str = field(
-        default='127.0.0.1',
-        metadata={'doc': 'address to listen on; whoever reaches it commands the vehicles'},
+    host: str = option(
+        '127.0.0.1', 'address to listen on; whoever reaches it commands the vehicles'
     )
-    port: int = field(default=PORT, metadata={'doc': 'TCP port; 0: any', 'min': 0, 'max': 65_535})
-    vehicles: tuple[str, ...] = field(
-        default=(),
-        metadata={'doc': 'the port is opened when these are heard; empty: at once'},
+    port: int = option(PORT, 'TCP port; 0: any', 0, 65_535)
+    vehicles: tuple[str, ...] = option(
+        (), 'the port is opened when these are heard; empty: at once'
     )
 
     def __post_init__(self) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS parameters of the node ``estimator``."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_dispersion.mission_gas.gas_log import GasLog, Sampling
 from rocsafe_dispersion.mission_gas.release_assessment import AssessmentOptions
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
+from rocsafe_geo.option import option
 from rocsafe_geo.origin_options import OriginOptions
 
 
@@ -19,59 +20,22 @@ from rocsafe_geo.origin_options import OriginOptions
 class EstimatorOptions(OriginOptions):
     """Options of the node ``estimator``, which is not told of the releases."""
 
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles that carry gas sensors'}
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles that carry gas sensors')
+    agent: str = option('', 'chemical that is released; empty: that which the sensor is made for')
+    stability: str = option('D', f'Pasquill class of the air: {", ".join(CLASSES)}')
+    roughness_m: float = option(0.03, 'roughness length of the ground, metres', 1e-3, 0.5)
+    release_height_m: float = option(1.0, 'height of releases above the ground, metres', 0.0, 30.0)
+    dilution: float = option(0.7, 'share of the gas that arrives at the sensors', 0.01, 1.0)
+    intake_delay_s: float = option(1.0, 'time that air takes to the sensors, seconds', 0.0, 60.0)
+    smallest_g_s: float = option(0.5, 'weakest release that matters, g/s', 1e-9, 1e9)
+    region_m: float = option(
+        10.0, 'radius of a region of 95 % that is precise enough, metres', 0.1, 1e4
     )
-    agent: str = field(
-        default='',
-        metadata={'doc': 'chemical that is released; empty: that which the sensor is made for'},
+    hidden_share: float = option(
+        0.05, 'share of the ground where the weakest release may remain unseen', 1e-3, 0.9
     )
-    stability: str = field(
-        default='D', metadata={'doc': f'Pasquill class of the air: {", ".join(CLASSES)}'}
-    )
-    roughness_m: float = field(
-        default=0.03,
-        metadata={'doc': 'roughness length of the ground, metres', 'min': 1e-3, 'max': 0.5},
-    )
-    release_height_m: float = field(
-        default=1.0,
-        metadata={'doc': 'height of releases above the ground, metres', 'min': 0.0, 'max': 30.0},
-    )
-    dilution: float = field(
-        default=0.7,
-        metadata={'doc': 'share of the gas that arrives at the sensors', 'min': 0.01, 'max': 1.0},
-    )
-    intake_delay_s: float = field(
-        default=1.0,
-        metadata={'doc': 'time that air takes to the sensors, seconds', 'min': 0.0, 'max': 60.0},
-    )
-    smallest_g_s: float = field(
-        default=0.5,
-        metadata={'doc': 'weakest release that matters, g/s', 'min': 1e-9, 'max': 1e9},
-    )
-    region_m: float = field(
-        default=10.0,
-        metadata={
-            'doc': 'radius of a region of 95 % that is precise enough, metres',
-            'min': 0.1,
-            'max': 1e4,
-        },
-    )
-    hidden_share: float = field(
-        default=0.05,
-        metadata={
-            'doc': 'share of the ground where the weakest release may remain unseen',
-            'min': 1e-3,
-            'max': 0.9,
-        },
-    )
-    period_s: float = field(
-        default=5.0,
-        metadata={'doc': 'wall time between two estimates, seconds', 'min': 0.1, 'max': 3600.0},
-    )
-    spool_directory: str = field(
-        default='', metadata={'doc': 'folder in which readings are kept; empty: nowhere'}
-    )
+    period_s: float = option(5.0, 'wall time between two estimates, seconds', 0.1, 3600.0)
+    spool_directory: str = option('', 'folder in which readings are kept; empty: nowhere')
 
     def __post_init__(self) -> None:
         if self.stability not in CLASSES:

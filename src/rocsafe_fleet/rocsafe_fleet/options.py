@@ -1,51 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
 """Parameters of the agents' node."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+
+from rocsafe_geo.option import option
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgentOptions:
     """Parameters of the node."""
 
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles whose agents run here'}
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles whose agents run here')
+    real_vehicles: tuple[str, ...] = option((), 'those of the fleet that are no simulation')
+    mission: str = option('', 'mission whose vehicles are flown')
+    plan_file: str = option('', 'plan.json with which the survey begins, on this machine')
+    terrain_file: str = option('', 'heights that the plan follows')
+    state_directory: str = option('', 'folder in which agents count their starts')
+    link: str = option('dds', 'way of packets to agents of other processes: dds or zenoh')
+    link_listen: str = option('', 'address of this process with zenoh, host:port')
+    link_peers: tuple[str, ...] = option((), 'addresses of the other processes with zenoh')
+    lock_step: bool = option(False, 'take part in simulated time')
+    participants: tuple[str, ...] = option((), 'vehicles here that simulated time waits for')
+    others: tuple[str, ...] = option((), 'who takes part in simulated time on other hosts')
+    lost_after_s: float = option(
+        12.0, 'wall time after which time stops to wait for a vehicle, s', 1.0
     )
-    real_vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'those of the fleet that are no simulation'}
-    )
-    mission: str = field(default='', metadata={'doc': 'mission whose vehicles are flown'})
-    plan_file: str = field(
-        default='', metadata={'doc': 'plan.json with which the survey begins, on this machine'}
-    )
-    terrain_file: str = field(default='', metadata={'doc': 'heights that the plan follows'})
-    state_directory: str = field(
-        default='', metadata={'doc': 'folder in which agents count their starts'}
-    )
-    link: str = field(
-        default='dds',
-        metadata={'doc': 'way of packets to agents of other processes: dds or zenoh'},
-    )
-    link_listen: str = field(
-        default='', metadata={'doc': 'address of this process with zenoh, host:port'}
-    )
-    link_peers: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'addresses of the other processes with zenoh'}
-    )
-    lock_step: bool = field(default=False, metadata={'doc': 'take part in simulated time'})
-    participants: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'vehicles here that simulated time waits for'}
-    )
-    others: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'who takes part in simulated time on other hosts'}
-    )
-    lost_after_s: float = field(
-        default=12.0,
-        metadata={'doc': 'wall time after which time stops to wait for a vehicle, s', 'min': 1.0},
-    )
-    alone_after_s: float = field(
-        default=5.0, metadata={'doc': 'the same once the orchestrator is gone, s', 'min': 1.0}
-    )
+    alone_after_s: float = option(5.0, 'the same once the orchestrator is gone, s', 1.0)
 
     def __post_init__(self) -> None:
         if not self.vehicles or len(set(self.vehicles)) < len(self.vehicles):

@@ -1,17 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of nodes that know the origin of the mission's local frame."""
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.option import option
 from rocsafe_geo.position import GeoPosition
-
-
-def option(default: Any, doc: str, low: float | None = None, high: float | None = None) -> Any:
-    """Return a field whose metadata describe a ROS parameter."""
-    limits = {name: value for name, value in (('min', low), ('max', high)) if value is not None}
-    return field(default=default, metadata={'doc': doc, **limits})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

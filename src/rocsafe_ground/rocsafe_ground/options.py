@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the router node."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.limits import require_between
+from rocsafe_geo.option import option
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.ground_map import DOSES, SOURCES, MapFiles
 
@@ -13,9 +14,7 @@ _KNOWN = GroundVehicle()
 
 def _known(name: str, doc: str, low: float, high: float) -> float:
     """Return the field of an option whose default is that of a vehicle."""
-    found: float = field(
-        default=getattr(_KNOWN, name), metadata={'doc': doc, 'min': low, 'max': high}
-    )
+    found: float = option(getattr(_KNOWN, name), doc, low, high)
     return found
 
 
@@ -30,25 +29,16 @@ class RouterOptions:
     rough_mps: float = _known('rough_mps', 'speed on bare soil, m/s', 0.01, 30.0)
     largest_slope_deg: float = _known('largest_slope_deg', 'largest slope, degrees', 0.0, 60.0)
     largest_step_m: float = _known('largest_step_m', 'highest step, m', 0.0, 5.0)
-    cell_m: float = field(
-        default=0.5, metadata={'doc': 'side of a cell of the route, m', 'min': 0.05, 'max': 100.0}
+    cell_m: float = option(0.5, 'side of a cell of the route, m', 0.05, 100.0)
+    terrain_file: str = option('', 'GeoTIFF of heights; empty: the ground is level')
+    keep_out_files: tuple[str, ...] = option(
+        (), 'files of zones not to be entered, for example [zones.kml]'
     )
-    terrain_file: str = field(
-        default='', metadata={'doc': 'GeoTIFF of heights; empty: the ground is level'}
+    products_directory: str = option('', 'folder of the map for a request that names none')
+    hazard_directory: str = option(
+        '', 'folder of dose_map.tif and sources.json; empty: that of the map'
     )
-    keep_out_files: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'files of zones not to be entered, for example [zones.kml]'}
-    )
-    products_directory: str = field(
-        default='', metadata={'doc': 'folder of the map for a request that names none'}
-    )
-    hazard_directory: str = field(
-        default='',
-        metadata={'doc': 'folder of dose_map.tif and sources.json; empty: that of the map'},
-    )
-    export_directory: str = field(
-        default='', metadata={'doc': 'folder for route.json and its like; empty: none'}
-    )
+    export_directory: str = option('', 'folder for route.json and its like; empty: none')
 
     def __post_init__(self) -> None:
         require_between('cell_m', self.cell_m, 0.05, 100.0, 'm')

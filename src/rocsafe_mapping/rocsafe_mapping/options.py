@@ -2,9 +2,11 @@
 """Options of the nodes of this package."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
+
+from rocsafe_geo.option import option
 
 # Room for any one photograph, however its edges fall on the map's grid.
 SMALLEST_MAX_PIXELS = 512 * 512
@@ -15,42 +17,23 @@ STORE_DOC = 'directory of the image store'
 class CollectorOptions:
     """Options of the collector node."""
 
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles that send photographs'}
-    )
-    store_directory: str = field(default='images', metadata={'doc': STORE_DOC})
-    reserve_mb: int = field(
-        default=64,
-        metadata={
-            'doc': 'space that photographs leave on the disk, MiB',
-            'min': 0,
-            'max': 1_000_000,
-        },
-    )
-    copy_to: str = field(
-        default='',
-        metadata={
-            'doc': 'where each stored photograph is copied: a folder or http(s) URL; or nowhere'
-        },
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles that send photographs')
+    store_directory: str = option('images', STORE_DOC)
+    reserve_mb: int = option(64, 'space that photographs leave on the disk, MiB', 0, 1_000_000)
+    copy_to: str = option(
+        '', 'where each stored photograph is copied: a folder or http(s) URL; or nowhere'
     )
 
-    copy_token_file: str = field(
-        default='',
-        metadata={'doc': 'file that holds the token of the HTTP repository; or none is needed'},
+    copy_token_file: str = option(
+        '', 'file that holds the token of the HTTP repository; or none is needed'
     )
-    serve_host: str = field(
-        default='',
-        metadata={'doc': 'address at which photographs of other hosts are taken; empty: none are'},
+    serve_host: str = option(
+        '', 'address at which photographs of other hosts are taken; empty: none are'
     )
-    serve_port: int = field(
-        default=47612, metadata={'doc': 'its port; 0: any', 'min': 0, 'max': 65_535}
-    )
-    serve_token_file: str = field(
-        default='', metadata={'doc': 'file with the token that they must bring'}
-    )
-    store_labels: bool = field(
-        default=False,
-        metadata={'doc': 'keep the label images of simulated photographs beside them'},
+    serve_port: int = option(47612, 'its port; 0: any', 0, 65_535)
+    serve_token_file: str = option('', 'file with the token that they must bring')
+    store_labels: bool = option(
+        False, 'keep the label images of simulated photographs beside them'
     )
 
     def __post_init__(self) -> None:
@@ -69,31 +52,19 @@ class MosaicOptions:
 
     MOVED_PARAMETERS: ClassVar = {'live_tiles': 'always true'}
 
-    store_directory: str = field(default='images', metadata={'doc': STORE_DOC})
-    output_path: str = field(
-        default='mosaic.tif', metadata={'doc': 'GeoTIFF that the service mosaic/save writes'}
+    store_directory: str = option('images', STORE_DOC)
+    output_path: str = option('mosaic.tif', 'GeoTIFF that the service mosaic/save writes')
+    products_directory: str = option(
+        '', 'where quality, overlays and live tiles go; empty: map, beside the GeoTIFF'
     )
-    products_directory: str = field(
-        default='',
-        metadata={
-            'doc': 'where quality, overlays and live tiles go; empty: map, beside the GeoTIFF'
-        },
+    ground_resolution_m: float = option(
+        0.1, 'side of a pixel of the map, metres; 0: that of the images', 0.0, 1e3
     )
-    ground_resolution_m: float = field(
-        default=0.1,
-        metadata={
-            'doc': 'side of a pixel of the map, metres; 0: that of the images',
-            'min': 0.0,
-            'max': 1e3,
-        },
-    )
-    max_pixels: int = field(
-        default=25_000_000,
-        metadata={
-            'doc': 'limit of width times height of the map; a larger one gets coarser pixels',
-            'min': SMALLEST_MAX_PIXELS,
-            'max': 2**31,
-        },
+    max_pixels: int = option(
+        25_000_000,
+        'limit of width times height of the map; a larger one gets coarser pixels',
+        SMALLEST_MAX_PIXELS,
+        2**31,
     )
 
     def __post_init__(self) -> None:

@@ -25,6 +25,7 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone_node import TelemetryPublisher
 from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
+from rocsafe_mavlink.flight.late_start import LateStart
 from rocsafe_mavlink.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.node_timing import TIMING
@@ -51,11 +52,13 @@ class DroneInterface:
         self.node = node
         self.drone = drone
         self._master = ''
-        self._lease = LeaseServer(node, options.state_path(drone.spec.name))
+        folder = options.state_path(drone.spec.name)
+        self._lease = LeaseServer(node, folder)
         self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
         self._commands = CommandServices(node, drone, self._lease, time.monotonic)
-        self._flights = FlyRouteServer(node, drone, self._lease, self.shots.owed)
+        late_start = LateStart(None if folder is None else folder / 'late_start.json')
+        self._flights = FlyRouteServer(node, drone, self._lease, self.shots.owed, late_start)
         drone.listen(self.on_message, self.on_event)
 
     def on_message(self, message: Message) -> None:

@@ -3,10 +3,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from rocsafe_geo.option import option
 from rocsafe_geo.origin_options import OriginOptions
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.drone_options import ON_WIND, DroneOptions
@@ -40,61 +41,31 @@ class BridgeOptions(OriginOptions):
 
     MOVED_PARAMETERS: ClassVar[Mapping[str, str]] = _MOVED
 
-    drones_file: str = field(
-        default='',
-        metadata={'doc': 'YAML file of the drones: name, link and more, see docs/real-drones.md'},
+    drones_file: str = option(
+        '', 'YAML file of the drones: name, link and more, see docs/real-drones.md'
     )
-    source_system: int = field(
-        default=255, metadata={'doc': 'our own MAVLink system', 'min': 1, 'max': 255}
+    source_system: int = option(255, 'our own MAVLink system', 1, 255)
+    source_component: int = option(190, 'our own MAVLink component', 1, 255)
+    position_rate_hz: float = option(5.0, 'positions a second', 0.2, 50.0)
+    needs_supervisor: bool = option(
+        False, 'send heartbeats only while mission/state is being published'
     )
-    source_component: int = field(
-        default=190, metadata={'doc': 'our own MAVLink component', 'min': 1, 'max': 255}
+    state_directory: str = option('', 'keeps plans and photographs over restarts; empty: nothing')
+    lowest_m: float = option(5.0, 'least height of a waypoint above home, metres', 0.5)
+    max_height_agl_m: float = option(
+        120.0, 'greatest height above the ground, metres: 120 is the EU open category', 1.0
     )
-    position_rate_hz: float = field(
-        default=5.0, metadata={'doc': 'positions a second', 'min': 0.2, 'max': 50.0}
+    furthest_m: float = option(2000.0, 'greatest distance of a waypoint from home, metres')
+    smallest_charge: float = option(0.5, 'charge that a flight needs at its start', 0.0, 1.0)
+    must_return_on_link_loss: bool = option(
+        False, 'refuse vehicles that do not come back when they hear nobody'
     )
-    needs_supervisor: bool = field(
-        default=False,
-        metadata={'doc': 'send heartbeats only while mission/state is being published'},
+    takes_photographs: bool = option(True, 'trigger the camera at each viewpoint')
+    trigger_distance_m: float = option(
+        0.0, 'trigger the camera every so many metres of a lane instead; 0: no', 0.0
     )
-    state_directory: str = field(
-        default='',
-        metadata={'doc': 'keeps plans and photographs over restarts; empty: nothing'},
-    )
-    lowest_m: float = field(
-        default=5.0, metadata={'doc': 'least height of a waypoint above home, metres', 'min': 0.5}
-    )
-    max_height_agl_m: float = field(
-        default=120.0,
-        metadata={
-            'doc': 'greatest height above the ground, metres: 120 is the EU open category',
-            'min': 1.0,
-        },
-    )
-    furthest_m: float = field(
-        default=2000.0, metadata={'doc': 'greatest distance of a waypoint from home, metres'}
-    )
-    smallest_charge: float = field(
-        default=0.5,
-        metadata={'doc': 'charge that a flight needs at its start', 'min': 0.0, 'max': 1.0},
-    )
-    must_return_on_link_loss: bool = field(
-        default=False,
-        metadata={'doc': 'refuse vehicles that do not come back when they hear nobody'},
-    )
-    takes_photographs: bool = field(
-        default=True, metadata={'doc': 'trigger the camera at each viewpoint'}
-    )
-    trigger_distance_m: float = field(
-        default=0.0,
-        metadata={
-            'doc': 'trigger the camera every so many metres of a lane instead; 0: no',
-            'min': 0.0,
-        },
-    )
-    camera_horizontal_fov_deg: float = field(
-        default=60.0,
-        metadata={'doc': 'angle across the image width, degrees', 'min': 5.0, 'max': 150.0},
+    camera_horizontal_fov_deg: float = option(
+        60.0, 'angle across the image width, degrees', 5.0, 150.0
     )
 
     @property

@@ -12,6 +12,7 @@ from rocsafe_mavlink.conversions import assignment_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment
+from rocsafe_mavlink.flight.late_start import LateStart
 from rocsafe_mavlink.node_timing import TIMING
 from rocsafe_mavlink.result_conversions import (
     cancelled_message,
@@ -44,11 +45,19 @@ class FlyRouteServer:
         Judges who may send goals.
     shots
         Returns how many photographs the store must get, of so many viewpoints visited.
+    late_start
+        Keeps when a goal with a delay is due.
     """
 
     def __init__(
-        self, node: VehicleScopeNode, drone: Drone, lease: LeaseServer, shots: Callable[[int], int]
+        self,
+        node: VehicleScopeNode,
+        drone: Drone,
+        lease: LeaseServer,
+        shots: Callable[[int], int],
+        late_start: LateStart,
     ) -> None:
+        self._late_start = late_start
         self._drone = drone
         self._lease = lease
         self._shots = shots
@@ -100,8 +109,9 @@ class FlyRouteServer:
             return
         self._end_late('another route came')
         if delay_s > 0.0:
-            self._late = ([goal], now_s + delay_s)
-            self._drone.wait_until(now_s + delay_s)
+            due_s = self._late_start.due_s(_key(goal.request), now_s, delay_s)
+            self._late = ([goal], due_s)
+            self._drone.wait_until(due_s)
         else:
             self._keep(goal, now_s)
 
@@ -129,6 +139,7 @@ class FlyRouteServer:
         if self._late is None:
             return
         (goals, _due_s), self._late = self._late, None
+        self._late_start.forget()
         self._drone.wait_until(None)
         for goal in goals:
             self._end(goal, refusal_message(f'{self._drone.spec.name}: {why}'))
@@ -247,6 +258,11 @@ def _require_confirmed(request: FlyRoute.Goal) -> None:
             f'the take-off of a real vehicle must be confirmed: send this goal with '
             f'confirmation {wanted}'
         )
+
+
+def _key(request: FlyRoute.Goal) -> str:
+    """Return what tells a route of a mission from all others."""
+    return f'{request.lease} {route_digest(request.plan_id, request.route)}'
 
 
 def _is_same(one: FlyRoute.Goal, other: FlyRoute.Goal) -> bool:

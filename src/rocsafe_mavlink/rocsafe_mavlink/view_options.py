@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the node ``mavlink_view``."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
+from rocsafe_geo.option import option
 from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind, parse_endpoint
 
@@ -13,10 +14,7 @@ QGROUNDCONTROL = 'udpout://127.0.0.1:14550'
 class ViewOptions:
     """Options of the view."""
 
-    endpoint: str = field(
-        default=QGROUNDCONTROL,
-        metadata={'doc': 'where a ground station listens: udpout://HOST:PORT'},
-    )
+    endpoint: str = option(QGROUNDCONTROL, 'where a ground station listens: udpout://HOST:PORT')
 
     def __post_init__(self) -> None:
         _ = self.address

@@ -59,6 +59,10 @@ def _answered(words: Sequence[str]) -> int:
             file=sys.stderr,
         )
         return EXIT_SETUP
+    except ImportError as error:
+        hint = 'too little memory, or run `make setup`'
+        print(f'rocsafe: cannot load all parts: {error} ({hint})', file=sys.stderr)
+        return EXIT_SETUP
     except MemoryError:
         print('rocsafe: not enough memory', file=sys.stderr)
         return EXIT_SETUP

@@ -9,7 +9,7 @@ import socket
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -18,6 +18,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from rocsafe_geo.option import option
 from rocsafe_interfaces.msg import Control, VehicleAnswer
 from rocsafe_interfaces.srv import FleetCommand, Lease, Resume
 from rocsafe_ros import topics
@@ -40,12 +41,8 @@ VERBS = {
 class FleetVerbsOptions:
     """Parameters of the node."""
 
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles to command'}
-    )
-    mission: str = field(
-        default='', metadata={'doc': 'mission that leads them; it may let them go on after a hold'}
-    )
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles to command')
+    mission: str = option('', 'mission that leads them; it may let them go on after a hold')
 
     def __post_init__(self) -> None:
         if not self.vehicles or len(set(self.vehicles)) < len(self.vehicles):

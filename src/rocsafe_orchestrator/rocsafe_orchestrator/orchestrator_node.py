@@ -62,7 +62,10 @@ class OrchestratorNode(Node):
         self, scenario: Scenario, monitor: Monitor, identity: MissionIdentity, **node_options: Any
     ) -> None:
         rules = ['--ros-args', *identity.remapping_arguments]
-        super().__init__(NAME, cli_args=rules, **node_options)
+        try:
+            super().__init__(NAME, cli_args=rules, **node_options)
+        except RuntimeError as error:  # no memory, no thread
+            raise _no_ros(error) from error
         self.deadlines = Deadlines(**dataclasses.asdict(_options(self)))
         self._scenario = scenario
         self._monitor = monitor
@@ -222,6 +225,10 @@ def _options(node: Node) -> OrchestratorOptions:
         raise ScenarioError(str(error)) from error
 
 
+def _no_ros(error: Exception) -> SetupError:
+    return SetupError(f'cannot start ROS: {str(error).strip().splitlines()[0]}')
+
+
 @contextmanager
 def ros_session(identity: MissionIdentity, config: Path | None = None) -> Iterator[None]:
     """Initialise ROS as a part of a mission, and shut it down at the end.
@@ -247,7 +254,7 @@ def ros_session(identity: MissionIdentity, config: Path | None = None) -> Iterat
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # rclpy's own error classes are not public
-        raise SetupError(f'cannot start ROS: {str(error).strip().splitlines()[0]}') from error
+        raise _no_ros(error) from error
     try:
         yield
     finally:

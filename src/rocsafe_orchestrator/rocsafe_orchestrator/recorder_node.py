@@ -2,7 +2,7 @@
 """Node that records the topics of a run as MCAP segments."""
 
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
+from rocsafe_geo.option import option
 from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
 from rocsafe_orchestrator.recording.recorded_topics import (
     AWAITED_TOPICS,
@@ -34,21 +35,11 @@ JOIN_DEADLINE_S = 5.0
 class RecorderOptions:
     """Parameters of the recorder."""
 
-    output_directory: str = field(
-        default='.', metadata={'doc': 'run directory; segments mission.part-N.mcap go there'}
-    )
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles to record'}
-    )
-    other_cameras: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'names of further cameras of the vehicles'}
-    )
-    real_vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'those of `vehicles` that are no simulation'}
-    )
-    lock_step: bool = field(
-        default=True, metadata={'doc': 'take part in lock-step simulation as "recorder"'}
-    )
+    output_directory: str = option('.', 'run directory; segments mission.part-N.mcap go there')
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles to record')
+    other_cameras: tuple[str, ...] = option((), 'names of further cameras of the vehicles')
+    real_vehicles: tuple[str, ...] = option((), 'those of `vehicles` that are no simulation')
+    lock_step: bool = option(True, 'take part in lock-step simulation as "recorder"')
 
     def __post_init__(self) -> None:
         """Refuse vehicles that would be recorded twice."""

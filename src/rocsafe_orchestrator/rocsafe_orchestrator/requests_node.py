@@ -321,6 +321,11 @@ class Requests:
             del self._plans[self._plan.plan_id]
         self._plan = self._plans[result.plan.plan_id] = result.plan
         self._routes.update(((result.plan.plan_id, r.vehicle), r) for r in result.plan.routes)
+        if near := result.plan.near_unheard:
+            self._mission.remarks.append(
+                f'{", ".join(near)}: climbs, descends or flies near where a vehicle may be that '
+                'nobody hears; no layer avoids it'
+            )
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(goal_conversions.viewpoint_count, self._plans.values()))

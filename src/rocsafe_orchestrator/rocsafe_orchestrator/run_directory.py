@@ -8,6 +8,9 @@ from zlib import crc32
 
 from rocsafe_orchestrator.errors import SetupError
 
+# Folder of the user's own procedures.
+PROCEDURES = 'procedures'
+
 
 @dataclass(frozen=True, slots=True)
 class RunDirectory:

@@ -27,6 +27,7 @@ from rocsafe_planner.plan.survey_options import (
     CoverageOptions,
     Effort,
     SeparationOptions,
+    UnheardVehicle,
 )
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
@@ -122,7 +123,16 @@ def situation_of_goal(goal: action.PlanSurvey.Goal) -> Situation:
     return Situation(
         alive={vehicle.name: _now(vehicle) for vehicle in goal.able},
         visited=frozenset(int(number) for number in goal.visited),
-        occupied_heights_m=tuple(goal.occupied_heights_m),
+        unheard=tuple(map(_unheard, goal.unheard)),
+    )
+
+
+def _unheard(vehicle: msg.UnheardVehicle) -> UnheardVehicle:
+    return UnheardVehicle(
+        name=vehicle.name,
+        flight_height_m=vehicle.flight_height_m,
+        home=position_of_point(vehicle.home),
+        places=tuple(map(position_of_point, vehicle.places)),
     )
 
 
@@ -162,6 +172,7 @@ def message_of_plan(plan: SurveyPlan) -> msg.SurveyPlan:
         separation_m=request.separation.distance_m,
         objective_value=OBJECTIVE_VALUES[request.effort.objective](plan),
         minimum_separation_m=plan.minimum_separation_m,
+        near_unheard=list(plan.near_unheard),
     )
     message.header.frame_id = EARTH_FRAME
     return message

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the planner node."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.limits import require_count
+from rocsafe_geo.option import option
 from rocsafe_planner.plan.survey_options import (
     GRIDS,
     MAX_VIEWPOINTS_LIMIT,
@@ -18,27 +19,15 @@ from rocsafe_planner.plan.survey_options import (
 class PlannerOptions:
     """What a request leaves open; one ROS parameter a field."""
 
-    default_method: str = field(
-        default=METHODS[0],
-        metadata={'doc': f'routing method of a request that names none: {", ".join(METHODS)}'},
+    default_method: str = option(
+        METHODS[0], f'routing method of a request that names none: {", ".join(METHODS)}'
     )
-    grid: str = field(
-        default=GRIDS[0],
-        metadata={'doc': f'circum-rectangle of the region: {", ".join(GRIDS)}'},
+    grid: str = option(GRIDS[0], f'circum-rectangle of the region: {", ".join(GRIDS)}')
+    max_viewpoints: int = option(
+        USUAL_VIEWPOINTS_LIMIT, 'largest number of viewpoints of any plan', 1, MAX_VIEWPOINTS_LIMIT
     )
-    max_viewpoints: int = field(
-        default=USUAL_VIEWPOINTS_LIMIT,
-        metadata={
-            'doc': 'largest number of viewpoints of any plan',
-            'min': 1,
-            'max': MAX_VIEWPOINTS_LIMIT,
-        },
-    )
-    export_directory: str = field(
-        default='',
-        metadata={
-            'doc': 'folder for plan.json, .geojson, .kml and plan-<vehicle>.plan; empty: none'
-        },
+    export_directory: str = option(
+        '', 'folder for plan.json, .geojson, .kml and plan-<vehicle>.plan; empty: none'
     )
 
     def __post_init__(self) -> None:

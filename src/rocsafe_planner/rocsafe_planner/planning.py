@@ -89,6 +89,7 @@ def plan_survey(
         covered_area_m2=sight.covered_area_m2,
         largest_hole_m2=sight.largest_hole_m2,
         minimum_separation_m=apart.separation_m,
+        near_unheard=apart.near_unheard,
         left_out=site.left_out,
     )
 
@@ -205,7 +206,7 @@ def _prices(request: SurveyRequest) -> 'PriceOptions | None':
     from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
     effort = request.effort
-    if effort.method in METHODS or any(vehicle.aloft for vehicle in request.vehicles):
+    if effort.method != 'solver' or any(vehicle.aloft for vehicle in request.vehicles):
         return None
     work = PRICE_WORK_PER_S * effort.budget_s or PRICE_WORK_PER_PROPOSAL * effort.proposals
     return PriceOptions(work=work) if work else PriceOptions()

@@ -16,7 +16,7 @@ from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.plan.survey_options import Continuation
+from rocsafe_planner.plan.survey_options import Continuation, UnheardVehicle
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.plan.viewpoint import Viewpoint, viewpoints_over
 from rocsafe_planner.planning import Progress
@@ -46,8 +46,8 @@ class Situation:
         the plan.
     new_exclusions
         More zones that no leg crosses. Viewpoints inside cannot be visited any more.
-    occupied_heights_m
-        Flight heights of vehicles that nobody hears, see `Continuation`.
+    unheard
+        Vehicles in the air of which nobody hears, see `Continuation`.
     last
         Ids of viewpoints that each vehicle visits after all its others: somebody who is not
         heard may be about to visit them.
@@ -57,7 +57,7 @@ class Situation:
     visited: frozenset[int] = frozenset()
     new_places: tuple[GeoPosition, ...] = ()
     new_exclusions: tuple[SurveyArea, ...] = field(default=())
-    occupied_heights_m: tuple[float, ...] = ()
+    unheard: tuple[UnheardVehicle, ...] = ()
     last: frozenset[int] = frozenset()
 
 
@@ -101,7 +101,7 @@ def remaining_request(
     done = [view for view in known.values() if view.id in situation.visited]
     # No wait keeps away from a vehicle of which nobody knows when it is where.
     by = request.separation.by
-    if situation.occupied_heights_m and by != 'reserved':
+    if situation.unheard and by != 'reserved':
         by = 'layers'
     return dataclasses.replace(
         request,
@@ -123,7 +123,7 @@ def remaining_request(
             visited=(*request.continuation.visited, *done),
             ground_reference=request.continuation.ground_reference
             or tuple(v.home for v in request.vehicles),
-            occupied_heights_m=situation.occupied_heights_m,
+            unheard=situation.unheard,
             last=tuple(sorted({view.id for view in left} & situation.last)),
         ),
     )

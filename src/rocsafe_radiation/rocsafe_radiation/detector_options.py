@@ -2,9 +2,10 @@
 """Options of the node ``detector``."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
+from rocsafe_geo.option import option
 from rocsafe_radiation.acquisition.acquisition import AcquisitionOptions
 from rocsafe_radiation.acquisition.line_format import LineFormat, read_format
 from rocsafe_radiation.acquisition.line_source import DatagramSource, LineSource, SerialSource
@@ -14,32 +15,18 @@ from rocsafe_radiation.acquisition.line_source import DatagramSource, LineSource
 class DetectorOptions:
     """Options of the adapter of a real detector."""
 
-    serial: str = field(
-        default='', metadata={'doc': 'serial port of its lines; or udp, or tunnel'}
+    serial: str = option('', 'serial port of its lines; or udp, or tunnel')
+    baud: int = option(9600, 'baud rate of the serial port', 50)
+    udp: str = option('', 'HOST:PORT where its datagrams come in')
+    allow_lan: bool = option(False, 'take datagrams from beyond this machine')
+    tunnel: bool = option(False, 'its lines come in MAVLink TUNNEL messages')
+    format: str = option('dose_rate', 'name of the format of its lines')
+    format_file: str = option('', 'YAML file of formats, docs/radiation.md; empty: built in')
+    silent_after_s: float = option(5.0, 'silence after which it counts as dead, seconds')
+    delay_s: float = option(
+        0.0, 'time from the end of a window to the arrival of its line, seconds'
     )
-    baud: int = field(default=9600, metadata={'doc': 'baud rate of the serial port', 'min': 50})
-    udp: str = field(default='', metadata={'doc': 'HOST:PORT where its datagrams come in'})
-    allow_lan: bool = field(
-        default=False, metadata={'doc': 'take datagrams from beyond this machine'}
-    )
-    tunnel: bool = field(
-        default=False, metadata={'doc': 'its lines come in MAVLink TUNNEL messages'}
-    )
-    format: str = field(default='dose_rate', metadata={'doc': 'name of the format of its lines'})
-    format_file: str = field(
-        default='',
-        metadata={'doc': 'YAML file of formats, docs/radiation.md; empty: built in'},
-    )
-    silent_after_s: float = field(
-        default=5.0, metadata={'doc': 'silence after which it counts as dead, seconds'}
-    )
-    delay_s: float = field(
-        default=0.0,
-        metadata={'doc': 'time from the end of a window to the arrival of its line, seconds'},
-    )
-    reconnect_tries: int = field(
-        default=100, metadata={'doc': 'tries in a row to open its port', 'min': 1}
-    )
+    reconnect_tries: int = option(100, 'tries in a row to open its port', 1)
 
     def __post_init__(self) -> None:
         if [bool(self.serial), bool(self.udp), self.tunnel].count(True) != 1:

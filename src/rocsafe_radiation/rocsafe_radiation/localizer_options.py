@@ -2,10 +2,11 @@
 """Options of the node ``localizer``."""
 
 from collections.abc import Set
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
-from rocsafe_geo.origin_options import OriginOptions, option
+from rocsafe_geo.option import option
+from rocsafe_geo.origin_options import OriginOptions
 from rocsafe_geo.solids.ground_heights import read_heights
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL, response_of
@@ -41,152 +42,82 @@ class LocalizerOptions(OriginOptions):
         'terrain_altitudes_m': 'terrain_shift_m',
     }
 
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles that carry a detector'}
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles that carry a detector')
+    model: str = option(
+        AUTO_MODEL, 'law of the dose rate: paper, air, or auto: that of the readings'
     )
-    model: str = field(
-        default=AUTO_MODEL,
-        metadata={'doc': 'law of the dose rate: paper, air, or auto: that of the readings'},
-    )
-    nuclide: str = field(
-        default=DEFAULT_NUCLIDE, metadata={'doc': 'nuclide whose photons air attenuates'}
-    )
-    detector: str = field(
-        default=IDEAL,
-        metadata={
-            'doc': 'kind of detector, which counts scattered photons, too: '
-            + ', '.join(DETECTOR_NAMES)
-        },
+    nuclide: str = option(DEFAULT_NUCLIDE, 'nuclide whose photons air attenuates')
+    detector: str = option(
+        IDEAL,
+        'kind of detector, which counts scattered photons, too: ' + ', '.join(DETECTOR_NAMES),
     )
     origin_latitude_deg: float = option(
         0.0, 'latitude of the mission origin, deg; 0, 0: the first reading', -90.0, 90.0
     )
-    terrain_file: str = field(
-        default='',
-        metadata={
-            'doc': 'heights of the ground: GeoTIFF or file of rocsafe scene solids; empty: level'
-        },
+    terrain_file: str = option(
+        '', 'heights of the ground: GeoTIFF or file of rocsafe scene solids; empty: level'
     )
-    terrain_shift_m: float = field(
-        default=0.0,
-        metadata={
-            'doc': 'added to these heights so that they count from the ellipsoid, metres',
-            'min': -1e4,
-            'max': 1e4,
-        },
+    terrain_shift_m: float = option(
+        0.0, 'added to these heights so that they count from the ellipsoid, metres', -1e4, 1e4
     )
-    source_height_m: float = field(
-        default=0.5,
-        metadata={'doc': 'expected height of sources above the ground, metres', 'min': -100.0},
+    source_height_m: float = option(
+        0.5, 'expected height of sources above the ground, metres', -100.0
     )
-    source_height_std_m: float = field(
-        default=1.0,
-        metadata={'doc': 'standard deviation of that height, metres', 'min': 0.0, 'max': 1e3},
+    source_height_std_m: float = option(1.0, 'standard deviation of that height, metres', 0.0, 1e3)
+    position_std_m: float = option(
+        1.5, 'standard deviation of each coordinate of fixes, metres', 0.0, 100.0
     )
-    position_std_m: float = field(
-        default=1.5,
-        metadata={
-            'doc': 'standard deviation of each coordinate of fixes, metres',
-            'min': 0.0,
-            'max': 100.0,
-        },
+    sensitivity_cps_per_usvh: float = option(
+        0.0, 'counts a second for 1 uSv/h; 0: from counts and dose rate of each reading', 0.0, 1e7
     )
-    sensitivity_cps_per_usvh: float = field(
-        default=0.0,
-        metadata={
-            'doc': 'counts a second for 1 uSv/h; 0: from counts and dose rate of each reading',
-            'min': 0.0,
-            'max': 1e7,
-        },
+    method: str = option(ML_METHOD, f'method to find sources: {", ".join(METHODS)}')
+    false_alarm: float = option(
+        0.01, 'probability of deciding for a source that is not there', 1e-6, 0.49
     )
-    method: str = field(
-        default=ML_METHOD,
-        metadata={'doc': f'method to find sources: {", ".join(METHODS)}'},
+    missed: float = option(
+        0.01, 'probability of deciding against a source that is there', 1e-6, 0.49
     )
-    false_alarm: float = field(
-        default=0.01,
-        metadata={
-            'doc': 'probability of deciding for a source that is not there',
-            'min': 1e-6,
-            'max': 0.49,
-        },
+    ellipse_95_m: float = option(
+        5.0, 'longest half axis of a 95 % ellipse that is precise enough, metres', 1e-3, 1e4
     )
-    missed: float = field(
-        default=0.01,
-        metadata={
-            'doc': 'probability of deciding against a source that is there',
-            'min': 1e-6,
-            'max': 0.49,
-        },
+    smallest_source_usvh: float = option(
+        92.0,
+        'dose rate at 1 m of the weakest source that matters, uSv/h: 1 GBq of Cs-137',
+        1e-3,
+        1e9,
     )
-    ellipse_95_m: float = field(
-        default=5.0,
-        metadata={
-            'doc': 'longest half axis of a 95 % ellipse that is precise enough, metres',
-            'min': 1e-3,
-            'max': 1e4,
-        },
+    cordon_levels_usvh: tuple[float, ...] = option(
+        DEFAULT_LEVELS_USVH, 'dose rates of cordons at 1 m, uSv/h; 100: inner cordon of the IAEA'
     )
-    smallest_source_usvh: float = field(
-        default=92.0,
-        metadata={
-            'doc': 'dose rate at 1 m of the weakest source that matters, uSv/h: 1 GBq of Cs-137',
-            'min': 1e-3,
-            'max': 1e9,
-        },
+    alarm_dose_rates_usvh: tuple[float, ...] = option(
+        DEFAULT_DOSE_RATES_USVH, 'dose rates of alarms of vehicles, uSv/h; 100000: turn back'
     )
-    cordon_levels_usvh: tuple[float, ...] = field(
-        default=DEFAULT_LEVELS_USVH,
-        metadata={'doc': 'dose rates of cordons at 1 m, uSv/h; 100: inner cordon of the IAEA'},
+    alarm_doses_usv: tuple[float, ...] = option(
+        DEFAULT_DOSES_USV, 'doses of alarms of vehicles, uSv; 1000: a year of the public'
     )
-    alarm_dose_rates_usvh: tuple[float, ...] = field(
-        default=DEFAULT_DOSE_RATES_USVH,
-        metadata={'doc': 'dose rates of alarms of vehicles, uSv/h; 100000: turn back'},
+    turn_back_usvh: float = option(
+        DEFAULT_TURN_BACK_USVH,
+        'dose rate at which a vehicle is to return, uSv/h; 0: never',
+        0.0,
+        1e12,
     )
-    alarm_doses_usv: tuple[float, ...] = field(
-        default=DEFAULT_DOSES_USV,
-        metadata={'doc': 'doses of alarms of vehicles, uSv; 1000: a year of the public'},
+    vehicle_budget_usv: float = option(
+        DEFAULT_VEHICLE_BUDGET_USV,
+        'dose at which a vehicle is to return, uSv; 0: never',
+        0.0,
+        1e12,
     )
-    turn_back_usvh: float = field(
-        default=DEFAULT_TURN_BACK_USVH,
-        metadata={
-            'doc': 'dose rate at which a vehicle is to return, uSv/h; 0: never',
-            'min': 0.0,
-            'max': 1e12,
-        },
+    largest_gap_s: float = option(
+        5.0, 'longest time between readings over which a dose is added, seconds', 0.0, 3600.0
     )
-    vehicle_budget_usv: float = field(
-        default=DEFAULT_VEHICLE_BUDGET_USV,
-        metadata={
-            'doc': 'dose at which a vehicle is to return, uSv; 0: never',
-            'min': 0.0,
-            'max': 1e12,
-        },
+    spool_directory: str = option(
+        '', 'where readings are kept for a restart; empty: in memory only'
     )
-    largest_gap_s: float = field(
-        default=5.0,
-        metadata={
-            'doc': 'longest time between readings over which a dose is added, seconds',
-            'min': 0.0,
-            'max': 3600.0,
-        },
+    export_directory: str = option(
+        '', 'folder for sources and dose map after each fit; empty: none'
     )
-    spool_directory: str = field(
-        default='',
-        metadata={'doc': 'where readings are kept for a restart; empty: in memory only'},
-    )
-    export_directory: str = field(
-        default='',
-        metadata={'doc': 'folder for sources and dose map after each fit; empty: none'},
-    )
-    largest_order: int = field(
-        default=LARGEST_ORDER,
-        metadata={'doc': 'most sources looked for', 'min': 0, 'max': LARGEST_ORDER},
-    )
-    period_s: float = field(
-        default=5.0,
-        metadata={'doc': 'wall time between two fits, seconds', 'min': 0.1, 'max': 3600.0},
-    )
+    largest_order: int = option(LARGEST_ORDER, 'most sources looked for', 0, LARGEST_ORDER)
+    period_s: float = option(5.0, 'wall time between two fits, seconds', 0.1, 3600.0)
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:

@@ -24,7 +24,6 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from rocsafe_ros.domain.network import bind_interfaces
-from rocsafe_ros.domain.shared_memory import remove_torn_ports
 from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_ros.process_arguments import ArgumentError, help_wanted
@@ -96,7 +95,6 @@ def run(
         print(f'error: {error}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
     try:
-        remove_torn_ports()
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
     except Exception as error:  # noqa: BLE001 - rclpy's own error classes are not public
         print(f'cannot start ROS: {_first_line(error)}', file=sys.stderr)  # noqa: T201

@@ -39,6 +39,8 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_interfaces.action import DriveRoute, FlyRoute, PlanGroundRoute, PlanSurvey
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    AgentAdvice,
+    AgentReport,
     AgentState,
     Control,
     Decision,
@@ -112,6 +114,11 @@ class Scope(Enum):
 
 def _stream() -> QoSProfile:
     return QoSProfile(depth=STREAM_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def _newest() -> QoSProfile:
+    """Return a stream of orders each of which replaces the ones before: none is followed late."""
+    return QoSProfile(depth=STATES_KEPT, reliability=ReliabilityPolicy.RELIABLE)
 
 
 def _kept(depth: int = MEASUREMENTS_KEPT) -> QoSProfile:
@@ -277,7 +284,7 @@ CAMERA_POSE = _vehicle(
 CMD_VEL = _vehicle(
     'cmd_vel',
     TwistStamped,
-    _stream(),
+    _newest(),
     'by a program',
     'see move; simulated vehicles only',
 )
@@ -341,6 +348,12 @@ GROUND_PATH = _fleet('ground/path', Path, _latched(), 'on change', 'the same, po
 GROUND_COSTS = _fleet(
     'ground/costs', OccupancyGrid, _latched(), 'on change', 'where it can drive; dose rate, log'
 )
+AGENT_REPORTS = _fleet(
+    'hazard/reports', AgentReport, _kept(), 'as told', 'what people say of the agent'
+)
+AGENT = _fleet(
+    'hazard/agent', AgentAdvice, _latched(), 'on change', 'which agent, procedures that fit'
+)
 RELEASES = _fleet(
     'hazard/release', ReleaseEstimateArray, _latched(), 'on change', 'estimated releases of gas'
 )
@@ -367,6 +380,9 @@ DIAGNOSTICS = _fleet('/diagnostics', DiagnosticArray, _stream(), '1 Hz', 'health
 
 TOPICS = tuple(value for value in tuple(globals().values()) if isinstance(value, TopicSpec))
 """All of the above, in their order."""
+
+FROM_ANYBODY = (CMD_VEL, GIMBAL_COMMAND, DRAWINGS, AGENT_REPORTS)
+"""What people and programs beside a mission publish to it; all else it hears from its own only."""
 
 
 def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> CallSpec:

@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 
 from rocsafe_ros.domain.discovery import await_discovery
-from rocsafe_ros.domain.shared_memory import remove_torn_ports
+from rocsafe_ros.domain.network import leave_shared_memory
 from rocsafe_ros2cli.command import CommandError
 
 SLICE_S = 0.1
@@ -24,7 +24,7 @@ SLICE_S = 0.1
 
 def open_context() -> Context:
     """Join the graph; signals are left to Python, so that a verb can clean up after Ctrl-C."""
-    remove_torn_ports()
+    leave_shared_memory(os.environ)
     context = Context()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     return context

@@ -34,9 +34,9 @@ EARLIEST_START = datetime(1970, 1, 1, tzinfo=timezone.utc)
 LATEST_START = datetime(2038, 1, 1, tzinfo=timezone.utc)
 # Names of ROS nodes and namespaces, reserved.
 RESERVED_NAMES = frozenset(
-    {'air', 'clock', 'collector', 'estimator', 'fleet', 'fleet_verbs', 'hazard', 'localizer',
-     'mission', 'mosaic', 'orchestrator', 'plan', 'planner', 'radiation_field', 'recorder',
-     'region', 'scene', 'shots', 'sim', 'world'}
+    {'advisor', 'air', 'clock', 'collector', 'estimator', 'fleet', 'fleet_verbs', 'hazard',
+     'localizer', 'mission', 'mosaic', 'orchestrator', 'plan', 'planner', 'radiation_field',
+     'recorder', 'region', 'scene', 'shots', 'sim', 'world'}
 )  # fmt: skip
 
 

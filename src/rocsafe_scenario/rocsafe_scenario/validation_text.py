@@ -3,6 +3,7 @@
 
 import difflib
 from collections.abc import Mapping
+from datetime import date
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -41,7 +42,7 @@ def value_text(value: Any) -> str:
     """Return `value` as in the file, shortened; empty for a whole block."""
     if isinstance(value, (Mapping, BaseModel)):
         return ''
-    text = repr(_as_lists(value))
+    text = value.isoformat() if isinstance(value, date) else repr(_as_lists(value))
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + '...'
 
 

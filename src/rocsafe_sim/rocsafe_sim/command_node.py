@@ -11,7 +11,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.conversions import fence_of, places_of
-from rocsafe_sim.order_answers import OrderAnswers
+from rocsafe_sim.order_answers_node import OrderAnswers
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.velocity_stream_node import VelocityStream
 
@@ -30,8 +30,10 @@ class CommandServices:
         The vehicle.
     lease
         Judges who may give orders.
+    answers
+        Makes the callbacks.
     on_command
-        Called after the vehicle got a command.
+        Called after the vehicle got a command by a topic.
     """
 
     def __init__(
@@ -39,18 +41,19 @@ class CommandServices:
         node: VehicleScopeNode,
         rav: Rav,
         lease: LeaseServer,
+        answers: OrderAnswers,
         on_command: Callable[[], None],
     ) -> None:
         self._rav = rav
         self._frame = rav.parts.frame
-        vehicle, answers = rav.vehicle, OrderAnswers(rav.parts.name, on_command)
+        vehicle = rav.vehicle
         for spec, command in (
             (topics.HOLD, vehicle.hold),
             (topics.RETURN_HOME, vehicle.return_home),
             (topics.LAND, vehicle.land),
         ):
-            node.create_service(spec.call_type, spec.name, answers.plain(command))
-        lease.serve(topics.RESUME, answers.plain(vehicle.resume))
+            node.create_service(spec.call_type, spec.name, answers.to_end(command))
+        lease.serve(topics.RESUME, answers.to(lambda _request: vehicle.resume()))
         lease.serve(topics.GO_TO, answers.to(self._go_to))
         lease.serve(
             topics.SET_SPEED, answers.to(lambda request: vehicle.set_speed(request.speed_mps))

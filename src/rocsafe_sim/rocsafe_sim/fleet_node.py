@@ -54,6 +54,7 @@ class FleetNode(Node):
             )
         else:
             self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
+            self._on_timer()
 
     def health(self) -> list[DiagnosticStatus]:
         """Return its own status and those of its vehicles."""

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 from rocsafe_geo.limits import require_between, require_not_negative
 from rocsafe_geo.motion.autopilot import Autopilot
-from rocsafe_geo.origin_options import OriginOptions, option
+from rocsafe_geo.option import option
+from rocsafe_geo.origin_options import OriginOptions
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S

@@ -32,7 +32,7 @@ from rocsafe_sim.drive_route_node import DriveRouteServer
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.messages.drive_conversions import drive_battery, drive_state_message
 from rocsafe_sim.messages.picture_conversions import mounts_of
-from rocsafe_sim.order_answers import OrderAnswers
+from rocsafe_sim.order_answers_node import OrderAnswers
 
 SLOW_PERIOD_NS = 1_000_000_000
 EXACT_M = (0.0, 0.0)
@@ -87,10 +87,10 @@ class RgvInterface:
 
     def _serve(self, node: VehicleScopeNode, lease: LeaseServer) -> None:
         rover = self._rgv.rover
-        answers = OrderAnswers(self._rgv.name, self._after_command)
+        answers = OrderAnswers(self._rgv.name, self._after_command, self._drives)
         for spec, command in ((topics.HOLD, rover.hold), (topics.RETURN_HOME, rover.return_home)):
-            node.create_service(spec.call_type, spec.name, answers.plain(command))
-        lease.serve(topics.RESUME, answers.plain(rover.resume))
+            node.create_service(spec.call_type, spec.name, answers.to_end(command))
+        lease.serve(topics.RESUME, answers.to(lambda _request: rover.resume()))
         lease.serve(
             topics.SET_SPEED, answers.to(lambda request: rover.set_speed(request.speed_mps))
         )

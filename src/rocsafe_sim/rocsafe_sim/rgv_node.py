@@ -53,6 +53,7 @@ class RgvNode(VehicleScopeNode):
             self.create_timer(LOOK_S, self._look, clock=steady)
         else:
             self.create_timer(1.0 / options.fix_rate_hz, self._on_timer)
+            self._on_timer()
 
     def health(self) -> list[DiagnosticStatus]:
         """Return its own status and that of the vehicle."""

@@ -35,6 +35,11 @@ class RouteGoals(ABC):
         Judges who may send goals.
     on_command
         Called after the vehicle got a command.
+
+    Attributes
+    ----------
+    has_time
+        Whether the vehicle was stepped: goals before wait for that.
     """
 
     def __init__(
@@ -45,7 +50,7 @@ class RouteGoals(ABC):
         on_command: Callable[[], None],
     ) -> None:
         self._node, self._lease, self._on_command = node, lease, on_command
-        self._has_time = False
+        self.has_time = False
         self._feedbacks = Cadence(FEEDBACK_PERIOD_NS)
         self._early: list[Any] = []
         self._moving: list[Any] = []
@@ -61,14 +66,20 @@ class RouteGoals(ABC):
 
     def after_step(self, time_ns: int) -> None:
         """Begin accepted goals, publish feedback, and end the goals of an ended movement."""
-        self._has_time = True
-        while self._early:
+        self.has_time = self.has_time or time_ns > 0
+        while self.has_time and self._early:
             self._on_goal(self._early.pop(0))
         self.end_goals()
         if self._feedbacks.is_due(time_ns) and self._moving:
             feedback = self.feedback()
             for goal in self._moving:
                 goal.publish_feedback(feedback)
+
+    def withdraw_early(self) -> None:
+        """End the goals that wait for the first step: another order came meanwhile."""
+        early, self._early = self._early, []
+        for goal in early:
+            self._abort(goal, self.failure('withdrawn by another order', is_refusal=False))
 
     def end_goals(self) -> None:
         """End the goals if the movement has ended."""
@@ -106,7 +117,7 @@ class RouteGoals(ABC):
     def _on_goal(self, goal: Any) -> None:
         if self._lease.is_for_another(goal.request.lease):
             return  # that node executes it
-        if not self._has_time:
+        if not self.has_time:
             self._early.append(goal)
             return
         name, request = self._node.vehicle_name, goal.request

@@ -16,6 +16,7 @@ from rocsafe_sim.fly_route_node import FlyRouteServer
 from rocsafe_sim.light_node import LightService
 from rocsafe_sim.messages.picture_conversions import mounts_of
 from rocsafe_sim.messages.sensor_conversions import sensor_mounts
+from rocsafe_sim.order_answers_node import OrderAnswers
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.sensor_topics_node import SensorTopics
 from rocsafe_sim.shot_sender_node import make_shot_delivery
@@ -70,7 +71,8 @@ class VehicleInterface:
         self._cameras = [CameraInterface(node, rav, each, frames) for each in rav.parts.cameras]
         self.lease = LeaseServer(node, rav.spool)
         self._flights = FlyRouteServer(node, rav, self.lease, self._after_command)
-        self._commands = CommandServices(node, rav, self.lease, self._after_command)
+        answers = OrderAnswers(rav.parts.name, self._after_command, self._flights)
+        self._commands = CommandServices(node, rav, self.lease, answers, self._after_command)
         self._publish_state()
 
     def health(self) -> DiagnosticStatus | None:

@@ -98,6 +98,14 @@ def length(metres: float | None) -> str:
     return f'{metres:,.0f}'.replace(',', _THIN_GAP) + f'{GAP}m'
 
 
+_POINTS = ('N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW')
+
+
+def compass(degrees: float) -> str:
+    """Return the nearest of eight directions for an angle clockwise from north."""
+    return _POINTS[round(degrees / 45.0) % 8]
+
+
 def area(square_metres: float | None) -> str:
     """Return an area in square metres, or in hectares from 1 ha on."""
     if square_metres is None or not math.isfinite(square_metres):

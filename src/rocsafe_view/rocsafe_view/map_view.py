@@ -105,6 +105,63 @@ class Cordon:
         ]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GasZone:
+    """Ground where a response level of gas is exceeded.
+
+    Attributes
+    ----------
+    level
+        Name of the level, for instance AEGL-2.
+    number
+        1 (discomfort) to 3 (danger of death).
+    agent
+        The gas.
+    ppm, minutes
+        Concentration and averaging time of the level.
+    expected
+        Where it is expected to be exceeded.
+    outer
+        Where it may be exceeded: the outer bound of 95 %.
+    is_cut
+        Whether the outer bound is not whole, because the map of the gas ends there.
+    reach_m, reach_deg
+        Distance of its furthest point from the release nearest to that, and the direction there,
+        clockwise from north.
+    """
+
+    level: str
+    number: int
+    agent: str
+    ppm: float
+    minutes: float
+    expected: Rings
+    outer: Rings
+    is_cut: bool
+    reach_m: float
+    reach_deg: float
+
+    @property
+    def reach_text(self) -> str:
+        """How far it reaches and where to."""
+        least = 'at least ' if self.is_cut else ''
+        return f'{least}{_metres(self.reach_m)} to the {formats.compass(self.reach_deg)}'
+
+    @property
+    def name(self) -> str:
+        """The level in words."""
+        return f'{self.agent}, {self.level}: {self.ppm:g} ppm over {self.minutes:g} minutes'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReleasePoint:
+    """An estimated release of gas, with the radius of a circle as large as its region of 95 %."""
+
+    x: float
+    y: float
+    radius_m: float
+
+
 def _radius_m(ring: Sequence[Point]) -> float:
     xs, ys = zip(*ring, strict=True)
     x, y = (min(xs) + max(xs)) / 2.0, (min(ys) + max(ys)) / 2.0
@@ -182,16 +239,19 @@ class MapView:
     sources: tuple[SourcePoint, ...]
     estimates: tuple[EstimatePoint, ...]
     cordons: tuple[Cordon, ...]
+    zones: tuple[GasZone, ...]
+    releases: tuple[ReleasePoint, ...]
     replanned: Mapping[str, tuple[tuple[Point, ...], ...]]
     picture: GroundPicture | None
 
     @property
     def boxes(self) -> dict[str, Box]:
-        """What can be brought into view, by name: the region, and everything that was flown."""
+        """What can be brought into view, by name: the region, and all that was flown or found."""
         region = [point for ring in self.region for point in ring]
         surveyed = [*region, *(p for line in self.viewpoints.values() for p in line)]
         flown = [*surveyed, *self.homes.values(), *(p for t in self.tracks.values() for p in t)]
-        everything = flown or [(0.0, 0.0)]
+        gas = [point for zone in self.zones for ring in zone.outer for point in ring]
+        everything = [*flown, *gas] or [(0.0, 0.0)]
         return {'region': _box(surveyed or everything), 'all': _box(everything)}
 
     @property

@@ -8,11 +8,14 @@ from typing import Any
 
 import pytest
 
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products import release_estimates
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.summary import summarise
+from rocsafe_orchestrator.report.gas_zones import ZONES, read_zones, release_points
 from rocsafe_orchestrator.report.run_texts import lead, verdict
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
 from rocsafe_scenario.scenario_file import read_scenario
@@ -52,6 +55,29 @@ CONTENT: dict[str, Any] = {
         }
     ],
 }
+FRAME = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
+
+
+def zone_features(level: str, ppm: float, side_deg: float, *, is_empty: bool = False) -> list[Any]:
+    """Return both features of a square zone, north-east of the release."""
+    north, east = 53.28 + side_deg, -9.06 + side_deg
+    ring = [[-9.06, 53.28], [east, 53.28], [east, north], [-9.06, north], [-9.06, 53.28]]
+    return [
+        {
+            'type': 'Feature',
+            'properties': {
+                'level': level, 'averaging_minutes': 60.0, 'ppm': ppm, 'kind': kind,
+                'is_cut_by_the_map': False, 'agent': 'ammonia',
+            },
+            'geometry': {
+                'type': 'MultiPolygon',
+                'coordinates': [] if is_empty or kind == 'expected' else [[ring]],
+            },
+        }
+        for kind in ('expected', 'outer bound 95 %')
+    ]  # fmt: skip
+
+
 FIGURE = '<svg class="gas-figure"></svg>'
 
 
@@ -66,8 +92,9 @@ def estimated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_releases_and_zones_are_rows(estimated: Path) -> None:
     """With units; a bound that the map cuts is a lower limit."""
-    view = gas_view(estimate_releases(estimated / 'estimator.yaml', estimated))
+    view = gas_view(estimate_releases(estimated / 'estimator.yaml', estimated), ())
     assert view is not None
+    assert not view.leave
     assert view.sentence == (
         'ammonia, read by pid_10_6_ev: 1 release, placed within 9 m (95 %) (enough).'
     )
@@ -77,9 +104,39 @@ def test_releases_and_zones_are_rows(estimated: Path) -> None:
     assert view.zone_rows[0][3].startswith('at least')
 
 
+def test_people_leave_the_outer_bound_of_lasting_harm(estimated: Path) -> None:
+    """From the file of the zones; one that nothing reaches is not drawn."""
+    found = estimate_releases(estimated / 'estimator.yaml', estimated)
+    features = [
+        *zone_features('AEGL-3', 1100.0, 0.0, is_empty=True),
+        *zone_features('AEGL-2', 160.0, 0.001),
+        *zone_features('AEGL-1', 30.0, 0.004),
+    ]
+    (estimated / ZONES).write_text(json.dumps({'features': features}))
+    releases = release_points(found, FRAME)
+    assert releases[0].radius_m == pytest.approx(8.9, abs=0.1)
+    zones = read_zones(estimated, FRAME, releases)
+    assert [zone.level for zone in zones] == ['AEGL-1', 'AEGL-2']
+    # 0.001 degrees are 111.3 m to the north and 66.7 m to the east here.
+    assert zones[1].reach_m == pytest.approx(129.8, abs=0.5)
+    view = gas_view(found, zones)
+    assert view is not None
+    text = view.leave.replace('\u202f', ' ').replace('\xa0', ' ')
+    assert 'outer bound of AEGL-2 (160 ppm over 60 minutes' in text
+    assert 'reaches 130 m to the NE of the release' in text
+
+
+@pytest.mark.parametrize('content', ['', '{}', '{"features": [{}]}', '[]'])
+def test_zones_that_cannot_be_read_are_none(estimated: Path, content: str) -> None:
+    """The report is made all the same."""
+    found = estimate_releases(estimated / 'estimator.yaml', estimated)
+    (estimated / ZONES).write_text(content)
+    assert read_zones(estimated, FRAME, release_points(found, FRAME)) == ()
+
+
 def test_without_estimates_there_is_no_section() -> None:
     """The report says elsewhere what is missing."""
-    assert gas_view(None) is None
+    assert gas_view(None, ()) is None
 
 
 def test_a_file_that_lacks_something_is_told(estimated: Path) -> None:

@@ -2,27 +2,19 @@
 """The command `advise`: which agent, what to find out next, which procedures, without ROS."""
 
 import argparse
-import dataclasses
 import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rocsafe_dispersion.agents.agent_table import agents
 from rocsafe_dispersion.estimator_options import estimator_options
+from rocsafe_dispersion.identification.advice import advice, advice_document
 from rocsafe_dispersion.identification.evidence import Evidence, Report
-from rocsafe_dispersion.identification.flight_reports import flight_reports
-from rocsafe_dispersion.identification.posterior import Identification, identify
-from rocsafe_dispersion.identification.procedures import (
-    SHIPPED,
-    RankedSection,
-    question,
-    rank_sections,
-    read_sections,
-)
+from rocsafe_dispersion.identification.evidence_log import EvidenceLog, ReportSpool
+from rocsafe_dispersion.identification.procedures import SHIPPED, read_sections
 from rocsafe_dispersion.identification.sensor_report import SensorReport
-from rocsafe_dispersion.identification.signatures import placards, signatures
+from rocsafe_dispersion.identification.signatures import signatures
 from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.storage.value_file import read_values
@@ -40,10 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         require_between('--count', options.count, 1, 100)
         evidence = _evidence(options)
         sections = read_sections(options.procedures)
-        found = identify(evidence)
-        document = document_of(
-            evidence, found, rank_sections(sections, question(evidence, found), options.count)
-        )
+        document = advice_document(advice(evidence, sections, options.count))
         if options.out is not None:
             options.out.mkdir(parents=True, exist_ok=True)
             text = json.dumps(document, indent=1) + '\n'
@@ -102,31 +91,6 @@ def parser() -> argparse.ArgumentParser:
     return found
 
 
-def document_of(
-    evidence: Evidence, found: Identification, procedures: Sequence[RankedSection]
-) -> dict[str, Any]:
-    """Return the advice as values for JSON."""
-    return {
-        'agents': [
-            {
-                'name': name,
-                'category': agents()[name].category if name in agents() else '',
-                'probability': round(probability, 6),
-            }
-            for name, probability in found.probabilities
-        ],
-        'categories': {name: round(value, 6) for name, value in found.categories.items()},
-        'entropy_bit': round(found.entropy_bit, 4),
-        'next_observations': [
-            {'observation': one.observation, 'gain_bit': round(one.gain_bit, 4)}
-            for one in found.next_observations
-        ],
-        'notes': _notes(evidence),
-        'evidence': _plain(evidence),
-        'procedures': [_procedure(one, evidence) for one in procedures],
-    }
-
-
 def _evidence(options: argparse.Namespace) -> Evidence:
     """Return the evidence of file, readings and command line together."""
     found = Evidence() if options.evidence is None else read_values(options.evidence, Evidence)
@@ -134,20 +98,24 @@ def _evidence(options: argparse.Namespace) -> Evidence:
     said += [Report(observation=name, is_true=False) for name in options.no]
     if options.un is not None and found.un_number not in (None, options.un):
         raise ValueError(f'--un {options.un}: the file says un_number {found.un_number}')
+    flown = _flown(options.readings)
+    numbers = (options.un, found.un_number, flown.un_number)
     return Evidence(
-        reports=(*found.reports, *said),
-        sensors=(*found.sensors, *map(_sensor, options.sensor), *_flown(options.readings)),
-        un_number=found.un_number if options.un is None else options.un,
+        reports=(*found.reports, *said, *flown.reports),
+        sensors=(*found.sensors, *map(_sensor, options.sensor), *flown.sensors),
+        un_number=next((n for n in numbers if n is not None), None),
     )
 
 
-def _flown(path: Path | None) -> tuple[SensorReport, ...]:
-    if path is None:
-        return ()
-    options = estimator_options(path)
-    log = options.log()
-    GasSpool(options.spool_directory).restore(log)
-    return flight_reports(log.readings())
+def _flown(path: Path | None) -> Evidence:
+    """Return what the detectors of a flight showed, and what people reported during it."""
+    log = EvidenceLog()
+    if path is not None:
+        directory = estimator_options(path).spool_directory
+        ReportSpool(directory).restore(log)
+        for reading in GasSpool(directory).gas():
+            log.add_gas(reading)
+    return log.evidence()
 
 
 def _sensor(text: str) -> SensorReport:
@@ -157,42 +125,6 @@ def _sensor(text: str) -> SensorReport:
     except ValueError:
         raise ValueError(f'--sensor {text}: must be KIND=READING, a number') from None
     return SensorReport(sensor=kind, reading=value)
-
-
-def _notes(evidence: Evidence) -> list[str]:
-    """Return what the reader must know about the evidence."""
-    notes = []
-    number = evidence.un_number
-    if number is not None and number not in placards().values():
-        notes.append(f'UN {number} is not in the table: it speaks against those that are')
-    if evidence.sensors and not any(report.is_seen for report in evidence.sensors):
-        notes.append('no detector shows gas: their silence counts only where they were in the gas')
-    return notes
-
-
-def _plain(evidence: Evidence) -> dict[str, Any]:
-    content = dataclasses.asdict(evidence)
-    for row, report in zip(content['sensors'], evidence.sensors, strict=True):
-        row |= {'unit': report.kind.unit, 'is_seen': report.is_seen}
-    return content
-
-
-def _procedure(ranked: RankedSection, evidence: Evidence) -> dict[str, Any]:
-    """Return a section with the reports, their times and places, because of which it is there."""
-    words = set(ranked.because_of)
-    reports = [
-        dataclasses.asdict(report)
-        for report in evidence.reports
-        if report.is_true and words & set(report.observation.split('_')[1:])
-    ]
-    return {
-        'file': ranked.section.file,
-        'heading': ranked.section.heading,
-        'score': round(ranked.score, 4),
-        'because_of': list(ranked.because_of),
-        'reports': reports,
-        'text': ranked.section.text,
-    }
 
 
 def _text(document: dict[str, Any]) -> str:

@@ -3,17 +3,22 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
+from rocsafe_dispersion.estimation.evidence import (
+    RATE_PRIOR_SHARE,
+    independent_share,
+    log_evidence,
+    plume_share,
+)
 from rocsafe_dispersion.estimation.found_release import FoundRelease, drawn, found_release
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.hidden import HIDDEN_MULTIPLES, HiddenReleases
 from rocsafe_dispersion.estimation.plume_kernel import (
     LEAST_SPEED_MPS,
-    MEANDER_WEIGHTS,
     PlumeShape,
     unit_readings,
 )
@@ -29,8 +34,6 @@ from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
 
-# Values that one release more brings: two of its place and its rate.
-_VALUES_A_RELEASE = 3
 _EXCHANGES = 4
 
 
@@ -43,8 +46,8 @@ class LocatedReleases:
     releases
         Releases, the strongest first; none: nothing but background.
     gains
-        For 1, 2, ... releases: gain of the logarithm of the likelihood over one release fewer,
-        less the penalty; above 0 it was accepted.
+        For 1, 2, ... releases: logarithm of the odds of one release more against none more,
+        less `LocateOptions.least_gain`; above 0 it was accepted.
     background_g_m3
         Backgrounds of the instruments.
     shape
@@ -115,18 +118,20 @@ def locate_releases(
     empty = [_without(survey, case.scatter, options) for case in cases]
     gains: list[float] = []
     chosen: list[int] = []
-    share = options.information_share
-    best = max(float(fit.averaged(share)[0]) for fit in empty)
     background, case = empty[0].backgrounds_g_m3[0], cases[0]
+    # Without a release only the noise is left; beside one, its eddies are.
+    share = independent_share(survey, background, options.information_share)
     for _ in range(options.most_releases):
-        found, own, fit = _one_more(survey, cases, chosen, options)
-        value = float(fit.averaged(share)[0]) + own.log_prior
-        penalty = _VALUES_A_RELEASE / 2.0 * math.log(len(survey.values_g_m3)) + options.least_gain
-        gains.append(value - best - penalty)
+        before = _evidence_of(survey, cases, chosen, share, options)
+        found, own, evidence = _one_more(survey, cases, chosen, share, options)
+        gains.append(evidence + math.log(RATE_PRIOR_SHARE) - before - options.least_gain)
         if gains[-1] <= 0.0:
             break
-        chosen, case, best, background = found, own, value, fit.backgrounds_g_m3[0]
-    releases = _regions(survey, cases, case, chosen, places, area, options)
+        chosen, case, share = found, own, options.information_share
+        background = _at(survey, case, chosen, options).backgrounds_g_m3[0]
+    within = plume_share(survey, options, len(chosen))
+    of_places = replace(options, information_share=within)
+    releases = _regions(survey, cases, case, chosen, places, area, of_places)
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         gains=tuple(gains),
@@ -167,8 +172,21 @@ def _cases(
 
 
 def _without(survey: GasSurvey, scatter: float, options: LocateOptions) -> RateFits:
-    units = np.zeros((len(MEANDER_WEIGHTS), len(survey.values_g_m3), 1, 0))
+    units = np.zeros((1, len(survey.values_g_m3), 1, 0))
     return fit_rates(survey, units, scatter, options)
+
+
+def _at(survey: GasSurvey, case: _Case, chosen: list[int], options: LocateOptions) -> RateFits:
+    """Return the fit for releases at chosen places."""
+    return fit_rates(survey, case.units[:, :, None, chosen], case.scatter, options)
+
+
+def _evidence_of(
+    survey: GasSurvey, cases: list[_Case], chosen: list[int], share: float, options: LocateOptions
+) -> float:
+    """Return the logarithm of the evidence of releases at chosen places."""
+    fits = [_at(survey, case, chosen, options) for case in cases]
+    return log_evidence(fits, [case.log_prior for case in cases], share)
 
 
 def _fits(survey: GasSurvey, case: _Case, fixed: list[int], options: LocateOptions) -> RateFits:
@@ -181,34 +199,33 @@ def _fits(survey: GasSurvey, case: _Case, fixed: list[int], options: LocateOptio
 
 
 def _one_more(
-    survey: GasSurvey, cases: list[_Case], chosen: list[int], options: LocateOptions
-) -> tuple[list[int], _Case, RateFits]:
-    """Return the best places with one release more, their case, and their fit.
+    survey: GasSurvey,
+    cases: list[_Case],
+    chosen: list[int],
+    share: float,
+    options: LocateOptions,
+) -> tuple[list[int], _Case, float]:
+    """Return the best places with one release more, their case, and the evidence of one more.
 
     The new one is tried everywhere beside the others; then each in turn is tried everywhere
-    again until none moves.
+    again until none moves. `share` of the information counts for the evidence.
     """
-    best: tuple[float, list[int], _Case] | None = None
-    for case in cases:
-        fits = _fits(survey, case, chosen, options)
-        likely = fits.averaged(options.information_share)
-        index = int(likely.argmax())
-        value = float(likely[index]) + case.log_prior
-        if best is None or value > best[0]:
-            best = (value, [*chosen, index], case)
-    if best is None:
-        raise ValueError('at least one shape of the plume must be tried')
-    _, found, case = best
+    fits = [_fits(survey, case, chosen, options) for case in cases]
+    priors = [case.log_prior for case in cases]
+    likely = np.array([fit.averaged(options.information_share) for fit in fits])
+    likely += np.array(priors)[:, None]
+    best, index = np.unravel_index(int(likely.argmax()), likely.shape)
+    found, case = [*chosen, int(index)], cases[int(best)]
     for _ in range(_EXCHANGES if len(found) > 1 else 0):
         before = list(found)
         for number in range(len(found)):
             others = found[:number] + found[number + 1 :]
-            fits = _fits(survey, case, others, options)
-            index = int(fits.averaged(options.information_share).argmax())
-            found = [*found[:number], index, *found[number + 1 :]]
+            own = _fits(survey, case, others, options)
+            place = int(own.averaged(options.information_share).argmax())
+            found = [*found[:number], place, *found[number + 1 :]]
         if found == before:
             break
-    return found, case, fit_rates(survey, case.units[:, :, None, found], case.scatter, options)
+    return found, case, log_evidence(fits, priors, share)
 
 
 def _regions(

@@ -16,7 +16,7 @@ import numpy as np
 
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.gas_survey import point_survey
-from rocsafe_dispersion.estimation.plume_kernel import MEANDER_WEIGHTS, PlumeShape, unit_readings
+from rocsafe_dispersion.estimation.plume_kernel import PlumeShape, unit_readings
 from rocsafe_dispersion.plume.spread import Travel
 from rocsafe_geo.arrays import FloatArray
 
@@ -70,8 +70,7 @@ def predicted(samples: ReleaseSamples, places_m: FloatArray, air: MeanAir) -> Fl
             survey, samples.places_m[own], air.release_height_m, air.travel, air.reference_mps,
             still,
         )  # fmt: skip
-        mean = np.einsum('o,onm->mn', MEANDER_WEIGHTS, units)
-        found[own] = samples.rates_g_s[own][:, None] * mean
+        found[own] = samples.rates_g_s[own][:, None] * units[0].T
     return found
 
 

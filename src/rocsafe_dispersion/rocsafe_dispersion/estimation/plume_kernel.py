@@ -14,7 +14,7 @@ from rocsafe_geo.arrays import FloatArray
 _BLOCK = 1_000_000
 # Offsets of a plume that meanders, in standard deviations, and their weights (Gauss and Hermite).
 _ROOTS, _SHARES = np.polynomial.hermite_e.hermegauss(5)
-MEANDER_WEIGHTS = np.asarray(_SHARES / _SHARES.sum())
+_WEIGHTS = np.asarray(_SHARES / _SHARES.sum())
 # Slower wind does not carry a plume anywhere: readings in it count as in this wind, m/s.
 LEAST_SPEED_MPS = 0.3
 
@@ -40,6 +40,11 @@ class PlumeShape:
     meander: float = 0.6
 
 
+def offset_weights(units: FloatArray) -> FloatArray:
+    """Return the weights of the offsets of `unit_readings`, their first axis."""
+    return _WEIGHTS if len(units) == len(_WEIGHTS) else np.ones(1)
+
+
 def unit_readings(
     survey: GasSurvey,
     places_m: FloatArray,
@@ -50,7 +55,8 @@ def unit_readings(
 ) -> FloatArray:
     """Return the readings for releases of 1 g/s, (offsets, n, m), s/m^3.
 
-    The first axis is that of the offsets of a meandering plume, see `MEANDER_WEIGHTS`.
+    The first axis is that of the offsets of a meandering plume, see `offset_weights`; a plume
+    that does not meander has one.
 
     Parameters
     ----------
@@ -69,14 +75,15 @@ def unit_readings(
         How the plume differs.
     """
     count = len(survey.weights)
-    found = np.empty((len(_ROOTS), len(survey.values_g_m3), len(places_m)))
+    offsets = len(_ROOTS) if shape.meander else 1
+    found = np.empty((offsets, len(survey.values_g_m3), len(places_m)))
     size = max(_BLOCK // (len(places_m) * count), 1)
     for start in range(0, found.shape[1], size):
         own = slice(start, start + size)
         points = survey.places_m[own].reshape(-1, 3)
         winds = np.repeat(survey.wind_towards_mps[own], count, axis=0)
         values = _concentrations(points, winds, places_m, height_m, travel, shape)
-        values = values.reshape(len(_ROOTS), -1, count, len(places_m))
+        values = values.reshape(offsets, -1, count, len(places_m))
         found[:, own] = np.einsum('orkm,k->orm', values, survey.weights)
     speeds = np.maximum(survey.speeds_mps, LEAST_SPEED_MPS)
     return np.asarray(found * (reference_mps / speeds)[:, None])
@@ -96,7 +103,8 @@ def _concentrations(
     first = points_m[:, :1] - places_m[:, 0]
     second = points_m[:, 1:2] - places_m[:, 1]
     along, across = first * east + second * north, second * east - first * north
-    found = np.zeros((len(_ROOTS), *along.shape))
+    roots = _ROOTS.tolist() if shape.meander else [0.0]
+    found = np.zeros((len(roots), *along.shape))
     row, column = np.nonzero(along > 0.0)
     rows = travel.rows(along[row, column])
     sigma_y = shape.spread_y * at_rows(travel.sigma_y_m, rows)
@@ -106,7 +114,7 @@ def _concentrations(
     narrow = math.sqrt(1.0 - shape.meander)
     ratio = across[row, column] / sigma_y
     peak = flow / (math.sqrt(2.0 * math.pi) * narrow * sigma_y)
-    for number, root in enumerate(_ROOTS.tolist()):
+    for number, root in enumerate(roots):
         offset = (ratio - math.sqrt(shape.meander) * root) / narrow
         found[number, row, column] = peak * np.exp(-0.5 * offset**2)
     return found

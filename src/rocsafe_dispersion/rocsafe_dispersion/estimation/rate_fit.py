@@ -11,11 +11,12 @@ import numpy as np
 from scipy import special
 
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
-from rocsafe_dispersion.estimation.plume_kernel import MEANDER_WEIGHTS
+from rocsafe_dispersion.estimation.plume_kernel import offset_weights
 from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_geo.arrays import FloatArray
 
 ROUNDS = 8
+_DESCENTS = 20
 _TINY = 1e-300
 # The rate of the last release is tried at these multiples of its fit, closer near 1; the weights
 # make them even in the logarithm.
@@ -71,7 +72,7 @@ def fit_rates(
     options
         Tails, missed readings.
     """
-    mean_units = np.einsum('o,onmp->nmp', MEANDER_WEIGHTS, units)
+    mean_units = np.einsum('o,onmp->nmp', offset_weights(units), units)
     count, hypotheses, releases = mean_units.shape
     members = np.eye(survey.instruments.max() + 1)[survey.instruments]
     design = np.concatenate(
@@ -111,22 +112,33 @@ def _aimed_at(survey: GasSurvey, predicted: FloatArray) -> FloatArray:
 
 def _solved(design: FloatArray, weights: FloatArray, values: FloatArray) -> FloatArray:
     """Return the weighted least squares of each hypothesis, none below 0, (m, parameters)."""
-    normal = np.einsum('nmp,nm,nmq->mpq', design, weights, design)
-    right = np.einsum('nmp,nm->mp', design, weights * values)
+    weighted = (design * weights[:, :, None]).transpose(1, 2, 0)
+    normal = weighted @ design.transpose(1, 0, 2)
+    right = (weighted @ values.T[:, :, None])[:, :, 0]
     size = normal.shape[1]
     ridge = 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] + _TINY
     normal = normal + ridge * np.eye(size)
     found = np.linalg.solve(normal, right[:, :, None])[:, :, 0]
-    if not (found < 0.0).any():
-        return np.asarray(found)
-    # Coordinate descent with the bound; few parameters, so few rounds.
-    found = np.maximum(found, 0.0)
-    diagonal = np.einsum('mpp->mp', normal)
-    for _ in range(20):
-        for index in range(size):
-            rest = right[:, index] - np.einsum('mq,mq->m', normal[:, index], found)
-            found[:, index] = np.maximum(found[:, index] + rest / diagonal[:, index], 0.0)
+    below = (found < 0.0).any(axis=1)
+    if below.any():
+        found[below] = _bounded(normal[below], right[below], np.maximum(found[below], 0.0))
     return np.asarray(found)
+
+
+def _bounded(normal: FloatArray, right: FloatArray, found: FloatArray) -> FloatArray:
+    """Return the least squares with no parameter below 0, from a start.
+
+    Coordinate descent; few parameters, so few rounds.
+    """
+    for _ in range(_DESCENTS):
+        before = found.copy()
+        for index in range(found.shape[1]):
+            rest = right[:, index] - (normal[:, index] * found).sum(axis=1)
+            step = rest / normal[:, index, index]
+            found[:, index] = np.maximum(found[:, index] + step, 0.0)
+        if np.allclose(found, before, rtol=1e-6, atol=0.0):
+            break
+    return found
 
 
 def log_likelihoods(
@@ -154,7 +166,7 @@ def log_likelihoods(
     found = np.empty((background.shape[1], len(multiples)))
     for index, multiple in enumerate(multiples):
         density = missed.copy()
-        for share, gas in zip(MEANDER_WEIGHTS, others + multiple * last, strict=True):
+        for share, gas in zip(offset_weights(units), others + multiple * last, strict=True):
             spread = np.hypot(noise, scatter * gas)
             seen = _densities(survey, gas + background, spread)
             density += (1.0 - options.missed_probability) * share * seen

@@ -54,13 +54,19 @@ class LocateOptions:
     missed_probability
         Probability that a sensor within the plume reads nothing of it.
     information_share
-        Share of the readings' information that counts: readings that follow each other see the
-        same eddies, and no plume is a Gaussian one. Chosen so that regions of simulated surveys
-        hold what they state (docs/dispersion.md).
+        Largest share of the readings' information that counts beside a release: readings that
+        follow each other see the same eddies. Whether there is any release
+        is asked of more where the noise of the readings is independent. Chosen so that regions
+        of simulated surveys hold what they state (docs/dispersion.md).
+    shared_error
+        Correlation of any two readings within a plume because the plume is not the Gaussian one
+        of the model: however many there are, of its place and rate they tell together no more
+        than 1 / `shared_error` independent ones. Chosen as `information_share`.
     most_releases
         Largest number of releases, at most 3.
     least_gain
-        Gain of the logarithm of the likelihood, beyond the penalty of BIC, for one release more.
+        Logarithm of the odds that one release more needs, where one more and none more were
+        equally probable before: 4.6 stands for 99 to 1.
     smallest_g_s
         Rate of the weakest release that matters, g/s: what is said of releases that were not
         found is said of this rate.
@@ -73,8 +79,9 @@ class LocateOptions:
     fluctuations: tuple[tuple[float, float], ...] = ((0.0, 0.4), (0.6, 0.6))
     missed_probability: float = 0.1
     information_share: float = 0.3
+    shared_error: float = 0.6
     most_releases: int = 3
-    least_gain: float = 4.0
+    least_gain: float = 4.6
     smallest_g_s: float = 0.5
 
     def __post_init__(self) -> None:
@@ -87,5 +94,6 @@ class LocateOptions:
         require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
         require_between('missed_probability', self.missed_probability, 0.0, 0.9)
         require_between('information_share', self.information_share, 0.01, 1.0)
+        require_between('shared_error', self.shared_error, 0.0, 1.0)
         require_between('smallest_g_s', self.smallest_g_s, 1e-9, 1e9, 'g/s')
         require_count('most_releases', self.most_releases, 0, 3)

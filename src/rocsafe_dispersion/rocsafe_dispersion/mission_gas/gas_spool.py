@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Readings of gas and wind of a flight in files, so that a restart loses none."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import astuple, fields
 from typing import Any, TypeVar
 
@@ -28,12 +28,17 @@ class GasSpool:
         SpoolError
             If there is a file that cannot be read.
         """
-        for row in self._gas.restored():
-            if (gas := _reading(GasFlightReading, row)) is not None:
-                log.add_gas(gas)
+        for gas in self.gas():
+            log.add_gas(gas)
         for row in self._wind.restored():
             if (wind := _reading(WindFlightReading, row)) is not None:
                 log.add_wind(wind)
+
+    def gas(self) -> Iterator[GasFlightReading]:
+        """Yield the readings of gas that were kept before; a `SpoolError` says why it cannot."""
+        for row in self._gas.restored():
+            if (reading := _reading(GasFlightReading, row)) is not None:
+                yield reading
 
     def keep_gas(self, reading: GasFlightReading) -> None:
         """Append a reading; a `SpoolError` says why it cannot."""

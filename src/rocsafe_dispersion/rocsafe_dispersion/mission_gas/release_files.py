@@ -43,7 +43,12 @@ def write_release_files(
             path.unlink(missing_ok=True)
         return
     agent = assessment.flight.agent
-    facts = {'agent': agent.name, 'verdict': assessment.verdict.reason}
+    facts = {
+        'agent': agent.name,
+        'verdict': assessment.verdict.reason,
+        # n of the toxic load C^n t; null: not known.
+        'load_exponent': agent.load_exponent,
+    }
     _write_json(of_plume[0], zones_geojson(assessment.zones, frame, facts))
     areas = [_marked(zone, kind, agent.name) for zone in assessment.zones for kind in KINDS]
     of_plume[1].write_text(areas_kml(areas, frame), encoding='utf-8')

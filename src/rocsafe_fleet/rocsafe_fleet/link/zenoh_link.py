@@ -97,6 +97,8 @@ def _config(zenoh: Any, listen: str, peers: Sequence[str]) -> Any:
         ('connect/retry', {**retry, 'period_increase_factor': 2}),
         ('scouting/multicast/enabled', False),
         ('scouting/gossip/enabled', False),
+        # Segments stay after the process, whether it was killed or not.
+        ('transport/shared_memory/enabled', False),
     ):
         config.insert_json5(key, json.dumps(value))
     return config

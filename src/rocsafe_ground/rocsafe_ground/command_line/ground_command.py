@@ -4,11 +4,13 @@
 import argparse
 import dataclasses
 import json
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from rocsafe_ground.command_line.ground_arguments import joined, parser
+from rocsafe_ground.dose.toxic_load import GasExposure
 from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
@@ -103,10 +105,25 @@ def lines_of(plan: DrivePlan) -> list[str]:
             f'over cells {duration_text(plan.grid_time_s)}; no drive over them within the budget '
             f'is below {duration_text(plan.bound_s)} (gap {gap:.2f} %)'
         ),
+        *_gas(plan.gas),
         *_price(plan),
         *(f'left out: {one.evidence}: {one.why}' for one in plan.left_out),
         *_curve(plan),
     ]
+
+
+def _gas(gas: GasExposure | None) -> list[str]:
+    if gas is None:
+        return []
+    highest = f'{gas.highest_ppm:.3g} ppm at most, upper 95 % {gas.highest_upper_ppm:.3g}'
+    load = 'its toxic load is not known'
+    if math.isfinite(gas.load_share):
+        load = (
+            f'toxic load {gas.load_share:.3g} times that of {gas.level}, upper 95 % '
+            f'{gas.load_upper_share:.3g} times'
+        )
+    outside = f'; {gas.unknown_s:.0f} s outside its map' if gas.unknown_s > 0.0 else ''
+    return [f'{gas.agent}: {highest}; {load}{outside}']
 
 
 def _price(plan: DrivePlan) -> list[str]:

@@ -9,6 +9,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_between, require_positive
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.dose.forecast import DoseForecast
+from rocsafe_ground.dose.toxic_load import GasExposure
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
 
@@ -140,6 +141,8 @@ class DrivePlan:
         Points not visited.
     curve
         Budget of dose and time of the trip within it, for the same points.
+    gas
+        Gas along the drive; None: none was found.
     """
 
     request: DriveRequest
@@ -155,6 +158,7 @@ class DrivePlan:
     standing_usv: float
     left_out: tuple[LeftOut, ...]
     curve: tuple[tuple[float, float], ...]
+    gas: GasExposure | None = None
 
     @property
     def length_m(self) -> float:

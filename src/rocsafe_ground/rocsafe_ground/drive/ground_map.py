@@ -15,6 +15,7 @@ from rocsafe_geo.regions.area_files import read_areas
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_ground.dose.dose_field import DoseField, dose_field, origin_of
 from rocsafe_ground.dose.source_posterior import SourcePosterior, read_sources
+from rocsafe_ground.dose.toxic_load import GasField, read_gas
 from rocsafe_ground.drivable.drivable_ground import DrivableGround, Layers, Reason, drivable_ground
 from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.raster import Bands, read_bands
@@ -67,12 +68,15 @@ class GroundMap:
         Dose rates.
     turn_back_usvh
         No cell whose upper dose rate reaches it is free.
+    gas
+        Concentrations of a gas; None: none was found.
     """
 
     grid: RouteGrid
     ground: DrivableGround
     field: DoseField
     turn_back_usvh: float
+    gas: GasField | None = None
 
     @property
     def reasons(self) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -148,7 +152,13 @@ def read_ground_map(
     if np.isnan(field.mean_usvh).all():
         raise NoMapError(f'{doses_path}: does not overlap {files.folder / MOSAIC}')
     ground = drivable_ground(layers, grid, vehicle)
-    return GroundMap(grid=grid, ground=ground, field=field, turn_back_usvh=turn_back_usvh)
+    return GroundMap(
+        grid=grid,
+        ground=ground,
+        field=field,
+        turn_back_usvh=turn_back_usvh,
+        gas=read_gas(files.folder, grid),
+    )
 
 
 def _heights(path: Path) -> Bands | None:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_ground.dose.forecast import DoseForecast, Draws, forecast_of
+from rocsafe_ground.dose.toxic_load import GasExposure
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest, DriveStop, LeftOut
 from rocsafe_ground.drive.ground_map import GroundMap
 from rocsafe_ground.drive.stands import Stand, stand_of, start_cell
@@ -49,12 +50,22 @@ class _Task:
 
     def forecast(self, tour: Tour) -> DoseForecast:
         """Return the dose of a tour, dwells included."""
-        request, track = self.request, self.track(tour)
-        dwells = [self.stands[k] for k in tour.order]
-        cells = np.concatenate([track.cells, [stand.cell for stand in dwells]]).astype(np.int64)
-        seconds = np.concatenate([track.seconds, [stand.point.dwell_s for stand in dwells]])
+        request = self.request
+        cells, seconds = self._spent(tour)
         draws = Draws(count=request.draws, seed=request.seed, confidence=request.confidence)
         return forecast_of(self.ground.field, cells, seconds, request.dose_budget_usv, draws)
+
+    def gas(self, tour: Tour) -> GasExposure | None:
+        """Return the gas along a tour, dwells included; None: none was found."""
+        gas = self.ground.gas
+        return None if gas is None else gas.exposure(*self._spent(tour))
+
+    def _spent(self, tour: Tour) -> tuple[IndexArray, FloatArray]:
+        """Return cells and the seconds in each, dwells included."""
+        track, dwells = self.track(tour), [self.stands[k] for k in tour.order]
+        cells = np.concatenate([track.cells, [stand.cell for stand in dwells]]).astype(np.int64)
+        seconds = np.concatenate([track.seconds, [stand.point.dwell_s for stand in dwells]])
+        return cells, seconds
 
 
 def plan_drive(request: DriveRequest, ground: GroundMap) -> DrivePlan:
@@ -230,6 +241,7 @@ def _plan(
         standing_usv=_standing_usv(task, tour),
         left_out=(*refused, *_left_out(task, tour)),
         curve=_curve(task, tour),
+        gas=task.gas(tour),
     )
 
 

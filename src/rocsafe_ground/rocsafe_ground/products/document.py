@@ -4,6 +4,7 @@
 import math
 from typing import Any
 
+from rocsafe_ground.dose.toxic_load import GasExposure
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveStop
 
 Document = dict[str, Any]
@@ -43,6 +44,20 @@ def drive_document(plan: DrivePlan) -> Document:
         ],
         'left_out': [{'evidence': one.evidence, 'why': one.why} for one in plan.left_out],
         'stops': [_stop(stop) for stop in plan.stops],
+        **({} if plan.gas is None else {'gas': _gas(plan.gas)}),
+    }
+
+
+def _gas(gas: GasExposure) -> Document:
+    known = math.isfinite(gas.load_share)
+    return {
+        'agent': gas.agent,
+        'highest_ppm': round(gas.highest_ppm, 6),
+        'highest_upper_95_ppm': round(gas.highest_upper_ppm, 6),
+        'toxic_load_of': gas.level,
+        'toxic_load_share': round(gas.load_share, 9) if known else None,
+        'toxic_load_share_upper_95': round(gas.load_upper_share, 9) if known else None,
+        'outside_the_map_s': round(gas.unknown_s, 3),
     }
 
 

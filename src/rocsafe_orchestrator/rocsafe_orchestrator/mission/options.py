@@ -2,14 +2,15 @@
 """Limits of every wait of a mission, seconds of wall time."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
+from rocsafe_geo.option import option
 from rocsafe_orchestrator.mission.presence import Lease
 
 
 def _seconds(default: float, doc: str) -> Any:
-    return field(default=default, metadata={'doc': doc, 'min': 0.1, 'max': 86_400.0})
+    return option(default, doc, 0.1, 86_400.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,10 +36,10 @@ class OrchestratorOptions:
     lost_after_s: float = _seconds(15.0, 'a vehicle not heard for so long is replaced, s')
 
     def __post_init__(self) -> None:
-        for option in fields(self):
-            value = getattr(self, option.name)
+        for each in fields(self):
+            value = getattr(self, each.name)
             if not 0.1 <= value <= 86_400.0:
-                raise ValueError(f'{option.name} = {value}: must be within 0.1 to 86400 s')
+                raise ValueError(f'{each.name} = {value}: must be within 0.1 to 86400 s')
         if not self.lost_after_s > self.silent_after_s:
             raise ValueError(
                 f'lost_after_s = {self.lost_after_s:g}: must be above silent_after_s, '

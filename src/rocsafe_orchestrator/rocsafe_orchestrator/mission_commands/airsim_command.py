@@ -14,7 +14,7 @@ from rich.console import Console
 
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, SetupError
 from rocsafe_orchestrator.parameters.node_parameters import AIR, FLEET, RECORDER
-from rocsafe_orchestrator.processes.company import needed_names
+from rocsafe_orchestrator.processes.company import needed_names, open_topics
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_orchestrator.processes.interrupt import Interrupt
@@ -34,6 +34,7 @@ from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
 from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.domain.mission_identity import new_identity
+from rocsafe_ros.domain.mission_partition import keep_to_mission
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -90,6 +91,8 @@ def serve_scripts(request: AirsimRequest, console: Console) -> int:
         write_json(directory.run_info, provenance(sys.argv, started))
         export_scenes(scenario, directory)
         table = _table(scenario, directory, request)
+        topics = open_topics(scenario)
+        keep_to_mission(os.environ, directory.parameters, mission.token, topics)
         return _serve(table, directory, claim, request, console)
 
 

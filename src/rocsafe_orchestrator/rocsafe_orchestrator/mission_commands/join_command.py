@@ -15,6 +15,7 @@ from rocsafe_geo.storage.yaml_source import parse_yaml
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, SetupError
 from rocsafe_orchestrator.mission_commands.mission_run import locked, log_to
 from rocsafe_orchestrator.planning_commands.preflight_command import cleared
+from rocsafe_orchestrator.processes.company import open_topics
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.hosts import (
     ALIVE_S,
@@ -41,6 +42,7 @@ from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
 from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.domain.mission_identity import MissionIdentity
+from rocsafe_ros.domain.mission_partition import keep_to_mission
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
@@ -114,6 +116,8 @@ class HostRun:
         self._table: tuple[ProcessSpec, ...] = tuple(spec for spec in table if spec.is_here)
         require_executables(self._table)
         os.environ[MISSION_VARIABLE] = welcome.token
+        topics = open_topics(scenario)
+        keep_to_mission(os.environ, self._run.parameters, welcome.token, topics)
         self._session = Session(mission=welcome.mission, token=welcome.token)
         # Without a head a process ends by itself, with exit code 0, when it is not needed.
         tasks = [replace(one, is_task=True) for one in launches(self._table, self._run, identity)]

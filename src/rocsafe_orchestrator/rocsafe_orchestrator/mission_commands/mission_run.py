@@ -29,6 +29,7 @@ from rocsafe_orchestrator.mission_commands.progress import (
 )
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
+from rocsafe_orchestrator.processes.company import open_topics
 from rocsafe_orchestrator.processes.console_process import operators_page, seal
 from rocsafe_orchestrator.processes.domain_lock import file_lock
 from rocsafe_orchestrator.processes.hosts import (
@@ -47,6 +48,7 @@ from rocsafe_orchestrator.products.photographs import read_photographs
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.watches.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_ros.control_lease import MISSION_VARIABLE
+from rocsafe_ros.domain.mission_partition import keep_to_mission
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view.formats import clock
 
@@ -116,7 +118,9 @@ class MissionRun:
         self.interrupt.on_hangup = self.terminal.close
         self.identity = replace(self.claim.mission, mission=self.directory.name)
         # Vehicles and orchestrator of a mission know each other by it.
-        os.environ[MISSION_VARIABLE] = self.identity.token
+        os.environ[MISSION_VARIABLE] = token = self.identity.token
+        topics = open_topics(self.scenario)
+        keep_to_mission(os.environ, self.directory.parameters, token, topics)
         self.started_s = time.monotonic()
         levels = self.scenario.radiation.levels
         self.monitor = Monitor(

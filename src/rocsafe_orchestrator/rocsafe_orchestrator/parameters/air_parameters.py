@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Parameters of the nodes ``air`` and ``estimator``, made from the air block of a scenario."""
+"""Parameters of ``air``, ``estimator`` and ``advisor``, from the air block of a scenario."""
 
 from typing import Any
 
-from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.run_directory import PROCEDURES, RunDirectory
 from rocsafe_scenario.scenario import Scenario
 
 Parameters = dict[str, Any]
-ESTIMATOR = 'estimator'
+ESTIMATOR, ADVISOR = 'estimator', 'advisor'
 # Keys of the block that are parameters of the node, not settings of its file.
 OWN_KEYS = {'window_s', 'wind', 'search'}
 
@@ -49,5 +49,14 @@ def estimator_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'dilution': air.dilution,
         'intake_delay_s': air.intake_delay_s,
         **air.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'}),
+        'spool_directory': str(run.spool / ESTIMATOR),
+    }
+
+
+def advisor_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the advisor, which reads what the estimator keeps."""
+    return {
+        'vehicles': list(scenario.vehicle_names),
+        'procedures_directory': str(run.path / PROCEDURES),
         'spool_directory': str(run.spool / ESTIMATOR),
     }

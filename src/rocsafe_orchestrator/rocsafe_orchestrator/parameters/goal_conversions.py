@@ -17,6 +17,7 @@ from rocsafe_interfaces.msg import (
     SurveyEffort,
     SurveyPlan,
     SurveySeparation,
+    UnheardVehicle,
     VehicleNow,
     VehicleSpec,
 )
@@ -143,8 +144,8 @@ def rest_goal(
     able
         Names of the vehicles that can be given a route.
     unheard
-        Names of those of which nothing is heard. Those that may be in the air keep their flight
-        heights: the others stay away from them.
+        Names of those of which nothing is heard. The others stay away from where those may be
+        that may be in the air.
     """
     plan, routes = plans
     left = {viewpoint.id for route in plan.routes for viewpoint in route.viewpoints}
@@ -168,27 +169,45 @@ def rest_goal(
             and monitor.vehicle(vehicle.name).state is FlightState.LANDED
         )
     ]
+    homes = {
+        vehicle.name: point_of_position(scenario.ground_position(vehicle.home))
+        for vehicle in scenario.vehicles
+    }
     return PlanSurvey.Goal(
         rest_of=plan.plan_id,
         visited=sorted(visited),
         able=able_now,
-        occupied_heights_m=_occupied_heights_m(unheard, routes, monitor),
+        unheard=_in_the_air(unheard, routes, monitor, homes),
         terrain_file=scenario.survey.terrain_file,
     )
 
 
-def _occupied_heights_m(
-    unheard: Iterable[str], routes: Mapping[tuple[str, str], Route], monitor: Monitor
-) -> list[float]:
-    """Return the flight heights of vehicles that nobody hears, unless they stood for good."""
-    heights: set[float] = set()
-    for name in unheard:
+def _in_the_air(
+    unheard: Iterable[str],
+    routes: Mapping[tuple[str, str], Route],
+    monitor: Monitor,
+    homes: Mapping[str, GeoPoint],
+) -> list[UnheardVehicle]:
+    """Return what is known of vehicles that nobody hears, unless they stood for good."""
+    found = []
+    for name in sorted(unheard):
         status = monitor.vehicle(name)
         flown = routes.get((status.plan_id, name))
         may_fly = status.state not in GROUNDED or status.is_waiting
         if flown is not None and flown.viewpoints and may_fly:
-            heights.add(flown.flight_height_m)
-    return sorted(heights)
+            last = [] if status.position is None else [point_of_position(status.position)]
+            places = [viewpoint.position for viewpoint in flown.viewpoints]
+            # It lands where its route ends, or at home.
+            found += [
+                UnheardVehicle(
+                    name=name,
+                    flight_height_m=flown.flight_height_m,
+                    home=home,
+                    places=[*last, *places],
+                )
+                for home in (homes[name], *flown.end)
+            ]
+    return found
 
 
 def _ends_away(route: Route) -> bool:

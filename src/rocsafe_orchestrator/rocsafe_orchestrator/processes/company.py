@@ -54,6 +54,17 @@ def needed_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> frozenset[
     return frozenset(names | {name for name in _topics(scenario) if not name.startswith('/')})
 
 
+def open_topics(scenario: Scenario) -> Iterator[str]:
+    """Yield the topics that programs of others may publish to a mission in flight."""
+    others = [camera.name for camera in scenario.other_cameras]
+    simulated = set(scenario.metered_names)
+    gimbals = [topics.of_camera(topics.GIMBAL_COMMAND, camera) for camera in others]
+    for spec, vehicle in recorded_topics(scenario.all_names, others):
+        is_detector = spec in DETECTOR_TOPICS and vehicle not in simulated
+        if is_detector or spec in (*topics.FROM_ANYBODY, *gimbals):
+            yield topics.name_of(spec, vehicle)
+
+
 def _topics(scenario: Scenario) -> Iterator[str]:
     others = [camera.name for camera in scenario.other_cameras]
     simulated = set(scenario.metered_names)

@@ -8,7 +8,9 @@ from typing import Any
 from rocsafe_orchestrator.mission.situation import Crew
 from rocsafe_orchestrator.parameters import node_parameters as parameters
 from rocsafe_orchestrator.parameters.air_parameters import (
+    ADVISOR,
     ESTIMATOR,
+    advisor_parameters,
     air_parameters,
     estimator_parameters,
 )
@@ -201,6 +203,8 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
             estimator_parameters(scenario, run),
             *_shared(topics.RELEASES, topics.SUGGEST_GAS_VIEWPOINTS),
         )
+        advisor = advisor_parameters(scenario, run)
+        yield _process(ADVISOR, 'rocsafe_dispersion/advisor', advisor, *_shared(topics.AGENT))
 
 
 def _vehicle_processes(

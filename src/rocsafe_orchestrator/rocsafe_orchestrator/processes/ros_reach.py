@@ -5,7 +5,6 @@ import os
 
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_ros.domain.network import INTERFACES, PEERS, bind_interfaces
-from rocsafe_ros.domain.shared_memory import remove_torn_ports
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_scenario.scenario import Scenario
 
@@ -46,14 +45,11 @@ def reach(scenario: Scenario, host: str = '') -> None:
 def stay_on_this_machine() -> None:
     """Limit ROS discovery to this machine unless the user has set a range.
 
-    What a killed process left half made in shared memory is removed.
-
     Raises
     ------
     SetupError
         If an interface that the user has named is wrong.
     """
-    remove_torn_ports()
     if not any(os.environ.get(name) for name in REACH_VARIABLES):
         os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
     try:

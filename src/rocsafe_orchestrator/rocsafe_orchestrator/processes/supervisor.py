@@ -150,7 +150,8 @@ class Supervisor:
         children = [self._children[name] for name in (self._children if names is None else names)]
         for child in children:
             child.start_at_s = None
-            _signal(child.process, signal.SIGINT)
+            # SIGINT would end a process that still imports its modules with a traceback.
+            _signal(child.process, signal.SIGTERM)
         end = self._clock() + deadline_s
         while any(map(self._still_runs, children)) and self._clock() < end and not must_hurry():
             time.sleep(STOP_POLL_S)

@@ -12,8 +12,9 @@ from typing import Any
 
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products.estimator_process import run_estimator
+from rocsafe_orchestrator.run_directory import PROCEDURES
 
-EVIDENCE_FILE, PROCEDURES_FOLDER = 'evidence.yaml', 'procedures'
+EVIDENCE_FILE = 'evidence.yaml'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,7 +92,7 @@ def advise(parameters: Path, folder: Path) -> AgentAdvice:
     OrchestratorError
         If there is no advice, with the reason.
     """
-    evidence, procedures = folder / EVIDENCE_FILE, folder / PROCEDURES_FOLDER
+    evidence, procedures = folder / EVIDENCE_FILE, folder / PROCEDURES
     arguments = [f'--readings={parameters}', f'--out={folder}']
     arguments += [str(evidence)] * evidence.exists()
     arguments += [f'--procedures={procedures}'] * procedures.exists()

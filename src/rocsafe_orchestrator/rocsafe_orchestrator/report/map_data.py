@@ -15,6 +15,7 @@ from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
+from rocsafe_orchestrator.report.gas_zones import read_zones, release_points
 from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
     exclusion_rings,
@@ -49,6 +50,7 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
     tracks = record.log.tracks if record.log else {}
     readings = record.log.readings if record.log else ()
     stride = max(-(-len(readings) // MOST_READINGS), 1)
+    releases = release_points(record.releases, frame)
     return MapView(
         origin_deg=(frame.origin.latitude_deg, frame.origin.longitude_deg),
         metres_per_degree=metres_per_degree(frame),
@@ -68,6 +70,8 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
         sources=_sources(record, frame),
         estimates=estimate_points(record.estimates, frame),
         cordons=safe_cordons(record.path, frame),
+        zones=read_zones(record.path, frame, releases),
+        releases=releases,
         replanned=further_lines(record, frame),
         picture=ground_picture(record.path / MOSAIC, frame),
     )

@@ -68,7 +68,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         dose_rate_of=dose_rate_of,
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
         dose=dose,
-        gas=gas_view(record.releases),
+        gas=gas_view(record.releases, view.zones if view else ()),
         advice=advice_view(record.advice),
         drive=drive_view(record, frame),
         fleet=fleet_view(record.log.agents if record.log else (), begin_ns),

@@ -16,6 +16,7 @@ from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_planner.checking.checked_track import frame_of, plane_of, way
 from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, Fault, route_faults
 from rocsafe_planner.checking.traffic_checker import separation_faults
+from rocsafe_planner.checking.unheard_checker import unheard_faults
 from rocsafe_planner.plan.plan import Route, SurveyPlan, Viewpoint
 
 
@@ -23,6 +24,7 @@ def check_plan(plan: SurveyPlan) -> list[Fault]:
     """Return the faults of a plan, one line each."""
     faults = [*_visits(plan), *_figures(plan), *_coverage(plan), *_exclusions(plan)]
     faults += _occupied_heights(plan)
+    faults += unheard_faults(plan)
     for route in plan.routes:
         faults.extend(f'{route.vehicle.name}: {fault}' for fault in route_faults(plan, route))
     return faults or list(separation_faults(plan))
@@ -52,7 +54,8 @@ def _occupied_heights(plan: SurveyPlan) -> Iterator[Fault]:
     """Yield routes that are flown near the height of a vehicle that nobody hears."""
     least_m = plan.request.separation.distance_m - ABSOLUTE_M
     for route in plan.routes:
-        for height_m in plan.request.continuation.occupied_heights_m:
+        for one in plan.request.continuation.unheard:
+            height_m = one.flight_height_m
             if route.sorties and abs(route.flight_height_m - height_m) < least_m:
                 yield (
                     f'{route.vehicle.name}: flies at {route.flight_height_m:g} m, {height_m:g} m '

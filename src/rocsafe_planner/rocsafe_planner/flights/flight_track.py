@@ -49,6 +49,10 @@ class FlightTrack:
             np.hypot(level, max(spec.climb_rate_mps, spec.descent_rate_mps))
         )
 
+    def ways(self) -> list[FloatArray]:
+        """Return the corners (east, north, up) of each flight, climb and descent included."""
+        return [np.asarray(motion.places_enu) for motion in self._motions]
+
     @property
     def duration_s(self) -> float:
         """Time from the first take-off to the last touch-down."""

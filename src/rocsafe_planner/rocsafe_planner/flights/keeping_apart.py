@@ -15,6 +15,7 @@ from rocsafe_planner.flights.separation import (
     flying_order,
     minimum_separation_m,
 )
+from rocsafe_planner.flights.unheard_space import UnheardSpace, keeps_away, unheard_spaces
 from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.problem.fleet_problem import Order
 from rocsafe_planner.site.survey_site import SurveySite
@@ -30,11 +31,15 @@ Orders = list[Order]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptApart:
-    """Routes, how high each vehicle flies above the others, and the least distance of any two."""
+    """Routes, how high each vehicle flies above the others, and the least distance of any two.
+
+    `near_unheard` names vehicles that come near to where one may be of which nobody hears.
+    """
 
     routes: tuple[Route, ...]
     layers_m: tuple[float, ...]
     separation_m: float
+    near_unheard: tuple[str, ...] = ()
 
 
 def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
@@ -61,9 +66,9 @@ def _kept_apart(site: SurveySite, orders: Orders, turn: int = 0) -> KeptApart:
     request = site.request
     is_wanted = request.separation.distance_m > 0.0
     layers = site.problem.layers_m or (0.0,) * len(orders)
-    routes = routes_of(site, orders)
+    routes, spaces = routes_of(site, orders), unheard_spaces(site)
     if is_wanted and request.separation.by == 'layers':
-        layers = _layers(site, orders, routes, turn)
+        layers = _layers(site, orders, routes, turn, spaces)
         site = in_layers(site, layers)
         routes = routes_of(site, orders)
     flying = [k for k, route in enumerate(routes) if route.sorties]
@@ -76,7 +81,14 @@ def _kept_apart(site: SurveySite, orders: Orders, turn: int = 0) -> KeptApart:
         dataclasses.replace(route, delay_s=late.get(k, 0.0)) for k, route in enumerate(routes)
     )
     return KeptApart(
-        routes=delayed, layers_m=layers, separation_m=minimum_separation_m(tracks, delays)
+        routes=delayed,
+        layers_m=layers,
+        separation_m=minimum_separation_m(tracks, delays),
+        near_unheard=tuple(
+            routes[k].vehicle.name
+            for k, track in zip(flying, tracks, strict=True)
+            if not keeps_away(spaces, track, site.problem.flight_height_m(k))
+        ),
     )
 
 
@@ -121,13 +133,18 @@ def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
 
 
 def _layers(
-    site: SurveySite, orders: Orders, routes: tuple[Route, ...], turn: int
+    site: SurveySite,
+    orders: Orders,
+    routes: tuple[Route, ...],
+    turn: int,
+    spaces: list[UnheardSpace],
 ) -> tuple[float, ...]:
     """Return the height above the others at which each vehicle lands earliest.
 
     In the order in which places are given each vehicle takes the layer in which it lands first,
-    waiting included; the lowest of those that are equal. Layers nearer than the separation to an
-    occupied height are left out.
+    waiting included; the lowest of those that are equal. Layers nearer than the separation to the
+    height of a vehicle that nobody hears are left out, and, where there are others, those in which
+    it comes near to where that one may be.
 
     Raises
     ------
@@ -144,32 +161,37 @@ def _layers(
     for k in (flying[i] for i in flying_order(tracks, turn)):
         free = [layer for layer in _free_layers(site) if layer <= highest_m]
         if not free:
-            heights = ', '.join(f'{m:g} m' for m in site.request.continuation.occupied_heights_m)
+            unheard = site.request.continuation.unheard
+            heights = ', '.join(f'{one.flight_height_m:g} m' for one in unheard)
             raise NoFreeHeightError(
                 f'no flight height up to {airspace.max_height_agl_m:g} m keeps {step:g} m from '
                 f'vehicles that nobody hears, at {heights}'
             )
-        best = (math.inf, 0.0, free[0], tracks[flying.index(k)])
+        best = (True, math.inf, 0.0, free[0], tracks[flying.index(k)])
         for layer in free:
             trial = in_layers(site, tuple(layer if i == k else 0.0 for i in range(len(orders))))
             try:
                 track = _track(trial, k, route_of(trial, k, orders[k]))
             except BeyondEnduranceError:
                 break
-            delay = placed.delay_s(track, best[0] - track.duration_s)
-            if delay + track.duration_s < best[0] - 1e-9:
-                best = (delay + track.duration_s, delay, layer, track)
-            if best[1] == 0.0:
+            is_near = not keeps_away(spaces, track, trial.problem.flight_height_m(k))
+            limit_s = best[1] if is_near == best[0] else math.inf
+            if is_near > best[0]:
+                continue
+            delay = placed.delay_s(track, limit_s - track.duration_s)
+            if delay + track.duration_s < limit_s - 1e-9:
+                best = (is_near, delay + track.duration_s, delay, layer, track)
+            if not best[0] and best[2] == 0.0:
                 break
-        layers[k] = best[2]
-        placed.add(best[3], best[1])
+        layers[k] = best[3]
+        placed.add(best[4], best[2])
     return tuple(layers)
 
 
 def _free_layers(site: SurveySite) -> list[float]:
     """Return the layers that are not occupied, as heights above the lowest."""
     step, base_m = site.request.separation.distance_m, site.request.coverage.height_agl_m
-    occupied_m = site.request.continuation.occupied_heights_m
+    occupied_m = [one.flight_height_m for one in site.request.continuation.unheard]
     layers = [number * step for number in range(MAX_LAYERS)]
     return [
         layer

@@ -9,7 +9,7 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import Ring, SurveyArea
 from rocsafe_geo.terrain.terrain import Terrain
-from rocsafe_planner.plan.survey_options import Continuation
+from rocsafe_planner.plan.survey_options import Continuation, UnheardVehicle
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.plan.viewpoint import Viewpoint
@@ -85,14 +85,23 @@ def viewpoint_document(viewpoint: Viewpoint) -> Document:
     }
 
 
+def _unheard_document(vehicle: UnheardVehicle) -> Document:
+    return {
+        'name': vehicle.name,
+        'flight_height_m': vehicle.flight_height_m,
+        'home': position_document(vehicle.home),
+        'places': [position_document(place) for place in vehicle.places],
+    }
+
+
 def continuation_document(continuation: Continuation) -> Document:
     """Return what is taken over from an earlier plan; what is rare only where there is some."""
-    occupied = list(continuation.occupied_heights_m)
+    unheard = [_unheard_document(one) for one in continuation.unheard]
     document: Document = {
         'viewpoints': [viewpoint_document(view) for view in continuation.viewpoints],
         'visited': [viewpoint_document(view) for view in continuation.visited],
         'ground_reference': [position_document(p) for p in continuation.ground_reference],
-        **({'occupied_heights_m': occupied} if occupied else {}),
+        **({'unheard': unheard} if unheard else {}),
     }
     if continuation.last:  # other plans keep their ids
         document['last'] = list(continuation.last)

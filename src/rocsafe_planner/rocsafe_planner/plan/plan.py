@@ -102,6 +102,9 @@ class SurveyPlan:
         it that none shows.
     minimum_separation_m
         Least distance of any two vehicles in the air; infinite if no two ever are.
+    near_unheard
+        Names of the vehicles that climb, descend or fly within the separation of where a vehicle
+        may be of which nobody hears, because no layer avoids it.
     left_out
         Ids of viewpoints of the rest of a survey that the batteries do not do for.
     """
@@ -118,6 +121,7 @@ class SurveyPlan:
     objective_bound: float = math.nan
     largest_hole_m2: float = 0.0
     minimum_separation_m: float = field(default=float('inf'))
+    near_unheard: tuple[str, ...] = ()
     left_out: tuple[int, ...] = ()
     forbidden_area_m2: float = 0.0
 

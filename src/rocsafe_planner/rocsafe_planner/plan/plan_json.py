@@ -77,6 +77,7 @@ def quality_document(plan: SurveyPlan) -> Document:
         'covered_fraction': plan.covered_fraction,
         'largest_hole_m2': plan.largest_hole_m2,
         'minimum_separation_m': number(plan.minimum_separation_m),
+        **({'near_unheard': list(plan.near_unheard)} if plan.near_unheard else {}),
         'total_duration_s': plan.total_duration_s,
         'total_energy_wh': plan.total_energy_wh,
     }

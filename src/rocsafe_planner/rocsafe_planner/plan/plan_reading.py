@@ -22,6 +22,7 @@ from rocsafe_planner.plan.survey_options import (
     CoverageOptions,
     Effort,
     SeparationOptions,
+    UnheardVehicle,
 )
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
@@ -101,6 +102,7 @@ def _plan(document: Document, terrain: Terrain | None) -> SurveyPlan:
         request=request,
         routes=tuple(_route(vehicle, route, camera) for vehicle, route in vehicles),
         minimum_separation_m=_known(document['minimum_separation_m'], math.inf),
+        near_unheard=tuple(document.get('near_unheard', ())),
         left_out=tuple(document.get('left_out', ())),
         forbidden_area_m2=document.get('forbidden_area_m2', 0.0),
         objective_bound=_known(document['objective_bound'], math.nan),
@@ -134,9 +136,18 @@ def _request(document: Document, terrain: Terrain | None) -> SurveyRequest:
             viewpoints=tuple(_viewpoint(v, camera) for v in continuation['viewpoints']),
             visited=tuple(_viewpoint(v, camera) for v in continuation['visited']),
             ground_reference=tuple(map(_position, continuation['ground_reference'])),
-            occupied_heights_m=tuple(continuation.get('occupied_heights_m', ())),
+            unheard=tuple(map(_unheard, continuation.get('unheard', ()))),
             last=tuple(continuation.get('last', ())),
         ),
+    )
+
+
+def _unheard(document: Document) -> UnheardVehicle:
+    return UnheardVehicle(
+        name=document['name'],
+        flight_height_m=document['flight_height_m'],
+        home=_position(document['home']),
+        places=tuple(map(_position, document['places'])),
     )
 
 

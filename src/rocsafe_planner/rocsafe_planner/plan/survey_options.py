@@ -193,6 +193,33 @@ class Effort:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class UnheardVehicle:
+    """A vehicle in the air and in no plan, because nobody hears it.
+
+    It goes on along its route, or returns, by itself.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    flight_height_m
+        Height of its legs above the ground.
+    home
+        Where it lands.
+    places
+        Corners of its route.
+    """
+
+    name: str
+    flight_height_m: float
+    home: GeoPosition
+    places: tuple[GeoPosition, ...]
+
+    def __post_init__(self) -> None:
+        require_not_negative('flight_height_m', self.flight_height_m, 'm')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Continuation:
     """Data that a plan takes over from the plan that it continues.
 
@@ -204,10 +231,10 @@ class Continuation:
         Places photographed before, which count as seen.
     ground_reference
         Places whose altitudes define the height of level ground; empty: the homes.
-    occupied_heights_m
-        Flight heights above the ground of vehicles that are in the air and in no plan, because
-        nobody hears them: they go on by themselves. No route is flown nearer to such a height
-        than the separation.
+    unheard
+        Vehicles of which nobody hears. No route is flown nearer to their heights than the
+        separation, nor, where a layer avoids it, through the columns of their homes or up and
+        down over their routes.
     last
         Ids of viewpoints that each vehicle visits after all its others.
     """
@@ -215,12 +242,8 @@ class Continuation:
     viewpoints: tuple[Viewpoint, ...] = ()
     visited: tuple[Viewpoint, ...] = ()
     ground_reference: tuple[GeoPosition, ...] = ()
-    occupied_heights_m: tuple[float, ...] = ()
+    unheard: tuple[UnheardVehicle, ...] = ()
     last: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        for height_m in self.occupied_heights_m:
-            require_not_negative('occupied_heights_m', height_m, 'm')
 
     @property
     def is_rest(self) -> bool:

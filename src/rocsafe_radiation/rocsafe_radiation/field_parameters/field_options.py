@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """ROS parameters of the node ``radiation_field``."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import ClassVar
 
+from rocsafe_geo.option import option
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL
 from rocsafe_radiation.physics.field import MODELS, PAPER_MODEL, SMALLEST_SOURCE_RADIUS_M
 
@@ -22,62 +23,35 @@ class FieldOptions:
         'in the file of field_file',
     ) | {'position_source': 'vehicles_at_their_fix'}  # fmt: skip
 
-    field_file: str = field(
-        default='',
-        metadata={
-            'doc': 'YAML file of sources, shields, background and ground, see docs/radiation.md; '
-            'empty: no source'
-        },
+    field_file: str = option(
+        '',
+        'YAML file of sources, shields, background and ground, see docs/radiation.md; '
+        'empty: no source',
     )
-    model: str = field(
-        default=PAPER_MODEL,
-        metadata={
-            'doc': 'law of the dose rate; paper: sigma / d^2, air: attenuated, shielded: as air, '
-            'with shields and the things of a scene in the way'
-        },
+    model: str = option(
+        PAPER_MODEL,
+        'law of the dose rate; paper: sigma / d^2, air: attenuated, shielded: as air, '
+        'with shields and the things of a scene in the way',
     )
-    vehicles: tuple[str, ...] = field(
-        default=(), metadata={'doc': 'namespaces of the vehicles that carry a detector'}
+    vehicles: tuple[str, ...] = option((), 'namespaces of the vehicles that carry a detector')
+    start_time_s: float = option(
+        0.0, 'start of the mission, seconds since 1970; tracks count from it', 0.0, 2e11
     )
-    start_time_s: float = field(
-        default=0.0,
-        metadata={
-            'doc': 'start of the mission, seconds since 1970; tracks count from it',
-            'min': 0.0,
-            'max': 2e11,
-        },
+    source_radius_m: float = option(
+        0.1,
+        'distance below which the dose rate grows no further, metres',
+        SMALLEST_SOURCE_RADIUS_M,
+        1e3,
     )
-    source_radius_m: float = field(
-        default=0.1,
-        metadata={
-            'doc': 'distance below which the dose rate grows no further, metres',
-            'min': SMALLEST_SOURCE_RADIUS_M,
-            'max': 1e3,
-        },
+    detector: str = option(IDEAL, f'kind of detector: {", ".join(DETECTOR_NAMES)}')
+    window_s: float = option(
+        1.0, 'time over which a detector counts, seconds; the ideal one has none', 1e-3, 3600.0
     )
-    detector: str = field(
-        default=IDEAL,
-        metadata={'doc': f'kind of detector: {", ".join(DETECTOR_NAMES)}'},
+    seed: int = option(0, 'seed of counts and background', 0, 2**31 - 1)
+    vehicles_at_their_fix: tuple[str, ...] = option(
+        (), 'vehicles whose true place nobody publishes: real ones'
     )
-    window_s: float = field(
-        default=1.0,
-        metadata={
-            'doc': 'time over which a detector counts, seconds; the ideal one has none',
-            'min': 1e-3,
-            'max': 3600.0,
-        },
-    )
-    seed: int = field(
-        default=0,
-        metadata={'doc': 'seed of counts and background', 'min': 0, 'max': 2**31 - 1},
-    )
-    vehicles_at_their_fix: tuple[str, ...] = field(
-        default=(),
-        metadata={'doc': 'vehicles whose true place nobody publishes: real ones'},
-    )
-    lock_step: bool = field(
-        default=True, metadata={'doc': 'take part in lock-step simulation as radiation_field'}
-    )
+    lock_step: bool = option(True, 'take part in lock-step simulation as radiation_field')
 
     def __post_init__(self) -> None:
         _require_choice('model', self.model, MODELS)

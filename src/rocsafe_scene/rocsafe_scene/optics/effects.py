@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of lens, shutter and sensor; by default they have no effect."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from rocsafe_geo.limits import require_between, require_finite
+from rocsafe_geo.option import option
 
 # Coefficients of the Brown-Conrady model in OpenCV's order.
 DISTORTION_TERMS = ('k1', 'k2', 'p1', 'p2', 'k3')
 
 
 def _effect(doc: str, low: float, high: float) -> Any:
-    return field(default=0.0, metadata={'doc': doc, 'min': low, 'max': high})
+    return option(0.0, doc, low, high)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.limits import require_between, require_not_negative
-from rocsafe_geo.origin_options import option
+from rocsafe_geo.option import option
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_sim.cameras.camera_settings import CameraSettings

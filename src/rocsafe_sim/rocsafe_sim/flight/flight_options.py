@@ -7,7 +7,7 @@ from pathlib import Path
 from rocsafe_geo.motion.autopilot import ARDUCOPTER, Autopilot
 from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.motion.performance import Performance
-from rocsafe_geo.origin_options import option
+from rocsafe_geo.option import option
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.flight.sensing_options import SensingOptions

@@ -4,7 +4,8 @@
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_not_negative, require_positive
-from rocsafe_geo.origin_options import OriginOptions, option
+from rocsafe_geo.option import option
+from rocsafe_geo.origin_options import OriginOptions
 from rocsafe_scene.flat_ground.ground_photograph import NO_SCENE, SCENE_NAMES
 from rocsafe_sim.clock.cadence import period_ns
 

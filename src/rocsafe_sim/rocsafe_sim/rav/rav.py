@@ -138,6 +138,8 @@ class Rav:
             if record is not None:
                 vehicle.restore(record)
                 self._written = record
+                # It goes on from its last step, not from its last command.
+                vehicle.step(max(vehicle.time_ns, self._steps.last_ns or 0))
         self._restore_gimbals()
 
     def _restore_gimbals(self) -> None:
@@ -152,13 +154,8 @@ class Rav:
         Others may have taken over its work. Returns for how long it was cut off, nanoseconds; 0 if
         it was not, or does not fly and is not about to.
         """
-        missed_ns, last_ns = self._steps.missed_ns(time_ns), self._steps.last_ns
-        if not missed_ns or last_ns is None:
-            return 0
-        if last_ns > self.vehicle.time_ns:
-            # A process that was started again continues from its journal.
-            self.vehicle.step(last_ns)
-        if self.vehicle.mode not in _ON_ITS_WAY:
+        missed_ns = self._steps.missed_ns(time_ns)
+        if not missed_ns or self.vehicle.mode not in _ON_ITS_WAY:
             return 0
         self.vehicle.hold()
         return missed_ns
@@ -183,8 +180,7 @@ class Rav:
         sensors = self.parts.sensors
         shots: list[ShotDue] = []
         self.readings.clear()
-        after_ns = max(self.vehicle.time_ns, self._steps.last_ns or 0)
-        for sample_ns in sensors.times(after_ns, time_ns):
+        for sample_ns in sensors.times(self.vehicle.time_ns, time_ns):
             shots += self.vehicle.step(sample_ns).shots
             self.readings += sensors.read(sample_ns, self._body_at)
         snapshot = self.vehicle.step(time_ns)

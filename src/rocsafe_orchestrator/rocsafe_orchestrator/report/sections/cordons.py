@@ -2,7 +2,7 @@
 """Cordons of a run, as the localizer wrote them to ``cordons.geojson``."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_view.map_view import Cordon
+from rocsafe_view.svg import Point
 
 CORDONS = 'cordons.geojson'
 # Cordons on the map of the photographs: those that are on the safe side.
@@ -58,7 +59,7 @@ def _cordon(feature: dict[str, Any], frame: LocalFrame) -> EstimatedCordon:
         edge=Cordon(
             level_usvh=float(facts['level_usv_h']),
             name=str(facts.get('name', '')),
-            parts=tuple(tuple(tuple(_xy(ring, frame)) for ring in part) for part in parts),
+            parts=tuple(tuple(ring_points(ring, frame) for ring in part) for part in parts),
         ),
         confidence=facts['confidence'],
         area_m2=float(facts['area_m2']),
@@ -66,7 +67,8 @@ def _cordon(feature: dict[str, Any], frame: LocalFrame) -> EstimatedCordon:
     )
 
 
-def _xy(ring: list[list[float]], frame: LocalFrame) -> Iterator[tuple[float, float]]:
+def ring_points(ring: list[list[float]], frame: LocalFrame) -> tuple[Point, ...]:
+    """Return a ring of GeoJSON in map coordinates."""
     longitudes, latitudes = np.array(ring).T
     enu = frame.to_enu(latitudes, longitudes, np.full(len(ring), frame.origin.altitude_m))
-    return ((x, -y) for x, y in enu[:, :2].tolist())
+    return tuple((x, -y) for x, y in enu[:, :2].tolist())
