@@ -56,15 +56,20 @@ def palette() -> NDArray[np.uint8]:
     return colours
 
 
-_PALETTE = palette()
+# Four bytes a colour: one look-up a pixel.
+_PALETTE = cv2.cvtColor(palette()[None], cv2.COLOR_BGR2BGRA)[0].view(np.uint32)[:, 0]
 
 
-def segmentation_ids(labels: NDArray[np.uint16], chosen: Mapping[int, int]) -> NDArray[np.uint8]:
-    """Return the id of each pixel: as chosen for its instance, else its number in 8 bits."""
-    table = (np.arange(65_536) % MOST_IDS).astype(np.uint8)
+def segmentation(labels: NDArray[np.uint16], chosen: Mapping[int, int]) -> NDArray[Any]:
+    """Return the colour of each pixel's id: as chosen for its instance, else its number in 8 bits.
+
+    Blue, green, red, (height, width, 3).
+    """
+    table = np.tile(_PALETTE, 65_536 // MOST_IDS)
     for number, value in chosen.items():
-        table[number] = value
-    return table[labels]
+        table[number] = _PALETTE[value]
+    colours = table[labels].view(np.uint8).reshape(*labels.shape, 4)
+    return np.asarray(cv2.cvtColor(colours, cv2.COLOR_BGRA2BGR))
 
 
 def response(
@@ -128,7 +133,7 @@ def _pixels(picture: Picture, kind: int, chosen: Mapping[int, int]) -> NDArray[A
     if picture.depth_m is None or picture.labels is None:
         raise AirsimError(f'{TYPES[kind]}: this camera is not drawn by an engine, so has none')
     if kind == SEGMENTATION:
-        return _PALETTE[segmentation_ids(picture.labels, chosen)]
+        return segmentation(picture.labels, chosen)
     if kind == DEPTH_VIS:
         shown: NDArray[Any] = np.minimum(picture.depth_m / FARTHEST_SHOWN_M, 1.0)
         return shown
