@@ -77,8 +77,8 @@ class VelocityFollower:
         if abs(age_s) > self._deadline_s:
             side = 'old' if age_s > 0.0 else 'ahead of simulated time'
             raise CommandRefusedError(
-                f'a velocity is {abs(age_s):.3g} s {side}: must be {self._deadline_s:g} s at '
-                'most; a stamp of 0 stands for now'
+                f'a velocity is {abs(age_s):.3g} s {side}: must be {self._deadline_s:g} s at most;'
+                ' a stamp of 0 stands for now'
             )
         if is_of_body:
             velocity = _turned(velocity, vehicle.pose_at(vehicle.time_ns).yaw_rad)
