@@ -38,7 +38,8 @@ from rocsafe_ground.errors import GroundError
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
 from rocsafe_ground.route.constrained import RouteSearch, SearchEffort
 from rocsafe_ground.route.edges import Edges, Searcher, edges_of
-from rocsafe_ground.tour.tour import Budgets, TourPoint, TourSearch
+from rocsafe_ground.tour.tour import TourSearch
+from rocsafe_ground.tour.trip import Budgets, TourPoint
 
 Figures = dict[str, Any]
 AMPLE = 1e12
@@ -73,7 +74,7 @@ def ends(edges: Edges, generator: np.random.Generator) -> tuple[int, int] | None
         row = generator.integers(0, rows, 2)
         start = int(row[0] * columns + generator.integers(0, columns // 8))
         goal = int(row[1] * columns + columns - 1 - generator.integers(0, columns // 8))
-        if math.isfinite(searcher.tree(start, (1.0, 0.0), {goal}).costs[goal]):
+        if math.isfinite(searcher.tree(start, (1.0, 0.0, 0.0), {goal}).costs[goal]):
             return start, goal
     return None
 
@@ -178,10 +179,10 @@ def weighted_sum(edges: Edges, _grid: Any, both: tuple[int, int], budget: float)
     searcher = Searcher(edges)
     times = []
     for price in np.geomspace(1e-3, 1e3, 8):
-        path = searcher.tree(both[0], (1.0, float(price)), {both[1]}).path_to(both[1])
-        seconds, dose = edges.path_costs(path)
-        if dose <= budget:
-            times.append(seconds)
+        path = searcher.tree(both[0], (1.0, float(price), 0.0), {both[1]}).path_to(both[1])
+        found = edges.path_of(path)
+        if found.dose_usv <= budget:
+            times.append(found.time_s)
     return min(times) if times else None
 
 
@@ -192,9 +193,9 @@ def radiation_layer(edges: Edges, grid: Any, both: tuple[int, int], budget: floa
     # 0 to 252 between the levels, as in a cost map of Nav2, plus the neutral cost of 50.
     cost = 50.0 + 252.0 * np.clip((rates - low) / (high - low), 0.0, 1.0)
     layer = edges_of(is_free, cost, np.zeros_like(cost), 1.0)
-    path = Searcher(layer).tree(both[0], (1.0, 0.0), {both[1]}).path_to(both[1])
-    seconds, dose = edges.path_costs(path)
-    return seconds if dose <= budget else None
+    path = Searcher(layer).tree(both[0], (1.0, 0.0, 0.0), {both[1]}).path_to(both[1])
+    found = edges.path_of(path)
+    return found.time_s if found.dose_usv <= budget else None
 
 
 def mcp_seconds(grid: Any, both: tuple[int, int]) -> list[float]:
@@ -246,12 +247,12 @@ def tour_case(seed: int, points: int, side: int) -> tuple[TourSearch, Budgets]:
     start = ends(edges, generator)
     if start is None:
         raise ValueError(f'seed {seed}: no two sides are connected')
-    reached = np.flatnonzero(np.isfinite(searcher.tree(start[0], (1.0, 0.0)).costs))
+    reached = np.flatnonzero(np.isfinite(searcher.tree(start[0], (1.0, 0.0, 0.0)).costs))
     cells = generator.choice(reached, points, replace=False)
     stops = [TourPoint(cell=int(cell), dwell_s=30.0) for cell in cells]
     probe = TourSearch(searcher, start[0], stops)
-    clean, quick = probe.trips(math.inf), probe.trips(0.0)
-    low, high = float(clean.doses_usv[-1]), float(quick.doses_usv[-1])
+    everything = (1 << points) - 1
+    low, high = probe.cleanest(everything).dose_usv, probe.fastest(everything).dose_usv
     budget = low * (high / low) ** generator.uniform(0.1, 0.9)
     return TourSearch(searcher, start[0], stops), Budgets(dose_usv=budget, time_s=AMPLE)
 

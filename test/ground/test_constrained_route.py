@@ -96,7 +96,7 @@ def test_shortest_trees_equal_those_of_scipy():
     graph = coo_matrix(
         (edges.times_s[from_, m], (from_, from_ + edges.offsets[m])), shape=(edges.cells,) * 2
     )
-    found = Searcher(edges).tree(0, (1.0, 0.0)).costs
+    found = Searcher(edges).tree(0, (1.0, 0.0, 0.0)).costs
     assert found == pytest.approx(dijkstra(graph.tocsr(), indices=0), rel=ROUNDING)
 
 
@@ -104,7 +104,7 @@ def test_diagonal_step_does_not_cut_a_corner():
     """Both cells beside it must be free."""
     is_free = np.array([[True, False], [True, True]])
     edges = edges_of(is_free, np.ones((2, 2)), np.ones((2, 2)), 1.0)
-    with_corner = Searcher(edges).tree(2, (1.0, 0.0)).costs
+    with_corner = Searcher(edges).tree(2, (1.0, 0.0, 0.0)).costs
     assert with_corner.tolist() == pytest.approx([1.0, math.inf, 0.0, 1.0])
     blocked = edges_of(is_free[::-1], np.ones((2, 2)), np.ones((2, 2)), 1.0)
     assert np.isinf(blocked.times_s[2]).sum() == 7
@@ -117,7 +117,7 @@ def test_dose_of_a_straight_pass_is_that_of_the_closed_form(distance_m):
     x = np.arange(-40.0, 40.0 + cell / 2.0, cell)
     rates = (strength / (x**2 + distance_m**2))[None, :].repeat(2, axis=0)
     edges = edges_of(np.ones_like(rates, bool), np.full_like(rates, 1.0 / speed), rates, cell)
-    _, dose = edges.path_costs(np.arange(len(x)))
+    dose = edges.path_of(np.arange(len(x))).dose_usv
     exact = 2.0 * strength / 3600.0 / (speed * distance_m) * math.atan(40.0 / distance_m)
     assert dose == pytest.approx(exact, rel=0.01)
 

@@ -3,6 +3,7 @@
 
 import itertools
 import json
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ import shapely
 from rasterio.transform import from_origin
 from test.ground.villages import (
     DARK,
+    FRAME,
     GRASS,
     RED,
     ROAD,
@@ -23,10 +25,12 @@ from test.ground.villages import (
     WATER,
     position,
     text,
+    write_gas,
     write_labels,
     write_village,
 )
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.command_line.ground_command import main
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.ground_classes import GroundClass, ground_classes
@@ -49,6 +53,12 @@ START, BEYOND = (-20.0, 7.0), (20.0, 9.0)
 def village(tmp_path_factory) -> Path:
     """Return the folder of a village."""
     return write_village(tmp_path_factory.mktemp('village'))
+
+
+@pytest.fixture(scope='module')
+def gassed(tmp_path_factory):
+    """Return the map of a village with gas south of its source."""
+    return ground_of(write_gas(write_village(tmp_path_factory.mktemp('gassed'))))
 
 
 def ground_of(folder, vehicle=None, turn_back=TURN_BACK):
@@ -178,6 +188,83 @@ def test_source_is_seen_from_where_the_dose_rate_is_low(village):
     assert plan.time_s > 60.0
 
 
+NEEDS = {
+    'dose_budget_usv': r'a dose budget of ([0-9.e+]+) uSv',
+    'load_budget': r'a load budget of ([0-9.e+]+)',
+    'endurance_s': r'an endurance of ([0-9]+) s',
+}
+
+
+def raised(request: DriveRequest, text: str) -> DriveRequest:
+    """Return a request with the budgets that a text names."""
+    found = {name: re.search(pattern, text) for name, pattern in NEEDS.items()}
+    values = {name: float(one.group(1)) for name, one in found.items() if one}
+    assert values, text
+    endurance = values.pop('endurance_s', request.vehicle.endurance_s)
+    return replace(request, vehicle=replace(request.vehicle, endurance_s=endurance), **values)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ('dose', 'load', 'endurance'),
+    [
+        (20.0, math.inf, 7200.0),
+        (1e6, 0.02, 7200.0),
+        (1e6, math.inf, 80.0),
+        pytest.param(20.0, 0.02, 80.0, marks=pytest.mark.all),
+    ],
+)
+def test_budgets_that_are_named_admit_what_was_left_out(gassed, dose, load, endurance):
+    """Of dose, toxic load and battery, for what is left out and for a drive that is refused."""
+    request = request_of(
+        (-30.0, -5.0), (1.0, 10.0), (0.0, -20.0), budget=dose, load_budget=load,
+        vehicle=GroundVehicle(endurance_s=endurance), curve_points=0,
+    )  # fmt: skip
+    try:
+        plan = plan_drive(request, gassed)
+    except BeyondBudgetError as error:
+        all_take = str(error).split('; all 3 take ')[1]
+        assert not plan_drive(raised(request, all_take), gassed).left_out
+        (first,) = re.findall(r': (m[0-9]) takes ([^;]*)', str(error).split(';')[0])
+        alone = replace(
+            request, evidence=tuple(one for one in request.evidence if one.id == first[0])
+        )
+        with pytest.raises(BeyondBudgetError):
+            plan_drive(alone, gassed)
+        assert not plan_drive(raised(alone, first[1]), gassed).left_out
+        return
+    taken = {stop.evidence for stop in plan.stops if stop.evidence}
+    assert plan.time_s <= endurance
+    assert plan.forecast.probability >= 0.95
+    assert plan.gas.load_upper_share <= load
+    for left in plan.left_out:
+        more = replace(
+            request,
+            evidence=tuple(one for one in request.evidence if one.id in {*taken, left.evidence}),
+        )
+        assert not plan_drive(raised(more, left.why), gassed).left_out
+
+
+@pytest.mark.slow
+def test_load_budget_leads_around_the_gas(gassed):
+    """With less of it the drive takes longer, and keeps it; the proof counts it."""
+    free = plan_drive(request_of((20.0, -25.0), start=(-20.0, -20.0)), gassed)
+    share = free.gas.load_upper_share
+    request = request_of((20.0, -25.0), start=(-20.0, -20.0), load_budget=0.3 * share)
+    plan = plan_drive(request, gassed)
+    assert plan.gas.load_upper_share <= 0.3 * share
+    assert plan.time_s > free.time_s
+    assert free.time_s * 0.9 < plan.bound_s <= plan.grid_time_s
+    assert plan.gap_fraction < 0.02
+
+
+def test_load_that_is_not_known_cannot_be_limited(tmp_path):
+    """The exponent of the gas is not published."""
+    folder = write_gas(write_village(tmp_path), load_exponent=None)
+    with pytest.raises(NoMapError, match='ammonia: its toxic load is not known'):
+        plan_drive(request_of(BEYOND, load_budget=0.1), ground_of(folder))
+
+
 @pytest.mark.slow
 def test_what_does_not_fit_is_named_with_what_would_admit_it(village):
     """With that budget it is visited."""
@@ -195,11 +282,11 @@ def test_what_does_not_fit_is_named_with_what_would_admit_it(village):
     ('changes', 'error', 'match'),
     [
         ({'start': (500.0, 0.0)}, NoMapError, 'beyond the map, by 460 m'),
-        ({'start': (-10.0, 20.0), 'budget': 0.01}, BeyondBudgetError, 'cleanest way .* takes'),
+        ({'start': (-10.0, 20.0), 'budget': 0.01}, BeyondBudgetError, 'm1 takes a dose budget'),
         ({'place': (39.0, 0.0)}, NoWayError, 'ground that was not seen'),
         ({'place': (900.0, 0.0)}, NoWayError, 'm1: it is beyond the map'),
-        ({'budget': 0.01}, BeyondBudgetError, 'cleanest way to one point and back takes'),
-        ({'vehicle': GroundVehicle(endurance_s=5.0)}, BeyondBudgetError, 'endurance of 5 s'),
+        ({'budget': 0.01}, BeyondBudgetError, 'within 0.01 uSv and 7200 s: m1 takes a dose'),
+        ({'vehicle': GroundVehicle(endurance_s=5.0)}, BeyondBudgetError, 'm1 takes an endurance'),
     ],
 )
 def test_request_without_a_route_says_why(village, changes, error, match):
@@ -216,8 +303,12 @@ def test_goal_inside_a_wall_is_refused(tmp_path):
     (folder / 'zone.geojson').write_text(json.dumps(zone))
     files = MapFiles(folder=folder, keep_outs=(folder / 'zone.geojson',))
     ground = read_ground_map(files, GroundVehicle(), CELL_M, TURN_BACK)
-    with pytest.raises(NoWayError, match='m1: it is on a zone not to be entered'):
+    with pytest.raises(NoWayError, match='m1: it is on a zone not to be entered') as caught:
         plan_drive(request_of((20.0, -20.0)), ground)
+    # The nearest place that it names can be driven to.
+    place = [float(word) for word in re.findall(r'[0-9.-]{8,}', str(caught.value))]
+    east, north, _ = FRAME.enu_of(GeoPosition(*place, math.nan)).tolist()
+    assert plan_drive(request_of((east, north)), ground).stops
 
 
 CORNERS = ((10.0, -30.0), (30.0, -30.0), (30.0, -10.0), (10.0, -10.0), (10.0, -30.0))
@@ -260,6 +351,7 @@ def test_command_writes_every_file(village, tmp_path, capsys):
         (['{village}', '--dose-map', 'nothing.tif'], 2, 'nothing.tif: no such file'),
         (['{village}', '--from', '9.06,53.28'], 2, 'is it latitude,longitude in WGS84'),
         (['{village}', '--dose-budget', '0.001'], 1, 'takes .* uSv'),
+        (['{village}', '--load-budget', '0.1'], 2, 'has no plume.tif and threat_zones.geojson'),
         (['{village}', '--from', '-33.9,18.4'], 2, 'beyond the map'),
         (['{village}', '--to', '-33.9,18.4'], 1, 'beyond the map'),
     ],

@@ -10,50 +10,100 @@ from test.ground.grids import random_edges
 
 from rocsafe_ground.errors import BeyondBudgetError
 from rocsafe_ground.route.edges import Searcher
-from rocsafe_ground.tour.orders import round_trips
-from rocsafe_ground.tour.tour import Budgets, TourPoint, TourSearch
+from rocsafe_ground.tour.orders import EXACT_POINTS, ExactOrders, SearchedOrders, trip_cost
+from rocsafe_ground.tour.tour import TourSearch
+from rocsafe_ground.tour.trip import Budgets, TourPoint
 
 SIDE = 40
 AMPLE = 1e9
 
 
-def search_of(seed, count=5, **point):
+def search_of(seed, count=5, priorities=None, **point):
     """Return a search with random points on an open grid."""
+    weights = np.ones(count) if priorities is None else priorities
     edges = random_edges(SIDE, SIDE, seed, blocked=0.0)
     cells = np.random.default_rng([seed, 1]).choice(SIDE * SIDE, count + 1, replace=False)
-    points = [TourPoint(cell=int(cell), **point) for cell in cells[1:]]
+    points = [
+        TourPoint(cell=int(cell), priority=float(weight), **point)
+        for cell, weight in zip(cells[1:], weights, strict=True)
+    ]
     return TourSearch(Searcher(edges), int(cells[0]), points)
 
 
+def cost_of_best(costs, points):
+    """Return the cost of the cheapest round trip, of all orders."""
+    return min(trip_cost(costs, order) for order in itertools.permutations(points))
+
+
+@pytest.mark.parametrize('kind', [ExactOrders, SearchedOrders])
 @pytest.mark.parametrize('seed', range(5))
-def test_order_equals_the_exhaustive_one(seed):
-    """For every set of up to six points."""
+def test_order_equals_the_exhaustive_one(seed, kind):
+    """For sets of up to six points, both ways; the bound is not above it."""
     generator = np.random.default_rng(seed)
-    times, doses = generator.uniform(1, 9, (2, 7, 7))
-    price = 0.7
-    found = round_trips(times, doses, price)
-    cost = times + price * doses
+    places = generator.uniform(0, 9, (7, 2))
+    costs = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
+    found = kind(costs)
     for chosen in (0b111111, 0b101101, 0b1000):
-        points = [k + 1 for k in range(6) if chosen >> k & 1]
-        best = min(
-            sum(cost[a, b] for a, b in itertools.pairwise((0, *order, 0)))
-            for order in itertools.permutations(points)
-        )
-        assert found.costs[chosen] == pytest.approx(best)
-        order = (0, *found.order(chosen), 0)
-        assert sum(times[a, b] for a, b in itertools.pairwise(order)) == pytest.approx(
-            found.times_s[chosen]
-        )
+        best = cost_of_best(costs, [k + 1 for k in range(6) if chosen >> k & 1])
+        assert found.cost(chosen) == pytest.approx(best)
+        assert trip_cost(costs, found.order(chosen)) == pytest.approx(best)
+        assert 0.9 * best < found.bound(chosen) <= best * (1.0 + 1e-9)
+
+
+def test_order_equals_the_exhaustive_one_where_the_trip_ends_elsewhere():
+    """The way back is another: costs depend on direction."""
+    generator = np.random.default_rng(7)
+    costs = generator.uniform(1, 9, (7, 7))
+    costs = 0.5 * (costs + costs.T)
+    costs[1:, 0] = generator.uniform(1, 9, 6)
+    best = cost_of_best(costs, range(1, 7))
+    for found in (ExactOrders(costs), SearchedOrders(costs)):
+        assert found.cost(0b111111) == pytest.approx(best)
+        assert found.bound(0b111111) <= best * (1.0 + 1e-9)
+
+
+def test_many_points_are_within_their_bound():
+    """More than the exact order takes: within 3 % of what no order is below, all of them visited.
+
+    And the same trip again.
+    """
+    count = 2 * EXACT_POINTS
+    search = search_of(0, count)
+    full = (1 << count) - 1
+    budget = math.sqrt(search.cleanest_usv(full) * search.fastest(full).dose_usv)
+    trip = search.best(Budgets(dose_usv=budget))
+    assert sorted(trip.order) == list(range(count))
+    assert trip.dose_usv <= budget * (1.0 + 1e-9)
+    assert trip.gap_fraction < 0.05
+    assert search_of(0, count).best(Budgets(dose_usv=budget)).order == trip.order
+
+
+def test_many_points_that_do_not_all_fit_are_chosen_nearly_as_well_as_of_all_sets(monkeypatch):
+    """By greed: the sum of priorities beside that of the exhaustive choice, ten times 8 points."""
+    ratios = []
+    for seed in range(10):
+        priorities = np.random.default_rng([seed, 2]).uniform(0.2, 1.0, 8)
+        exact = search_of(seed, 8, priorities)
+        budgets = Budgets(dose_usv=0.6 * exact.cleanest_usv(0xFF), time_s=AMPLE)
+        best = exact.best(budgets)
+        with monkeypatch.context() as patch:
+            patch.setattr('rocsafe_ground.tour.orders.EXACT_POINTS', 3)
+            greedy = search_of(seed, 8, priorities).best(budgets)
+        assert greedy.dose_usv <= budgets.dose_usv * (1.0 + 1e-9)
+        ratios.append(sum(priorities[list(greedy.order)]) / sum(priorities[list(best.order)]))
+    assert max(ratios) <= 1.0 + 1e-9
+    assert np.mean(ratios) > 0.95
+    assert min(ratios) > 0.8
 
 
 @pytest.mark.parametrize('seed', range(6))
 def test_trip_is_within_the_budget_and_its_bound(seed):
     """Bound <= time, by little even on so coarse a grid; with less budget it is slower."""
     search = search_of(seed)
-    clean, quick = search.trips(math.inf), search.trips(0.0)
+    low, high = search.cleanest_usv(0b11111), search.fastest(0b11111).dose_usv
     before = 0.0
     for share in (1.0, 0.6, 0.3, 0.0):
-        budget = float(clean.doses_usv[-1] ** (1 - share) * quick.doses_usv[-1] ** share)
+        budget = low ** (1 - share) * high**share
         trip = search.best(Budgets(dose_usv=budget * (1 + 1e-9), time_s=AMPLE))
         assert sorted(trip.order) == list(range(5))
         assert trip.dose_usv <= budget * (1.0 + 1e-6)
@@ -77,12 +127,11 @@ def test_dwell_counts():
 def test_points_that_do_not_fit_are_named_with_the_budget_that_admits_them():
     """The worthiest set stays; with the budget named a further point is visited."""
     search = search_of(2)
-    clean = search.trips(math.inf)
-    budget = 0.7 * float(clean.doses_usv[-1])
+    budget = 0.7 * search.cleanest_usv(0b11111)
     trip = search.best(Budgets(dose_usv=budget, time_s=AMPLE))
     assert 0 < len(trip.order) < 5
     assert len(trip.left_out) == 5 - len(trip.order)
-    doses = {point: search.least_dose(trip.chosen | 1 << point) for point in trip.left_out}
+    doses = {point: search.cleanest_usv(trip.chosen | 1 << point) for point in trip.left_out}
     point = min(doses, key=lambda one: doses[one])
     dose = doses[point]
     assert dose > budget
@@ -91,11 +140,12 @@ def test_points_that_do_not_fit_are_named_with_the_budget_that_admits_them():
     assert point not in trip.order
 
 
-def test_budget_too_small_for_any_point_is_one_line_with_the_least():
+def test_budgets_too_small_for_any_point_are_refused():
     """Of dose and of time."""
     search = search_of(3)
-    least = float(search.trips(math.inf).doses_usv[1:].min())
-    with pytest.raises(BeyondBudgetError, match=f'takes {least:.4g} uSv'):
-        search.best(Budgets(dose_usv=0.5 * least, time_s=AMPLE))
-    with pytest.raises(BeyondBudgetError, match='endurance of 1 s is too short'):
+    least = min(search.cleanest_usv(1 << k) for k in range(5))
+    with pytest.raises(BeyondBudgetError, match='too small'):
+        search.best(Budgets(dose_usv=0.999 * least, time_s=AMPLE))
+    assert search.best(Budgets(dose_usv=1.001 * least, time_s=AMPLE)).order
+    with pytest.raises(BeyondBudgetError, match='too small'):
         search.best(Budgets(dose_usv=AMPLE, time_s=1.0))

@@ -104,3 +104,17 @@ def write_labels(folder: Path) -> Path:
     ]
     (folder / 'labels.json').write_text(json.dumps({'classes': rows}))
     return folder / 'labels.tif'
+
+
+def write_gas(folder: Path, *, load_exponent: float | None = 2.0) -> Path:
+    """Write a plume around east 0, north -20, up to 400 ppm of a gas, and its level of 100 ppm."""
+    east, north = _axes(DOSE_CELL_M)
+    mean = 400.0 * np.exp(-(east**2 + (north + 20.0) ** 2) / 200.0)
+    write_bands(folder / 'plume.tif', np.stack([mean, 1.2 * mean]), DOSE_CELL_M)
+    facts = {
+        'level': 'AEGL-2', 'ppm': 100.0, 'averaging_minutes': 60.0, 'agent': 'ammonia',
+        'load_exponent': load_exponent,
+    }  # fmt: skip
+    zones = {'type': 'FeatureCollection', 'features': [{'properties': facts}]}
+    (folder / 'threat_zones.geojson').write_text(json.dumps(zones))
+    return folder

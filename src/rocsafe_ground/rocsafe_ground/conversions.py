@@ -45,17 +45,21 @@ _ERRORS = (
 def request_of_goal(goal: PlanGroundRoute.Goal, options: RouterOptions) -> DriveRequest:
     """Return what a goal asks for; a turn-back level or endurance of 0 is the default.
 
+    A load budget of 0 is no limit.
+
     Raises
     ------
     ValueError
         If a field is out of range.
     """
     require_not_negative('endurance_s', goal.endurance_s, 's')
+    require_not_negative('load_budget', goal.load_budget)
     require_not_negative('turn_back_usvh', goal.turn_back_usvh, 'uSv/h')
     return DriveRequest(
         start=position_of_point(goal.start),
         evidence=tuple(_evidence(message) for message in goal.evidence),
         dose_budget_usv=goal.dose_budget_usv,
+        load_budget=goal.load_budget or math.inf,
         vehicle=options.vehicle(goal.endurance_s or GroundVehicle().endurance_s),
         turn_back_usvh=goal.turn_back_usvh or DEFAULT_TURN_BACK_USVH,
         # A vehicle under way waits for its new route.

@@ -45,4 +45,4 @@ class GroundVehicleBlock(Block):
     width_m: float = Field(default=0.7, ge=0.1, le=10.0)
     to_sources: bool = True
     dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
-    evidence: tuple[EvidenceBlock, ...] = Field(default=(), max_length=12)
+    evidence: tuple[EvidenceBlock, ...] = Field(default=(), max_length=60)

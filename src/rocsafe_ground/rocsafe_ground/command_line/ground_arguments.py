@@ -65,6 +65,11 @@ def _add_task(found: argparse.ArgumentParser) -> None:
         help='largest dose of the whole drive, uSv',
     )  # fmt: skip
     found.add_argument(
+        '--load-budget', type=number('load-budget', 1e-9, 1e9), default=math.inf, metavar='TIMES',
+        help='largest toxic load of the gas that was found, by its upper 95 %%, times that of its '
+        'level 2 (default: not limited)',
+    )  # fmt: skip
+    found.add_argument(
         '--turn-back', type=number('turn-back', 1e-3, 1e9), default=DEFAULT_TURN_BACK_USVH,
         metavar='USVH',
         help='no place above this dose rate is entered, uSv/h '

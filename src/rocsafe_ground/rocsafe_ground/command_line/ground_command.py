@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rocsafe_ground.command_line.ground_arguments import joined, parser
-from rocsafe_ground.dose.toxic_load import GasExposure
+from rocsafe_ground.dose.toxic_load import PLUME, ZONES, GasExposure
 from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
@@ -56,10 +56,15 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
     if not options.folder.is_dir():
         raise NoMapError(f'{options.folder}: no such folder')
     ground = read_ground_map(files, vehicle, options.cell, options.turn_back)
+    if math.isfinite(options.load_budget) and ground.gas is None:
+        raise NoMapError(
+            f'--load-budget: {options.folder} has no {PLUME} and {ZONES} of a release'
+        )
     request = DriveRequest(
         start=place_of(options.start),
         evidence=evidence_of(options.to, read_posterior(files), _objects(options, ground)),
         dose_budget_usv=options.dose_budget,
+        load_budget=options.load_budget,
         vehicle=vehicle,
         turn_back_usvh=options.turn_back,
         confidence=options.confidence,

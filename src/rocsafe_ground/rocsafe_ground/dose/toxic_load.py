@@ -3,7 +3,7 @@
 
 The toxic load is the integral of C^n over time (ten Berge and others 1986), with the published n
 of the gas; it is told as a share of that of level 2 (AEGL-2, else ERPG-2) over its averaging time.
-The vehicle does not breathe: this is for the people who follow it. It is counted, not limited.
+The vehicle does not breathe: this is for the people who follow it.
 """
 
 import json
@@ -96,6 +96,16 @@ class GasField:
             load_upper_share=self._share(upper, seconds),
             unknown_s=float(seconds[is_unknown].sum()),
         )
+
+    def loads_per_s(self) -> FloatArray | None:
+        """Return the toxic load that a second adds by the upper 95 %, (rows, columns).
+
+        As a share of that of the level; None: n is not known.
+        """
+        if self.load_exponent is None:
+            return None
+        ratio = np.nan_to_num(self.upper_ppm) / self.level_ppm
+        return np.asarray(ratio**self.load_exponent / (60.0 * self.level_minutes))
 
     def _share(self, ppm: FloatArray, seconds: FloatArray) -> float:
         if self.load_exponent is None:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a ground vehicle is to drive, and what is known of it beforehand."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,6 +36,8 @@ class DriveRequest:
         Points to visit.
     dose_budget_usv
         Of the whole drive, dwells included, which it keeps with a probability of `confidence`.
+    load_budget
+        Of toxic load by the upper 95 % of a gas that was found, times that of its level 2.
     vehicle
         What drives.
     turn_back_usvh
@@ -60,11 +63,14 @@ class DriveRequest:
     curve_points: int = DEFAULT_CURVE_POINTS
     end: GeoPosition | None = None
     blocked: tuple[GeoPosition, ...] = ()
+    load_budget: float = math.inf
 
     def __post_init__(self) -> None:
         if not self.evidence:
             raise ValueError('evidence is empty: must have at least one point')
         require_positive('dose_budget_usv', self.dose_budget_usv, 'uSv')
+        if not self.load_budget > 0.0:
+            raise ValueError(f'load_budget = {self.load_budget:g}: must be above 0')
         require_between('confidence', self.confidence, 0.5, 0.999)
         require_between('draws', self.draws, 16, 100_000)
         require_between('curve_points', self.curve_points, 0, 100)

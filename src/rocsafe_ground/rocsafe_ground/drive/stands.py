@@ -67,7 +67,7 @@ def stand_of(ground: GroundMap, point: EvidencePoint, is_reached: BoolArray) -> 
         return Stand(
             point=point, cell=None,
             why=f'it is on {_reason(ground, place)}, and nothing within {point.reach_m:g} m of it '
-            'can be driven to',
+            f'can be driven to{_nearest(ground, place, is_reached)}',
         )  # fmt: skip
     row, column = np.divmod(near, ground.grid.columns)
     rates = ground.field.upper_usvh[row, column]
@@ -88,9 +88,25 @@ def _near(
     return found, distance.ravel()[found]
 
 
+def _nearest(ground: GroundMap, place: tuple[float, float], is_reached: BoolArray) -> str:
+    """Return how far from a place the vehicle could get, and where."""
+    cells, distance = _near(ground, place, math.inf, is_reached)
+    if not len(cells):
+        return ''
+    best = int(distance.argmin())
+    there = ground.grid.position_at(*ground.grid.place_of(int(cells[best]))[0].tolist())
+    return f': {_text(there)} is the nearest place that can be, {distance[best]:.1f} m from it'
+
+
 def _reason(ground: GroundMap, place: tuple[float, float]) -> str:
     cell = ground.grid.cell_of(*place)
-    return REASON_TEXTS[Reason(int(ground.reasons.ravel()[cell]))] if cell is not None else ''
+    if cell is None:
+        return ''
+    reason = Reason(int(ground.reasons.ravel()[cell]))
+    if reason is not Reason.HOT:
+        return REASON_TEXTS[reason]
+    rate = float(ground.field.upper_usvh.ravel()[cell])
+    return f'{REASON_TEXTS[reason]}, {rate:.4g} uSv/h of {ground.turn_back_usvh:.4g}'
 
 
 def _by(ground: GroundMap, place: tuple[float, float]) -> str:

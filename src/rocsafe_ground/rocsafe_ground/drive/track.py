@@ -10,8 +10,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.motion.ground_motion import GroundMotion
 from rocsafe_ground.drivable.route_grid import RouteGrid
-from rocsafe_ground.route.constrained import GridPath
-from rocsafe_ground.route.edges import Edges
+from rocsafe_ground.route.edges import Edges, GridPath
 from rocsafe_ground.route.straightening import Surface, straightened
 
 # Acceleration and turns of the vehicle that is planned for.

@@ -16,6 +16,7 @@ def drive_document(plan: DrivePlan) -> Document:
     request, forecast = plan.request, plan.forecast
     return {
         'dose_budget_usv': request.dose_budget_usv,
+        **_limited(request.load_budget),
         'turn_back_usvh': request.turn_back_usvh,
         'endurance_s': request.vehicle.endurance_s,
         'confidence': request.confidence,
@@ -46,6 +47,10 @@ def drive_document(plan: DrivePlan) -> Document:
         'stops': [_stop(stop) for stop in plan.stops],
         **({} if plan.gas is None else {'gas': _gas(plan.gas)}),
     }
+
+
+def _limited(load: float) -> Document:
+    return {'load_budget': load} if math.isfinite(load) else {}
 
 
 def _gas(gas: GasExposure) -> Document:

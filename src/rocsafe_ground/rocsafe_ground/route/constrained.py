@@ -15,7 +15,7 @@ from rocsafe_geo.arrays import IndexArray
 from rocsafe_geo.limits import require_count, require_not_negative, require_positive
 from rocsafe_ground.errors import BeyondBudgetError, NoWayError
 from rocsafe_ground.route.corridor import Corridor
-from rocsafe_ground.route.edges import Edges, Searcher
+from rocsafe_ground.route.edges import Edges, GridPath, Searcher
 from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
 # Relative difference below which two costs are the same but for rounding.
@@ -60,15 +60,6 @@ class SearchEffort:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class GridPath:
-    """A path of cells with what it costs."""
-
-    cells: IndexArray
-    time_s: float
-    dose_usv: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BoundedPath:
     """A path within a budget, and how good it is.
 
@@ -108,10 +99,10 @@ class RouteSearch:
 
     def __init__(self, searcher: Searcher, start: int, goal: int) -> None:
         self._searcher, self._start, self._goal = searcher, start, goal
-        self._quick = searcher.tree(goal, (1.0, 0.0))
+        self._quick = searcher.tree(goal, (1.0, 0.0, 0.0))
         if math.isinf(self._quick.costs[start]):
             raise NoWayError('no drivable ground leads from the start to the goal')
-        self._clean = searcher.tree(goal, (0.0, 1.0))
+        self._clean = searcher.tree(goal, (0.0, 1.0, 0.0))
         self.fastest = self._reversed(self._quick.path_to(start))
         self.cleanest = self._reversed(self._clean.path_to(start))
 
@@ -120,11 +111,7 @@ class RouteSearch:
         return self._searcher.edges
 
     def _reversed(self, path: IndexArray) -> GridPath:
-        return self._priced(path[::-1].copy())
-
-    def _priced(self, cells: IndexArray) -> GridPath:
-        time, dose = self._edges.path_costs(cells)
-        return GridPath(cells=cells, time_s=time, dose_usv=dose)
+        return self._edges.path_of(path[::-1].copy())
 
     def within(self, budget_usv: float, effort: SearchEffort | None = None) -> BoundedPath:
         """Return the fastest path with a dose within a budget.
@@ -180,7 +167,7 @@ class RouteSearch:
                 self._start, self._goal, (1.0, price), (self._quick, self._clean)
             )
             assert cells is not None  # noqa: S101 - the ends are connected, see __init__
-            found = self._priced(cells)
+            found = self._edges.path_of(cells)
             lagrangian = found.time_s + price * found.dose_usv
             bound = max(bound, lagrangian - price * budget)
             if lagrangian >= line * (1.0 - ROUNDING):
@@ -203,7 +190,7 @@ class RouteSearch:
         to some cell and from there on, come closer to the budget than one.
         """
         limit = known.path.time_s * (1.0 + ROUNDING) + price * budget
-        weights = (1.0, price)
+        weights = (1.0, price, 0.0)
         there = self._searcher.tree_within(self._start, weights, corridor.to_come(price), limit)
         back = self._searcher.tree_within(self._goal, weights, there.costs, limit)
         through = there.costs + back.costs
@@ -225,7 +212,7 @@ class RouteSearch:
             if seconds[found] < best.time_s * (1.0 - ROUNDING):
                 middle = int(places[found])
                 cells = [first.path_to(middle), last.path_to(middle)[-2::-1]]
-                best = self._priced(np.concatenate(cells))
+                best = self._edges.path_of(np.concatenate(cells))
         return best
 
     def _exact(
@@ -238,7 +225,7 @@ class RouteSearch:
         # Within the corridor the least time and dose to the goal are larger.
         quick, clean = (
             self._searcher.tree_within(self._goal, weights, corridor.wall, 0.0).costs
-            for weights in ((1.0, 0.0), (0.0, 1.0))
+            for weights in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
         )
         status, last, count, reached = label_search(
             (self._edges.times_s, self._edges.doses_usv),
@@ -253,7 +240,7 @@ class RouteSearch:
         )
         price, path = known.price_s_per_usv, known.path
         if status == FOUND:
-            best = self._priced(_path_of(labels[0], labels[1], last))
+            best = self._edges.path_of(_path_of(labels[0], labels[1], last))
             return _proven(min(best, path, key=lambda one: one.time_s), price, int(count))
         bound = path.time_s if status == NONE_FOUND else max(known.bound_s, float(reached))
         return BoundedPath(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Straight lines in place of the zigzag of a path over cells, no slower and with no more dose."""
+"""Straight lines in place of the zigzag of a path over cells that cost no more of anything."""
 
 import itertools
 from dataclasses import dataclass
@@ -17,15 +17,19 @@ EDGE = 1e-9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface:
-    """What a line over cells costs: all arrays (rows, columns)."""
+    """What a line over cells costs: all arrays (rows, columns).
+
+    `loads_per_s` is the toxic load that a second adds; None: it does not count.
+    """
 
     is_free: BoolArray
     slowness_spm: FloatArray
     rates_usvh: FloatArray
     cell_m: float
+    loads_per_s: FloatArray | None = None
 
-    def line_costs(self, a: int, b: int) -> tuple[float, float] | None:
-        """Return time (s) and dose (uSv) of the straight line between two cells.
+    def line_costs(self, a: int, b: int) -> tuple[float, float, float] | None:
+        """Return time (s), dose (uSv) and toxic load of the straight line between two cells.
 
         None if it meets a cell that is not free.
         """
@@ -39,7 +43,10 @@ class Surface:
         weights = np.full(len(places), length / max(len(places) - 1, 1))
         weights[[0, -1]] *= 0.5
         times = weights * self.slowness_spm[rows, columns]
-        return float(times.sum()), float((times * self.rates_usvh[rows, columns]).sum() / 3600.0)
+        dose = float((times * self.rates_usvh[rows, columns]).sum() / 3600.0)
+        loads = self.loads_per_s
+        load = 0.0 if loads is None else float((times * loads[rows, columns]).sum())
+        return float(times.sum()), dose, load
 
     def line(self, a: int, b: int) -> tuple[FloatArray, float]:
         """Return samples (n, 2) of row and column from cell a to cell b, and its length, m."""
@@ -52,7 +59,7 @@ class Surface:
 
 
 def straightened(
-    path: IndexArray, costs: tuple[FloatArray, FloatArray], surface: Surface
+    path: IndexArray, costs: tuple[FloatArray, FloatArray, FloatArray], surface: Surface
 ) -> IndexArray:
     """Return the cells at which a path bends, ends included.
 
@@ -61,25 +68,24 @@ def straightened(
     path : (n,)
         Cells.
     costs : (n - 1,) each
-        Time and dose of each step.
+        Time, dose and toxic load of each step.
     surface
         What lines cost.
 
     Returns
     -------
     (m,)
-        Cells between which straight lines take no more time and no more dose than the path.
+        Cells between which straight lines take no more of any of these than the path.
     """
-    time = np.concatenate([[0.0], np.cumsum(costs[0])])
-    dose = np.concatenate([[0.0], np.cumsum(costs[1])])
+    sums = [np.concatenate([[0.0], np.cumsum(steps)]) for steps in costs]
 
     def is_better(i: int, j: int) -> bool:
         found = surface.line_costs(int(path[i]), int(path[j]))
         if found is None:
             return False
-        slack = 1.0 + 1e-9
-        return bool(
-            found[0] <= (time[j] - time[i]) * slack and found[1] <= (dose[j] - dose[i]) * slack
+        return all(
+            cost <= (total[j] - total[i]) * (1.0 + 1e-9)
+            for cost, total in zip(found, sums, strict=True)
         )
 
     bends, here = [0], 0

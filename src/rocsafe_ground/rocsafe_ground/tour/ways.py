@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Ways between all pairs of points, for several prices of dose."""
+"""Ways between all pairs of points, for several prices of dose and of toxic load."""
 
 import itertools
 import math
@@ -10,12 +10,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_ground.route.constrained import GridPath
-from rocsafe_ground.route.edges import Searcher
+from rocsafe_ground.route.edges import GridPath, Searcher, Weights
 
-DOSE_ONLY = math.inf
+QUICKEST: Weights = (1.0, 0.0, 0.0)
+CLEANEST: Weights = (0.0, 1.0, 0.0)
+PUREST: Weights = (0.0, 0.0, 1.0)
 # Threads that search: one more takes 100 bytes a cell.
 THREADS = 2
+
+Pair = tuple[int, int]
 
 
 @dataclass(slots=True, eq=False)
@@ -33,70 +36,71 @@ class Ways:
     searcher: Searcher
     cells: Sequence[int]
     _searchers: tuple[Searcher, ...] = field(init=False)
-    _found: dict[float, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
-    _paths: dict[tuple[int, int], list[GridPath]] = field(default_factory=dict)
+    _found: dict[Weights, dict[Pair, GridPath]] = field(default_factory=dict)
+    _distinct: dict[Pair, list[GridPath]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         edges = self.searcher.edges
         self._searchers = (self.searcher, *(Searcher(edges) for _ in range(THREADS - 1)))
 
-    def tables(self, price: float) -> tuple[FloatArray, FloatArray]:
-        """Return time and dose of the cheapest way between all points, (points, points) each.
+    def costs(self, weights: Weights) -> FloatArray:
+        """Return the cost of the cheapest way between all points, (points, points).
 
-        `price` is in seconds a microsievert; `DOSE_ONLY`: the ways with the least dose.
+        Infinite where there is none.
         """
-        if price not in self._found:
-            self._found[price] = self._search(price)
-        return self._found[price]
+        found = self._ways(weights)
+        count = len(self.cells)
+        costs = np.full((count, count), math.inf)
+        np.fill_diagonal(costs, 0.0)
+        for (a, b), way in found.items():
+            costs[a, b] = costs[b, a] = (
+                weights[0] * way.time_s + weights[1] * way.dose_usv + weights[2] * way.load
+            )
+        return costs
+
+    def way(self, weights: Weights, a: int, b: int) -> GridPath:
+        """Return the cheapest way from a to b."""
+        found = self._ways(weights)
+        return found[a, b] if a < b else found[b, a].reverse
 
     def options(self, a: int, b: int) -> list[GridPath]:
         """Return the ways from a to b that were found, no two alike."""
         if a < b:
-            return self._paths[a, b]
-        return [
-            GridPath(cells=way.cells[::-1], time_s=way.time_s, dose_usv=way.dose_usv)
-            for way in self._paths[b, a]
-        ]
+            return self._distinct[a, b]
+        return [way.reverse for way in self._distinct[b, a]]
 
-    def _search(self, price: float) -> tuple[FloatArray, FloatArray]:
-        weights = (0.0, 1.0) if math.isinf(price) else (1.0, price)
+    def _ways(self, weights: Weights) -> dict[Pair, GridPath]:
+        if weights not in self._found:
+            self._found[weights] = self._search(weights)
+        return self._found[weights]
+
+    def _search(self, weights: Weights) -> dict[Pair, GridPath]:
         count = len(self.cells)
-        times, doses = np.zeros((count, count)), np.zeros((count, count))
         with ThreadPoolExecutor(len(self._searchers)) as threads:
             # Each thread has a searcher of its own; the loops release the interpreter's lock.
             rows = threads.map(
-                lambda share: [
-                    (a, self._row(a, weights, share)) for a in _every(count - 1, share)
-                ],
+                lambda share: [self._row(a, weights, share) for a in _every(count - 1, share)],
                 range(len(self._searchers)),
             )
-            found = dict(itertools.chain.from_iterable(rows))
-        for a in range(count - 1):
-            for b, way in found[a].items():
-                time, dose = math.inf, math.inf
-                if way is not None:
-                    time, dose = way.time_s, way.dose_usv
-                    self._keep(a, b, way)
-                times[a, b] = times[b, a] = time
-                doses[a, b] = doses[b, a] = dose
-        return times, doses
-
-    def _row(self, a: int, weights: tuple[float, float], share: int) -> dict[int, GridPath | None]:
-        """Return the ways from one point to all later ones."""
-        searcher, cells = self._searchers[share], self.cells
-        tree = searcher.tree(cells[a], weights, set(cells[a + 1 :]))
-        found: dict[int, GridPath | None] = {}
-        for b in range(a + 1, len(cells)):
-            found[b] = None
-            if math.isfinite(tree.costs[cells[b]]):
-                path = tree.path_to(cells[b])
-                time, dose = searcher.edges.path_costs(path)
-                found[b] = GridPath(cells=path, time_s=time, dose_usv=dose)
+            found = dict(sorted(itertools.chain.from_iterable(itertools.chain(*rows))))
+        for pair, way in found.items():
+            self._keep(pair, way)
         return found
 
-    def _keep(self, a: int, b: int, way: GridPath) -> None:
-        kept = self._paths.setdefault((a, b), [])
-        if all((way.time_s, way.dose_usv) != (one.time_s, one.dose_usv) for one in kept):
+    def _row(self, a: int, weights: Weights, share: int) -> list[tuple[Pair, GridPath]]:
+        """Return the ways from one point to all later ones that can be reached."""
+        searcher, cells = self._searchers[share], self.cells
+        tree = searcher.tree(cells[a], weights, set(cells[a + 1 :]))
+        return [
+            ((a, b), searcher.edges.path_of(tree.path_to(cells[b])))
+            for b in range(a + 1, len(cells))
+            if math.isfinite(tree.costs[cells[b]])
+        ]
+
+    def _keep(self, pair: Pair, way: GridPath) -> None:
+        kept = self._distinct.setdefault(pair, [])
+        costs = (way.time_s, way.dose_usv, way.load)
+        if all(costs != (one.time_s, one.dose_usv, one.load) for one in kept):
             kept.append(way)
 
 
