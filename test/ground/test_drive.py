@@ -41,6 +41,7 @@ from rocsafe_ground.drive.ground_map import MapFiles, read_ground_map
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import BeyondBudgetError, NoMapError, NoWayError
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
+from rocsafe_ground.evidence.found_releases import found_releases
 from rocsafe_ground.evidence.labelled_things import labelled_things
 
 CELL_M = 0.5
@@ -339,6 +340,33 @@ def test_command_writes_every_file(village, tmp_path, capsys):
     for name in ('route.kml', 'route.gpx'):
         ElementTree.parse(out / name)  # noqa: S314 - our own file
     assert (out / 'ground.tif').stat().st_size > 1000
+
+
+def test_releases_propose_evidence(tmp_path, capsys):
+    """The stronger the higher the priority; without any a clear refusal."""
+    folder = write_village(tmp_path)
+    words = [str(folder), '--from', text(*START), '--to', 'releases', '--dose-budget', '500']
+    assert main(words) == 2
+    assert '--to releases: the survey found no release of gas' in capsys.readouterr().err
+    rows = [
+        {
+            'latitude_deg': position(*place).latitude_deg,
+            'longitude_deg': position(*place).longitude_deg,
+            'rate_g_s': rate,
+            'region_95_m2': 314.16,
+        }
+        for place, rate in (((10.0, -20.0), 50.0), ((-10.0, -25.0), 20.0))
+    ]
+    (folder / 'release.json').write_text(json.dumps({'releases': rows, 'agent': 'chlorine'}))
+    first, second = found_releases(folder / 'release.json')
+    assert (first.kind, first.priority, second.priority) == ('release', 1.0, 0.4)
+    assert first.found_in == 'release 1: 50 g/s of chlorine, within 10 m (95 %)'
+    assert main([*words, '--json']) == 0
+    stops = json.loads(capsys.readouterr().out)['stops']
+    assert {stop['evidence'] for stop in stops} == {'', 'release-1', 'release-2'}
+    (folder / 'release.json').write_text('[]')
+    assert main(words) == 2
+    assert 'is no file of releases' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

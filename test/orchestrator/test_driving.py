@@ -179,24 +179,28 @@ def test_cancel_and_end_of_room_go_to_the_products() -> None:
 
 
 def test_goal_asks_for_what_is_left_within_what_is_left() -> None:
-    """Named evidence and found sources; from where it stands, back to its home."""
+    """Named evidence, found sources and releases; from where it stands, back to its home."""
     scenario = read_scenario(SCENARIO)
     sources = [(GeoPosition(53.2798, -9.0633, 66.0), 9e4), (GeoPosition(53.28, -9.063, 66.0), 3e4)]
-    first = drive_goal(scenario, sources, DriveSoFar())
+    releases = [(GeoPosition(53.2799, -9.0635, 66.0), 700.0)]
+    first = drive_goal(scenario, sources, releases, DriveSoFar())
     assert first is not None
-    assert [one.id for one in first.evidence] == ['wagon', 'ballast', 'source-1', 'source-2']
+    assert [one.id for one in first.evidence] == [
+        'wagon', 'ballast', 'source-1', 'source-2', 'release-1',
+    ]  # fmt: skip
+    assert first.evidence[-1].found_in == 'release 1: 700 g/s'
     assert first.end == []
     assert first.dose_budget_usv == scenario.ground_vehicle.dose_budget_usv
     here = GeoPoint(latitude=53.2797, longitude=-9.0635, altitude=66.0)
     result = DriveRoute.Result(
         evidence_taken=['wagon', 'source-1'], dose_usv=100.0, position=here, blocked=[here]
     )
-    again = drive_goal(scenario, sources, DriveSoFar().after(result))
+    again = drive_goal(scenario, sources, releases, DriveSoFar().after(result))
     assert again is not None
-    assert [one.id for one in again.evidence] == ['ballast', 'source-2']
+    assert [one.id for one in again.evidence] == ['ballast', 'source-2', 'release-1']
     assert again.dose_budget_usv == first.dose_budget_usv - 100.0
     assert again.start == here
     assert list(again.blocked) == [here]
     assert again.end[0].latitude == pytest.approx(scenario.ground_vehicle.home[0])
-    rest = DriveRoute.Result(evidence_taken=['ballast', 'source-2'])
-    assert drive_goal(scenario, sources, DriveSoFar().after(result).after(rest)) is None
+    rest = DriveRoute.Result(evidence_taken=['ballast', 'source-2', 'release-1'])
+    assert drive_goal(scenario, sources, releases, DriveSoFar().after(result).after(rest)) is None

@@ -125,6 +125,20 @@ def test_every_parameter_is_an_option_of_its_node(
             assert [vehicle.name for vehicle in options.vehicles()] == ['rav1', 'rav2']
 
 
+def test_a_ground_vehicle_smells_as_drones_do(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """The air gives it readings, the estimator hears them and writes what the router reads."""
+    scenario = read_scenario(small({**GAS, **DRIVE}))
+    table = {spec.name: spec for spec in process_table(scenario, run)}
+    names = ['rav1', 'rav2', 'rgv1']
+    assert table['air'].parameters['vehicles'] == names
+    assert {end.vehicle for end in table['air'].readiness} == set(names)
+    assert table['estimator'].parameters['vehicles'] == names
+    router = RouterOptions(**table['router'].parameters)
+    assert str(router.files('').gas) == table['estimator'].parameters['export_directory']
+
+
 def test_vehicles_are_processes_of_their_own_or_one(
     small: Callable[..., Path], run: RunDirectory
 ) -> None:

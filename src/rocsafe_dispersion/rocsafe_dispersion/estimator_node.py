@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from rclpy.node import Node
@@ -15,6 +16,7 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
     assess,
     suggested_places,
 )
+from rocsafe_dispersion.mission_gas.release_files import write_plume_files
 from rocsafe_dispersion.release_conversions import (
     fill_release_suggestion,
     gas_flight_reading_of,
@@ -88,7 +90,15 @@ class EstimatorNode(Node):
         self._region = region
 
     def _prepare(self) -> Callable[[], ReleaseAssessment]:
-        return partial(assess, self._log.survey(), self._how)
+        survey, folder = self._log.survey(), self._options.export_directory
+
+        def fit() -> ReleaseAssessment:
+            assessment = assess(survey, self._how)
+            if folder:
+                write_plume_files(Path(folder), assessment, self._log.frame)
+            return assessment
+
+        return fit
 
     def _publish(self, assessment: ReleaseAssessment, time_ns: int) -> None:
         self._releases.publish(releases_message(assessment, self._log.frame, time_ns))

@@ -36,6 +36,9 @@ class EstimatorOptions(OriginOptions):
     )
     period_s: float = option(5.0, 'wall time between two estimates, seconds', 0.1, 3600.0)
     spool_directory: str = option('', 'folder in which readings are kept; empty: nowhere')
+    export_directory: str = option(
+        '', 'folder for plume.tif and threat_zones.geojson of each estimate; empty: none'
+    )
 
     def __post_init__(self) -> None:
         if self.stability not in CLASSES:

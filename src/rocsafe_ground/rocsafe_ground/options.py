@@ -36,7 +36,7 @@ class RouterOptions:
     )
     products_directory: str = option('', 'folder of the map for a request that names none')
     hazard_directory: str = option(
-        '', 'folder of dose_map.tif and sources.json; empty: that of the map'
+        '', 'folder of dose_map.tif, sources.json and plume.tif; empty: that of the map'
     )
     export_directory: str = option('', 'folder for route.json and its like; empty: none')
 
@@ -64,6 +64,7 @@ class RouterOptions:
             folder=Path(folder or self.products_directory),
             dose_map=hazard and hazard / DOSES,
             sources=hazard and hazard / SOURCES,
+            gas=hazard,
             terrain=Path(self.terrain_file) if self.terrain_file else None,
             keep_outs=tuple(Path(name) for name in self.keep_out_files),
         )

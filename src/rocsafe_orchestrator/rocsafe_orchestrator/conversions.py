@@ -16,6 +16,7 @@ from rocsafe_interfaces.msg import (
     HazardSourceArray,
     MissionState,
     RadiationReading,
+    ReleaseEstimateArray,
     Route,
     VehicleState,
 )
@@ -108,6 +109,11 @@ def sources_of(message: HazardSourceArray) -> tuple[tuple[GeoPosition, float], .
         for source in message.sources
         if source.kind == HazardSource.GAMMA and math.isfinite(source.dose_rate_at_1m_usvh)
     )
+
+
+def releases_of(message: ReleaseEstimateArray) -> tuple[tuple[GeoPosition, float], ...]:
+    """Return places and rates, g/s, of the estimated releases of gas."""
+    return tuple((position_of_point(one.position), one.rate_g_s) for one in message.releases)
 
 
 def danger_of(

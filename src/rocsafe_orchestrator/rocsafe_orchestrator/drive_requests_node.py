@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Requests to the localizer, the router and the ground vehicle of a mission."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -28,8 +28,9 @@ _OUT = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
 class DriveRequests:
     """Clients of the drive of a ground vehicle.
 
-    Actions: ``plan_ground_route``, ``<vehicle>/drive_route``. Service:
-    ``hazard/suggest_viewpoints``, whose answer means that all readings are assessed.
+    Actions: ``plan_ground_route``, ``<vehicle>/drive_route``. Services:
+    ``hazard/suggest_viewpoints`` and ``hazard/suggest_gas_viewpoints``, whose answers mean that
+    all readings are assessed.
 
     Parameters
     ----------
@@ -38,18 +39,23 @@ class DriveRequests:
     scenario
         With a ground vehicle.
     monitor
-        Knows the sources; gets the number of photographs to expect.
+        Knows sources and releases; gets the number of photographs to expect.
     leases
         Of the vehicles.
-    localizer
-        Client of the service.
+    assessors
+        Clients of the services.
     """
 
     def __init__(
-        self, node: Node, scenario: Scenario, monitor: Monitor, leases: Leases, localizer: Client
+        self,
+        node: Node,
+        scenario: Scenario,
+        monitor: Monitor,
+        leases: Leases,
+        assessors: Sequence[Client],
     ) -> None:
         self._scenario, self._monitor = scenario, monitor
-        self._leases, self._localizer = leases, localizer
+        self._leases, self._unassessed = leases, list(assessors)
         self._mission: Mission | None = None
         self._so_far = DriveSoFar()
         self._route: GroundRoute | None = None
@@ -68,19 +74,24 @@ class DriveRequests:
 
     def send_assess(self, order: Order) -> None:
         """Ask whether all readings are assessed; repeated until they are."""
-        answer = self._localizer.call_async(SuggestViewpoints.Request(count=1))
-        answer.add_done_callback(partial(self._on_assessed, order))
+        for assessor in self._unassessed:
+            answer = assessor.call_async(SuggestViewpoints.Request(count=1))
+            answer.add_done_callback(partial(self._on_assessed, order, assessor))
 
-    def _on_assessed(self, order: Order, future: Any) -> None:
+    def _on_assessed(self, order: Order, assessor: Client, future: Any) -> None:
         answer = future.result()
-        if self._mission is not None and answer is not None and answer.status != answer.NOT_YET:
+        if self._mission is None or answer is None or answer.status == answer.NOT_YET:
+            return
+        if assessor in self._unassessed:
+            self._unassessed.remove(assessor)
+        if not self._unassessed:
             self._mission.answered(order)
 
     def send_plan(self, order: Order) -> None:
         """Ask for a route to the evidence that is not taken yet."""
-        goal = drive_goal(self._scenario, self._monitor.sources, self._so_far)
+        goal = self._goal()
         if goal is None:
-            self._refuse(order, 'no drive: no source was found, and no evidence is named')
+            self._refuse(order, 'no drive: nothing was found, and no evidence is named')
             return
         self._send(self.router, goal, order, self._on_route)
 
@@ -120,9 +131,13 @@ class DriveRequests:
         self._so_far = self._so_far.after(result)
         ending = DriveEnd.AT_HOME
         if result.outcome in _OUT:
-            is_left = drive_goal(self._scenario, self._monitor.sources, self._so_far) is not None
+            is_left = self._goal() is not None
             ending = DriveEnd.OUT_WITH_EVIDENCE_LEFT if is_left else DriveEnd.OUT_WITH_ALL
         self._mission.driven(result.error_msg, ending)
+
+    def _goal(self) -> PlanGroundRoute.Goal | None:
+        monitor = self._monitor
+        return drive_goal(self._scenario, monitor.sources, monitor.releases, self._so_far)
 
     def _refuse(self, order: Order, text: str) -> None:
         if self._mission is not None:

@@ -21,6 +21,7 @@ from rocsafe_interfaces.msg import (
     DoseAlarm,
     HazardSourceArray,
     RadiationReading,
+    ReleaseEstimateArray,
     ShotReceipt,
     StepDone,
     VehicleState,
@@ -99,6 +100,7 @@ class OrchestratorNode(Node):
             on_alarm = partial(self._on_alarm, name)
             topics.create_subscription(self, topics.DOSE_ALARM, on_alarm, name)
         topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
+        topics.create_subscription(self, topics.RELEASES, self._on_releases)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
         if self._scenario.fleet.agents:
             topics.create_subscription(self, topics.AGENTS, self._on_agent)
@@ -195,6 +197,9 @@ class OrchestratorNode(Node):
 
     def _on_sources(self, message: HazardSourceArray) -> None:
         self._monitor.sources = conversions.sources_of(message)
+
+    def _on_releases(self, message: ReleaseEstimateArray) -> None:
+        self._monitor.releases = conversions.releases_of(message)
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:

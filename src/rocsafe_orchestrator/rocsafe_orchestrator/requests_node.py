@@ -121,8 +121,11 @@ class Requests:
             }
 
     def _drives_of(self, node: Node) -> DriveRequests:
-        localizer = self._services[topics.SUGGEST_VIEWPOINTS.name]
-        return DriveRequests(node, self._scenario, self._monitor, self._leases, localizer)
+        asked = [topics.SUGGEST_VIEWPOINTS]
+        if self._scenario.air.gas_sensors:
+            asked.append(topics.SUGGEST_GAS_VIEWPOINTS)
+        assessors = [self._services[spec.name] for spec in asked]
+        return DriveRequests(node, self._scenario, self._monitor, self._leases, assessors)
 
     def begin(self, mission: Mission) -> None:
         """Report answers to `mission` from now on."""

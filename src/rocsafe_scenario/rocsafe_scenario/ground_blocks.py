@@ -32,17 +32,22 @@ class GroundVehicleBlock(Block):
         Dose that it may take on its whole drive.
     turn_back_usvh
         No part of its way is planned to reach this dose rate, at which it turns back.
-    evidence, to_sources
-        Named places, and whether it goes to each source that was found, for `dwell_s`.
+    load_budget
+        Toxic load of gas along its way by the upper 95 %, times that of level 2; None: no limit.
+    evidence, to_sources, to_releases
+        Named places, and whether it goes to each source and each release of gas that was found,
+        for `dwell_s`.
     """
 
     name: VehicleName
     home: LatLon
     dose_budget_usv: float = Field(gt=0.0, le=1e9)
+    load_budget: float | None = Field(default=None, gt=0.0, le=1e9)
     turn_back_usvh: float = Field(default=1e5, ge=1e-3, le=1e9)
     endurance_s: float = Field(default=7200.0, gt=0.0, le=604_800.0)
     reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
     width_m: float = Field(default=0.7, ge=0.1, le=10.0)
     to_sources: bool = True
+    to_releases: bool = True
     dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
     evidence: tuple[EvidenceBlock, ...] = Field(default=(), max_length=60)

@@ -11,6 +11,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.products.run_record import (
     FlightLog,
+    GasSample,
     Reading,
     RecordingFacts,
     RunRecord,
@@ -121,8 +122,20 @@ def log_of_a_drive():
         time_ns=times, latitude_deg=np.full(121, 53.28), longitude_deg=np.full(121, -9.06),
         altitude_m=np.full(121, 67.0), is_truth=False,
     )  # fmt: skip
+    gases = tuple(
+        GasSample(
+            time_ns=time * second, vehicle=vehicle, sensor=sensor, unit='ppm', raw=raw, limit=0.5
+        )
+        for time, vehicle, sensor, raw in (
+            (5, 'rgv1', 'pid_10_6_ev', 99.0),
+            (20, 'rgv1', 'pid_10_6_ev', 3.25),
+            (30, 'rgv1', 'pid_10_6_ev', 1.0),
+            (20, 'rgv1', 'metal_oxide', 0.2),
+            (20, 'rav1', 'pid_10_6_ev', 50.0),
+        )
+    )
     return FlightLog(
-        facts=RecordingFacts(message_count=1, start_ns=0),
+        facts=RecordingFacts(message_count=1, start_ns=0), gases=gases,
         readings=readings, samples={'rgv1': samples}, tracks={'rgv1': track},
     )  # fmt: skip
 
@@ -138,6 +151,9 @@ def test_what_was_driven_stands_beside_the_prediction(tmp_path):
     assert 'predicted 60' in rows['Dose by its own readings']
     assert rows['Driven'].startswith('100')
     assert rows['Dose before and after, where it stood'].startswith('4.00')
+    # The highest of each of its own gas sensors, while it drove.
+    assert rows['Highest reading, pid 10 6 ev'] == '3.25 ppm'
+    assert rows['Highest reading, metal oxide'] == 'below its limit of 0.5 ppm'
     assert view.driven.taken[-1] == pytest.approx((320.0 * 100.0 / 150.0, 160.0 * 2.0 / 3.0))
     assert view.driven.predicted[-1] == pytest.approx((320.0, 0.0))
     assert len(view.driven.way) == 101

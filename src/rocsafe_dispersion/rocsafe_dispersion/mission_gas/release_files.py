@@ -37,6 +37,18 @@ def write_release_files(
     folder.mkdir(parents=True, exist_ok=True)
     _write_json(folder / 'release.json', document)
     (folder / 'gas.svg').write_text(gas_figure(assessment), encoding='utf-8')
+    write_plume_files(folder, assessment, frame)
+
+
+def write_plume_files(folder: Path, assessment: ReleaseAssessment, frame: LocalFrame) -> None:
+    """Write threat zones and plume to `folder`, which is created; without a release remove them.
+
+    Raises
+    ------
+    OSError
+        If a file cannot be written.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
     of_plume = [folder / f'threat_zones.{kind}' for kind in ('geojson', 'kml')]
     if assessment.plume is None:
         for path in (*of_plume, folder / 'plume.tif'):

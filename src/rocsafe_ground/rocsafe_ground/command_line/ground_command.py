@@ -14,11 +14,23 @@ from rocsafe_ground.dose.toxic_load import PLUME, ZONES, GasExposure
 from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
-from rocsafe_ground.drive.ground_map import GroundMap, MapFiles, read_ground_map, read_posterior
+from rocsafe_ground.drive.ground_map import (
+    RELEASES,
+    GroundMap,
+    MapFiles,
+    read_ground_map,
+    read_posterior,
+)
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError, NoMapError
-from rocsafe_ground.evidence.evidence_file import FROM_OBJECTS, evidence_of, place_of
+from rocsafe_ground.evidence.evidence_file import (
+    FROM_OBJECTS,
+    FROM_RELEASES,
+    evidence_of,
+    place_of,
+)
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
+from rocsafe_ground.evidence.found_releases import found_releases
 from rocsafe_ground.evidence.labelled_things import labelled_things
 from rocsafe_ground.products.document import drive_document, duration_text
 from rocsafe_ground.products.files import write_drive
@@ -62,7 +74,9 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
         )
     request = DriveRequest(
         start=place_of(options.start),
-        evidence=evidence_of(options.to, read_posterior(files), _objects(options, ground)),
+        evidence=evidence_of(
+            options.to, read_posterior(files), _objects(options, ground), _releases(options)
+        ),
         dose_budget_usv=options.dose_budget,
         load_budget=options.load_budget,
         vehicle=vehicle,
@@ -81,6 +95,12 @@ def _objects(options: argparse.Namespace, ground: GroundMap) -> list[EvidencePoi
         return None
     room = MOST_POINTS - sum(text != FROM_OBJECTS for text in options.to)
     return labelled_things(read_labels(options.labels), ground.grid, max(room, 1))
+
+
+def _releases(options: argparse.Namespace) -> list[EvidencePoint] | None:
+    """Return the releases that the survey found, None if it looked for none."""
+    path = options.folder / RELEASES
+    return found_releases(path) if FROM_RELEASES in options.to and path.is_file() else None
 
 
 def lines_of(plan: DrivePlan) -> list[str]:

@@ -24,6 +24,7 @@ from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.errors import NoMapError
 
 MOSAIC, HEIGHTS, DOSES, SOURCES = 'mosaic.tif', 'map/error.tif', 'dose_map.tif', 'sources.json'
+RELEASES = 'release.json'
 HEIGHT_BAND = 1
 DOSE_BANDS = 3
 
@@ -38,6 +39,8 @@ class MapFiles:
         Of a run, or with a mosaic.
     dose_map, sources
         Files; None: those of the folder.
+    gas
+        Folder of plume and threat zones; None: the same folder.
     labels
         GeoTIFF of labelled ground; None: colours tell what the ground is.
     terrain
@@ -49,6 +52,7 @@ class MapFiles:
     folder: Path
     dose_map: Path | None = None
     sources: Path | None = None
+    gas: Path | None = None
     labels: Path | None = None
     terrain: Path | None = None
     keep_outs: tuple[Path, ...] = ()
@@ -157,7 +161,7 @@ def read_ground_map(
         ground=ground,
         field=field,
         turn_back_usvh=turn_back_usvh,
-        gas=read_gas(files.folder, grid),
+        gas=read_gas(files.gas or files.folder, grid),
     )
 
 

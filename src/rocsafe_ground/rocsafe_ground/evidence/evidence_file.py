@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Evidence points of an operator, from GeoJSON or from text, and those that sources propose."""
+"""Evidence points of an operator, from GeoJSON or from text, and those that a survey proposes."""
 
 import json
 from collections.abc import Sequence
@@ -10,24 +10,28 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.dose.source_posterior import SourcePosterior
 from rocsafe_ground.evidence.evidence_point import MARK, SOURCE, EvidencePoint
 
-FROM_SOURCES, FROM_OBJECTS = 'sources', 'objects'
+FROM_SOURCES, FROM_OBJECTS, FROM_RELEASES = 'sources', 'objects', 'releases'
 
 
 def evidence_of(
     texts: list[str],
     posterior: SourcePosterior | None,
     objects: Sequence[EvidencePoint] | None = None,
+    releases: Sequence[EvidencePoint] | None = None,
 ) -> tuple[EvidencePoint, ...]:
     """Return the evidence points that words of a command line name.
 
     Parameters
     ----------
     texts
-        Each ``LAT,LON``, the path of a GeoJSON file of points, ``sources`` or ``objects``.
+        Each ``LAT,LON``, the path of a GeoJSON file of points, ``sources``, ``releases`` or
+        ``objects``.
     posterior
         The sources that a survey found.
     objects
         The things that labels propose; None: there are no labels.
+    releases
+        Those of gas that a survey proposes; None: it looked for none.
 
     Raises
     ------
@@ -38,6 +42,8 @@ def evidence_of(
     for text in texts:
         if text == FROM_SOURCES:
             found += _of_sources(posterior)
+        elif text == FROM_RELEASES:
+            found += _of_releases(releases)
         elif text == FROM_OBJECTS:
             found += _of_objects(objects)
         elif Path(text).suffix.lower() in ('.geojson', '.json'):
@@ -106,6 +112,12 @@ def _of_objects(objects: Sequence[EvidencePoint] | None) -> Sequence[EvidencePoi
     if not objects:
         raise ValueError(f'--to {FROM_OBJECTS}: the labels show no drum, flask, wagon or marker')
     return objects
+
+
+def _of_releases(releases: Sequence[EvidencePoint] | None) -> Sequence[EvidencePoint]:
+    if not releases:
+        raise ValueError(f'--to {FROM_RELEASES}: the survey found no release of gas')
+    return releases
 
 
 def _of_sources(posterior: SourcePosterior | None) -> list[EvidencePoint]:

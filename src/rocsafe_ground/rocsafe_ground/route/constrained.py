@@ -69,8 +69,8 @@ class BoundedPath:
         The fastest path found.
     bound_s
         No path on this grid within the budget takes less.
-    price_s_per_usv
-        Seconds that one more microsievert saves, about (multiplier of the dual).
+    price_s_per_usv, price_s_per_load
+        Seconds that one more microsievert, or load, saves, about (multipliers of the dual).
     label_count
         Labels that the exact search made; 0: the dual was enough.
     """
@@ -79,6 +79,7 @@ class BoundedPath:
     bound_s: float
     price_s_per_usv: float
     label_count: int
+    price_s_per_load: float = 0.0
 
     @property
     def gap_fraction(self) -> float:
@@ -240,7 +241,7 @@ class RouteSearch:
         )
         price, path = known.price_s_per_usv, known.path
         if status == FOUND:
-            best = self._edges.path_of(_path_of(labels[0], labels[1], last))
+            best = self._edges.path_of(path_of_labels(labels[0], labels[1], last))
             return _proven(min(best, path, key=lambda one: one.time_s), price, int(count))
         bound = path.time_s if status == NONE_FOUND else max(known.bound_s, float(reached))
         return BoundedPath(
@@ -268,7 +269,7 @@ def _proven(path: GridPath, price: float, labels: int = 0) -> BoundedPath:
     return BoundedPath(path=path, bound_s=path.time_s, price_s_per_usv=price, label_count=labels)
 
 
-def _path_of(cells: IndexArray, befores: IndexArray, last: int) -> IndexArray:
+def path_of_labels(cells: IndexArray, befores: IndexArray, last: int) -> IndexArray:
     """Return the cells of a label and of those before it, the first one first."""
     path = []
     while last >= 0:

@@ -282,3 +282,103 @@ def label_search(
                 size += 1
                 count += 1
     return NONE_FOUND, -1, count, math.inf
+
+
+@inlined
+def _is_beaten(
+    front: tuple[IndexArray, IndexArray],
+    labels: tuple[FloatArray, FloatArray],
+    cell: int,
+    costs: tuple[float, float],
+) -> bool:
+    """Return whether a settled label at a cell has no more dose and no more load."""
+    first, following = front
+    doses, loads = labels
+    at = first[cell]
+    while at >= 0:
+        if doses[at] <= costs[0] and loads[at] <= costs[1]:
+            return True
+        at = following[at]
+    return False
+
+
+@inlined
+def _is_worth_both(
+    label: tuple[float, float, float],
+    cell: int,
+    limits: tuple[float, float, float],
+    least: tuple[FloatArray, FloatArray, FloatArray],
+    prices: tuple[FloatArray, FloatArray],
+) -> bool:
+    """Return whether a label, (time, dose, load), may lead to the goal within the limits."""
+    time, dose, load = label
+    best, most_dose, most_load = limits
+    if time + least[0][cell] > best or dose + least[1][cell] > most_dose:
+        return False
+    if load + least[2][cell] > most_load:
+        return False
+    multipliers, lagrangian = prices
+    for p in range(len(multipliers)):
+        over = multipliers[p, 0] * (dose - most_dose) + multipliers[p, 1] * (load - most_load)
+        if time + lagrangian[p, cell] + over > best:
+            return False
+    return True
+
+
+@kernel
+def label_search_both(
+    edges: tuple[FloatArray, FloatArray, FloatArray],
+    offsets: IndexArray,
+    ends: tuple[int, int],
+    limits: tuple[float, float, float],
+    least: tuple[FloatArray, FloatArray, FloatArray],
+    prices: tuple[FloatArray, FloatArray],
+    labels: tuple[IndexArray, IndexArray, FloatArray, FloatArray, FloatArray],
+    front: tuple[IndexArray, IndexArray],
+    heap: tuple[FloatArray, IndexArray],
+) -> tuple[int, int, int, float]:
+    """Search the fastest path within budgets of dose and of toxic load, exactly.
+
+    As `label_search`, with three arrays of edges: time, dose and load. `limits` are the time of
+    the best path known, the largest dose and the largest load; `least` are of the same three.
+    `prices` are multipliers of dose and load, (n, 2), and the least Lagrangian cost of each to
+    the goal, (n, cells). A label at a cell is dominated if one left before it with no more of
+    both: `front` is the newest settled label of each cell, -1 everywhere, (cells,), and the one
+    settled before each label, overwritten.
+    """
+    times, doses, loads = edges
+    cells, befores, label_times, label_doses, label_loads = labels
+    first, following = front
+    keys, items = heap
+    cells[0], befores[0] = ends[0], -1
+    label_times[0], label_doses[0], label_loads[0] = 0.0, 0.0, 0.0
+    _push(keys, items, 0, least[0][ends[0]], 0)
+    size, count = 1, 1
+    while size > 0:
+        key, label = keys[0], items[0]
+        _pop(keys, items, size)
+        size -= 1
+        k, dose, load = cells[label], label_doses[label], label_loads[label]
+        if _is_beaten(front, (label_doses, label_loads), k, (dose, load)):
+            continue
+        following[label], first[k] = first[k], label
+        if k == ends[1]:
+            return FOUND, label, count, key
+        if count > len(cells) - 8:
+            return OUT_OF_LABELS, -1, count, key
+        for m in range(8):
+            if times[k, m] == math.inf:
+                continue
+            n = k + offsets[m]
+            time = label_times[label] + times[k, m]
+            more, most = dose + doses[k, m], load + loads[k, m]
+            if not _is_worth_both((time, more, most), n, limits, least, prices):
+                continue
+            if _is_beaten(front, (label_doses, label_loads), n, (more, most)):
+                continue
+            cells[count], befores[count] = n, label
+            label_times[count], label_doses[count], label_loads[count] = time, more, most
+            _push(keys, items, size, time + least[0][n], count)
+            size += 1
+            count += 1
+    return NONE_FOUND, -1, count, math.inf

@@ -15,10 +15,10 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_ground.errors import BeyondBudgetError
 from rocsafe_ground.route.constrained import ROUNDING
 from rocsafe_ground.route.edges import Searcher, Weights
+from rocsafe_ground.route.prices import Costs, best_prices
 from rocsafe_ground.tour.choice import Limit, candidates
 from rocsafe_ground.tour.joining import Choice, joined
 from rocsafe_ground.tour.orders import MOST_POINTS, Orders, members_of, orders_of
-from rocsafe_ground.tour.prices import Costs, best_prices
 from rocsafe_ground.tour.trip import Budgets, Tour, TourPoint
 from rocsafe_ground.tour.ways import CLEANEST, PUREST, QUICKEST, Ways
 

@@ -189,6 +189,7 @@ class Monitor:
         self.contaminated: dict[str, str] = {}
         self._contamination_usvh = contamination_usvh
         self.sources: tuple[tuple[GeoPosition, float], ...] = ()
+        self.releases: tuple[tuple[GeoPosition, float], ...] = ()
         self._flown: dict[str, list[tuple[GeoPosition, float]]] = {}
         self.images_expected = 0
         self.time_s = 0.0

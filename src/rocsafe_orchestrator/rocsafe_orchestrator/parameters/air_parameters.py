@@ -21,7 +21,7 @@ def air_parameters(scenario: Scenario) -> Parameters:
     east, north = scenario.survey.airspace.wind_mps
     wind = {'towards_east_mps': east, 'towards_north_mps': north}
     return {
-        'vehicles': [vehicle.name for vehicle in metered],
+        'vehicles': list(scenario.metered_names),
         # The true position of a real vehicle is unknown.
         'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
         'start_time_s': scenario.clock.start.timestamp(),
@@ -40,7 +40,7 @@ def estimator_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the estimator, which is told of the air but not of releases."""
     air, origin = scenario.air, scenario.origin_position()
     return {
-        'vehicles': list(scenario.vehicle_names),
+        'vehicles': list(scenario.all_names),
         'origin_latitude_deg': origin.latitude_deg,
         'origin_longitude_deg': origin.longitude_deg,
         'origin_altitude_m': origin.altitude_m,
@@ -50,6 +50,7 @@ def estimator_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'intake_delay_s': air.intake_delay_s,
         **air.search.model_dump(exclude={'extra_rounds', 'viewpoints_a_round'}),
         'spool_directory': str(run.spool / ESTIMATOR),
+        **({'export_directory': str(run.hazard)} if scenario.driver_name else {}),
     }
 
 

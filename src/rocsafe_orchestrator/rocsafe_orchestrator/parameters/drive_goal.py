@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The request for a drive of the ground vehicle, and what it has done so far."""
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.position import GeoPosition
@@ -11,7 +11,8 @@ from rocsafe_ros.conversions import point_of_position
 from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 
-SOURCE = 'source'
+SOURCE, RELEASE = 'source', 'release'
+Found = Sequence[tuple[GeoPosition, float]]
 # A budget that is used up: the router then says what the least one would be.
 LEAST_BUDGET_USV = 1e-6
 
@@ -49,16 +50,18 @@ class DriveSoFar:
 
 
 def drive_goal(
-    scenario: Scenario, sources: Iterable[tuple[GeoPosition, float]], so_far: DriveSoFar
+    scenario: Scenario, sources: Found, releases: Found, so_far: DriveSoFar
 ) -> PlanGroundRoute.Goal | None:
     """Return the request to the router, None if nothing is left to be taken.
 
-    `sources` are places and dose rates at 1 m.
+    `sources` are places and dose rates at 1 m, `releases` places and rates in g/s.
     """
     block = scenario.ground_vehicle
     if block is None:
         return None
-    evidence = [one for one in _evidence(block, sources) if one.id not in so_far.evidence]
+    evidence = [
+        one for one in _evidence(block, sources, releases) if one.id not in so_far.evidence
+    ]
     if not evidence:
         return None
     home = point_of_position(scenario.ground_position(block.home))
@@ -69,32 +72,35 @@ def drive_goal(
         blocked=list(so_far.blocked),
         evidence=evidence,
         dose_budget_usv=max(block.dose_budget_usv - so_far.dose_usv, LEAST_BUDGET_USV),
+        load_budget=block.load_budget or 0.0,
         turn_back_usvh=block.turn_back_usvh,
         endurance_s=block.endurance_s,
     )
 
 
 def _evidence(
-    block: GroundVehicleBlock, sources: Iterable[tuple[GeoPosition, float]]
-) -> list[EvidencePoint]:
-    found = [
-        EvidencePoint(
+    block: GroundVehicleBlock, sources: Found, releases: Found
+) -> Iterator[EvidencePoint]:
+    for one in block.evidence:
+        yield EvidencePoint(
             id=one.name, kind=one.kind, position=point_of_position(GeoPosition(*one.position)),
             priority=one.priority, dwell_s=one.dwell_s,
-        )
-        for one in block.evidence
-    ]  # fmt: skip
+        )  # fmt: skip
     if block.to_sources:
-        strongest = max((rate for _, rate in sources), default=1.0)
-        for number, (place, rate) in enumerate(sources, 1):
-            found.append(
-                EvidencePoint(
-                    id=f'{SOURCE}-{number}', kind=SOURCE, position=point_of_position(place),
-                    priority=max(0.1, rate / strongest), dwell_s=block.dwell_s,
-                    found_in=f'source {number}: {rate:.4g} uSv/h at 1 m',
-                )
-            )  # fmt: skip
-    return found
+        yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s)
+    if block.to_releases:
+        yield from _found(RELEASE, 'g/s', releases, block.dwell_s)
+
+
+def _found(kind: str, unit: str, found: Found, dwell_s: float) -> Iterator[EvidencePoint]:
+    """Yield a point for each of what was found, the stronger the higher its priority."""
+    strongest = max((rate for _, rate in found), default=1.0)
+    for number, (place, rate) in enumerate(found, 1):
+        yield EvidencePoint(
+            id=f'{kind}-{number}', kind=kind, position=point_of_position(place),
+            priority=max(0.1, rate / strongest), dwell_s=dwell_s,
+            found_in=f'{kind} {number}: {rate:.4g} {unit}',
+        )  # fmt: skip
 
 
 def drive_text(route: GroundRoute) -> str:

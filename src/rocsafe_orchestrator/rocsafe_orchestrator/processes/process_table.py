@@ -195,7 +195,9 @@ def _of_host(
 
 def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpec]:
     if scenario.air.is_used:
-        sensors = _of_each(scenario.with_simulated_detector, topics.ANEMOMETER)
+        sensors = (
+            Endpoint(spec=topics.ANEMOMETER, vehicle=name) for name in scenario.metered_names
+        )
         yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
         yield _process(
             ESTIMATOR,

@@ -16,6 +16,7 @@ from rocsafe_orchestrator.products.run_record import (
     AgentSample,
     Alarm,
     FlightLog,
+    GasSample,
     MissionSample,
     Notice,
     Reading,
@@ -25,6 +26,7 @@ from rocsafe_orchestrator.products.run_record import (
 )
 
 _READING = 'rocsafe_interfaces/msg/RadiationReading'
+_GAS = 'rocsafe_interfaces/msg/GasReading'
 _FIX = 'sensor_msgs/msg/NavSatFix'
 _STATE = 'rocsafe_interfaces/msg/VehicleState'
 _MISSION = 'rocsafe_interfaces/msg/MissionState'
@@ -60,6 +62,7 @@ class _Log:
     def __init__(self, reader: McapReader) -> None:
         self._reader = reader
         self._readings: dict[tuple[int, str], Reading] = {}
+        self._gases: dict[tuple[int, str, str], GasSample] = {}
         self._fixes: dict[str, dict[int, tuple[float, float, float]]] = {}
         self._samples: dict[str, list[VehicleSample]] = {}
         self._mission: list[MissionSample] = []
@@ -71,6 +74,7 @@ class _Log:
         """Read all messages of interest."""
         handlers: dict[str, Callable[[str, Any], None]] = {
             _READING: self._on_reading,
+            _GAS: self._on_gas,
             _FIX: self._on_fix,
             _STATE: self._on_state,
             _MISSION: self._on_mission,
@@ -84,6 +88,7 @@ class _Log:
         return FlightLog(
             facts=self._facts(),
             readings=tuple(self._readings[key] for key in sorted(self._readings)),
+            gases=tuple(self._gases[key] for key in sorted(self._gases)),
             tracks=dict(self._tracks()),
             samples={name: tuple(samples) for name, samples in sorted(self._samples.items())},
             mission=tuple(self._mission),
@@ -132,6 +137,18 @@ class _Log:
             model=message.model,
             saturated=message.saturated,
         )
+
+    def _on_gas(self, topic: str, message: Any) -> None:
+        sample = GasSample(
+            time_ns=_stamp_ns(message),
+            vehicle=_vehicle_of(topic),
+            sensor=message.sensor,
+            unit=message.unit,
+            raw=message.raw,
+            limit=message.limit,
+            saturated=message.saturated,
+        )
+        self._gases[sample.time_ns, sample.vehicle, sample.sensor] = sample
 
     def _on_fix(self, topic: str, message: Any) -> None:
         if message.status.status >= 0:

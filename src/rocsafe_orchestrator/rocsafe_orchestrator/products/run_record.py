@@ -45,6 +45,19 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class GasSample:
+    """One reading of a gas sensor; the fields mean what those of ``GasReading.msg`` do."""
+
+    time_ns: int
+    vehicle: str
+    sensor: str
+    unit: str
+    raw: float
+    limit: float
+    saturated: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
     """Places of a vehicle over time.
 
@@ -190,6 +203,7 @@ class FlightLog:
 
     facts: RecordingFacts
     readings: tuple[Reading, ...] = ()
+    gases: tuple[GasSample, ...] = ()
     tracks: Mapping[str, Track] = field(default_factory=dict)
     samples: Mapping[str, tuple[VehicleSample, ...]] = field(default_factory=dict)
     mission: tuple[MissionSample, ...] = ()

@@ -13,6 +13,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.mission.status import FlightState
 from rocsafe_orchestrator.products.run_record import (
+    GasSample,
     Photograph,
     Reading,
     RunRecord,
@@ -73,6 +74,7 @@ def driven_view(
         way=_way(record, driver, frame, span),
         rows=[
             *_rows(samples, span, taken, predicted),
+            *_gas_rows([one for one in record.log.gases if one.vehicle == driver], span),
             ['Dose before and after, where it stood', _dose(_elsewhere_usv(readings, taken))],
         ],
         taken=_drawn(taken, end),
@@ -137,6 +139,27 @@ def _rows(
         ['Evidence taken', f'{last.viewpoints_visited} of {last.viewpoint_count}'],
         *([['On the way', '; '.join(texts)]] if texts else []),
     ]
+
+
+def _gas_rows(gases: Sequence[GasSample], span: tuple[int, int]) -> list[list[str]]:
+    """Return the highest reading of each gas sensor of the vehicle while it drove."""
+    highest: dict[str, GasSample] = {}
+    for one in gases:
+        if span[0] <= one.time_ns <= span[1]:
+            known = highest.get(one.sensor)
+            if known is None or one.raw > known.raw:
+                highest[one.sensor] = one
+    return [
+        [f'Highest reading, {sensor.replace("_", " ")}', _gas(one)]
+        for sensor, one in sorted(highest.items())
+    ]
+
+
+def _gas(one: GasSample) -> str:
+    unit = one.unit.replace('_', '/')
+    if one.raw < one.limit:
+        return f'below its limit of {one.limit:.3g} {unit}'
+    return f'{"at least " if one.saturated else ""}{one.raw:.3g} {unit}'
 
 
 def _way(
