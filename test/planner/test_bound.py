@@ -216,7 +216,7 @@ def test_every_battery_pays_its_way():
     spec = vehicle('rav1', endurance_s=150.0, battery_swap_s=100.0, hover_s=20.0)
     world = problem([(400.0 + k, 0.0) for k in range(4)], [(0.0, 0.0)], (spec,))
     best = best_finish(world)
-    bound = lower_bound(world, best, lambda _bound: True, PriceOptions())
+    bound = lower_bound(world, best, lambda _bound: True)
     assert bound.method == 'batteries'
     assert 0.97 * best < bound.makespan_s <= best + ROUNDING_S
 
