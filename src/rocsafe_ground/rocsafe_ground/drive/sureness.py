@@ -5,6 +5,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_ground.drive.task import Drive, Task
 from rocsafe_ground.errors import BeyondBudgetError
 from rocsafe_ground.route.constrained import ROUNDING
@@ -18,6 +21,7 @@ MOST_LOWERINGS, LOWERED = 5, 0.999
 MOST_RAISES, RAISED = 10, 1.02
 # More points that do not fit are not told one by one.
 MOST_TOLD = 5
+MOST_EXCESS = 1e12
 
 
 def sure_drive(task: Task, tour: Tour) -> Drive | None:
@@ -75,14 +79,13 @@ def needed(task: Task, chosen: int) -> Budgets:
     """
     limits = task.budgets.limits
 
-    def excess(tour: Tour) -> tuple[int, float]:
-        shares = [
-            cost / limit if limit > 0.0 else math.inf
-            for cost, limit in zip(tour.costs, limits, strict=True)
-        ]
-        return sum(share > 1.0 + ROUNDING for share in shares), max(shares)
+    def excess(costs: FloatArray) -> FloatArray:
+        shares = costs / np.maximum(np.array(limits), 1e-300)
+        # A broken budget more is worse than any excess.
+        worst = np.minimum(shares.max(axis=1), MOST_EXCESS)
+        return np.asarray((shares > 1.0 + ROUNDING).sum(axis=1) * MOST_EXCESS + worst)
 
-    drive = task.drive(min(task.search.known(chosen), key=excess))
+    drive = task.drive(task.search.known(chosen, excess))
     dose = max(drive.tour.dose_usv, drive.forecast.upper_usv)
     time, load = max(drive.tour.time_s, drive.time_s), max(drive.tour.load, drive.load)
     for k in range(MOST_RAISES):

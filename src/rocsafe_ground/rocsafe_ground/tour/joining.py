@@ -4,6 +4,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_ground.route.constrained import ROUNDING
 from rocsafe_ground.route.edges import GridPath
 
@@ -14,68 +17,64 @@ Legs = tuple[GridPath, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Choice:
-    """A way for each leg so far, and what they cost together; the last leg has the others."""
+class Choices:
+    """Choices of a way for each leg of an order.
 
-    time_s: float
-    dose_usv: float
-    load: float
-    way: GridPath | None = None
-    before: 'Choice | None' = None
+    Attributes
+    ----------
+    costs : (n, 3)
+        Time, dose and load, the fastest first.
+    options
+        Ways of each leg.
+    steps
+        For each leg, the choice of the legs before it and the way taken, (n,) each.
+    """
 
-    @property
-    def costs(self) -> tuple[float, float, float]:
-        """Time, dose and load."""
-        return self.time_s, self.dose_usv, self.load
+    costs: FloatArray
+    options: Sequence[Sequence[GridPath]]
+    steps: Sequence[tuple[IndexArray, IndexArray]]
 
-    @property
-    def legs(self) -> Legs:
-        """The ways, the first one first."""
-        found, here = [], self
-        while here.way is not None and here.before is not None:
-            found.append(here.way)
-            here = here.before
+    def legs(self, number: int) -> Legs:
+        """Return the ways of a choice, the first one first."""
+        found = []
+        for (before, way), ways in zip(reversed(self.steps), reversed(self.options), strict=True):
+            found.append(ways[int(way[number])])
+            number = int(before[number])
         return tuple(reversed(found))
 
-    def longer(self, way: GridPath) -> 'Choice':
-        """Return it with another way."""
-        return Choice(
-            time_s=self.time_s + way.time_s, dose_usv=self.dose_usv + way.dose_usv,
-            load=self.load + way.load, way=way, before=self,
-        )  # fmt: skip
 
-
-def joined(options: Sequence[Sequence[GridPath]], room: tuple[float, float]) -> list[Choice]:
+def joined(options: Sequence[Sequence[GridPath]], room: tuple[float, float]) -> Choices:
     """Return choices of a way for each leg within the room for dose and load, the fastest first.
 
     Choices that another is no worse than in time, dose and load are dropped.
     """
-    dose, load = (limit * (1.0 + ROUNDING) for limit in room)
-    choices = [Choice(time_s=0.0, dose_usv=0.0, load=0.0)]
+    limits = np.array([np.inf, *room]) * (1.0 + ROUNDING)
+    costs = np.zeros((1, 3))
+    steps = []
     for ways in options:
-        longer = [choice.longer(way) for choice in choices for way in ways]
-        choices = _thinned(
-            _undominated([one for one in longer if one.dose_usv <= dose and one.load <= load])
-        )
-    return choices
+        own = np.array([(way.time_s, way.dose_usv, way.load) for way in ways])
+        sums = (costs[:, None] + own[None]).reshape(-1, 3)
+        fitting = np.flatnonzero((sums <= limits).all(axis=1))
+        kept = fitting[_undominated(sums[fitting])]
+        if len(kept) > MOST_CHOICES:
+            kept = kept[np.linspace(0, len(kept) - 1, MOST_CHOICES).round().astype(np.int64)]
+        costs = sums[kept]
+        steps.append((kept // len(ways), kept % len(ways)))
+    return Choices(costs=costs, options=options, steps=steps)
 
 
-def _undominated(choices: list[Choice]) -> list[Choice]:
-    kept: list[Choice] = []
+def _undominated(costs: FloatArray) -> IndexArray:
+    """Return the numbers of rows that no other row is as good as in everything, fastest first."""
+    order = np.lexsort((costs[:, 2], costs[:, 1], costs[:, 0]))
+    doses, loads = costs[order, 1], costs[order, 2]
+    if not loads.any():
+        before = np.minimum.accumulate(np.concatenate([[np.inf], doses]))[:-1]
+        return np.asarray(order[doses < before])
     front: list[tuple[float, float]] = []
-    for choice in sorted(choices, key=lambda one: one.costs):
-        dose, load = choice.dose_usv, choice.load
-        if any(d <= dose and x <= load for d, x in front):
-            continue
-        kept.append(choice)
-        front = [(d, x) for d, x in front if d < dose or x < load]
-        front.append((dose, load))
-    return kept
-
-
-def _thinned(choices: list[Choice]) -> list[Choice]:
-    """Return at most `MOST_CHOICES`, evenly spaced, first and last among them."""
-    count = len(choices)
-    if count <= MOST_CHOICES:
-        return choices
-    return [choices[round(k * (count - 1) / (MOST_CHOICES - 1))] for k in range(MOST_CHOICES)]
+    kept = []
+    for number, dose, load in zip(order.tolist(), doses.tolist(), loads.tolist(), strict=True):
+        if not any(d <= dose and x <= load for d, x in front):
+            front = [(d, x) for d, x in front if d < dose or x < load]
+            front.append((dose, load))
+            kept.append(number)
+    return np.array(kept, np.int64)

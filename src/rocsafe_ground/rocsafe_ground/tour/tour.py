@@ -7,7 +7,7 @@ then combined along each order, exactly.
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from rocsafe_ground.route.constrained import ROUNDING
 from rocsafe_ground.route.edges import Searcher, Weights
 from rocsafe_ground.route.prices import Costs, best_prices
 from rocsafe_ground.tour.choice import Limit, candidates
-from rocsafe_ground.tour.joining import Choice, joined
+from rocsafe_ground.tour.joining import Choices, Legs, joined
 from rocsafe_ground.tour.orders import MOST_POINTS, Orders, members_of, orders_of
 from rocsafe_ground.tour.trip import Budgets, Tour, TourPoint
 from rocsafe_ground.tour.ways import CLEANEST, PUREST, QUICKEST, Ways
@@ -28,6 +28,9 @@ MOST_PRICES = 12
 SMALL_GAP = 4e-3
 # Part of the time within which the bound of new prices is that of the trips known.
 SAME_LEVEL = 1e-7
+
+Badness = Callable[[FloatArray], FloatArray]
+"""Of rows of time, dose and toxic load with dwells, (n, 3): a number each."""
 
 
 class TourSearch:
@@ -107,20 +110,36 @@ class TourSearch:
         """
         if math.isinf(load):
             return self._pure(CLEANEST, chosen)
-        fitting = [tour for tour in self.known(chosen) if tour.load <= load * (1.0 + ROUNDING)]
-        return min(fitting, key=lambda tour: tour.dose_usv, default=None)
+        room = (math.inf, load - self._dwell(chosen)[2])
+        return self._picked(chosen, room, lambda costs: costs[:, 1])
 
     def cleanest_usv(self, chosen: int) -> float:
         """Return the least dose of a trip through a set of points."""
         return self._pure(CLEANEST, chosen).dose_usv
 
-    def known(self, chosen: int) -> list[Tour]:
-        """Return trips through a set of points of those ways and orders that were found."""
+    def known(self, chosen: int, badness: Badness) -> Tour:
+        """Return the trip with the least `badness` of the ways and orders that were found."""
+        found = self._picked(chosen, (math.inf, math.inf), badness)
+        assert found is not None  # noqa: S101 - there is always a fastest one
+        return found
+
+    def _picked(self, chosen: int, room: tuple[float, float], badness: Badness) -> Tour | None:
+        """Return the known trip within the room that is least bad, None if none is."""
         for weights in (QUICKEST, CLEANEST, PUREST) if self._has_gas else (QUICKEST, CLEANEST):
             self._trip(weights, chosen)
-        found = self._choices(chosen, (math.inf, math.inf))
+        dwell = np.array(self._dwell(chosen))
+        found: tuple[float, Legs, tuple[int, ...]] | None = None
+        for order, choices in self._choices(chosen, room):
+            if not len(choices.costs):
+                continue
+            values = badness(choices.costs + dwell)
+            best = int(values.argmin())
+            if found is None or values[best] < found[0]:
+                found = float(values[best]), choices.legs(best), order
+        if found is None:
+            return None
         bound = self._orders_at(QUICKEST).bound(chosen)
-        return [self._tour(chosen, one, order, bound, (0.0, 0.0)) for one, order in found]
+        return self._tour(chosen, found[1], found[2], bound, (0.0, 0.0))
 
     @property
     def _has_gas(self) -> bool:
@@ -155,37 +174,34 @@ class TourSearch:
         time, dose, load = self._dwells[members].sum(axis=0).tolist()
         return time, dose, load
 
-    def _trip(self, weights: Weights, chosen: int) -> tuple[Choice, tuple[int, ...]]:
-        """Return the cheapest trip through a set, without dwells, and its order."""
+    def _trip(self, weights: Weights, chosen: int) -> tuple[Legs, tuple[int, ...]]:
+        """Return the cheapest trip through a set, and its order."""
         order = self._orders_at(weights).order(chosen)
         self._tried.setdefault(chosen, set()).add(order)
-        trip = Choice(time_s=0.0, dose_usv=0.0, load=0.0)
-        for a, b in self._legs(order):
-            trip = trip.longer(self._ways.way(weights, a, b))
-        return trip, order
+        return tuple(self._ways.way(weights, a, b) for a, b in self._legs(order)), order
 
     def _legs(self, order: tuple[int, ...]) -> list[tuple[int, int]]:
         return list(zip((0, *order), (*order, self._end), strict=True))
 
     def _pure(self, weights: Weights, chosen: int) -> Tour:
         """Return the cheapest trip with one weight; of those as cheap it is the fastest."""
-        trip, order = self._trip(weights, chosen)
+        legs, order = self._trip(weights, chosen)
         orders = self._orders_at(weights)
         is_proven = orders.bound(chosen) >= orders.cost(chosen) * (1.0 - ROUNDING)
-        quickest = trip.time_s if is_proven else self._orders_at(QUICKEST).bound(chosen)
-        return self._tour(chosen, trip, order, quickest, (0.0, 0.0))
+        quickest = _sums(legs)[0] if is_proven else self._orders_at(QUICKEST).bound(chosen)
+        return self._tour(chosen, legs, order, quickest, (0.0, 0.0))
 
     def _tour(
         self,
         chosen: int,
-        trip: Choice,
+        legs: Legs,
         order: tuple[int, ...],
         bound_s: float,
         prices: tuple[float, float],
     ) -> Tour:
-        time, dose, load = (a + b for a, b in zip(trip.costs, self._dwell(chosen), strict=True))
+        time, dose, load = (a + b for a, b in zip(_sums(legs), self._dwell(chosen), strict=True))
         return Tour(
-            order=tuple(k - 1 for k in order), legs=trip.legs, time_s=time, dose_usv=dose,
+            order=tuple(k - 1 for k in order), legs=legs, time_s=time, dose_usv=dose,
             load=load, bound_s=min(time, bound_s + self._dwell(chosen)[0]),
             price_s_per_usv=prices[0], price_s_per_load=prices[1],
             left_out=tuple(k for k in range(len(self._points)) if not chosen >> k & 1),
@@ -197,36 +213,49 @@ class TourSearch:
         room = (budgets.dose_usv - dwell_usv, budgets.load - dwell_load)
         quickest, order = self._trip(QUICKEST, chosen)
         bound, prices = self._orders_at(QUICKEST).bound(chosen), (0.0, 0.0)
-        if quickest.dose_usv <= room[0] and quickest.load <= room[1]:
+        known = [_sums(quickest)]
+        if known[0][1] <= room[0] and known[0][2] <= room[1]:
             return self._tour(chosen, quickest, order, bound, prices)
-        trips = [quickest.costs, self._trip(CLEANEST, chosen)[0].costs]
-        if math.isfinite(budgets.load):
-            trips.append(self._trip(PUREST, chosen)[0].costs)
+        for weights in (CLEANEST, PUREST)[: 2 if math.isfinite(budgets.load) else 1]:
+            known.append(_sums(self._trip(weights, chosen)[0]))
+        best = None
         for _ in range(MOST_PRICES):
-            prices, level = best_prices(trips, room)
+            prices, level = best_prices(known, room)
             weights = (1.0, *prices)
             found, _ = self._trip(weights, chosen)
             orders = self._orders_at(weights)
             spent = sum(price * limit for price, limit in zip(prices, room, strict=True) if price)
             bound = max(bound, orders.bound(chosen) - spent)
+            best = self._fastest(chosen, room)
             if orders.cost(chosen) - spent >= level - SAME_LEVEL * abs(level):
                 break
-            trips.append(found.costs)
-            choices = self._choices(chosen, room)
-            if choices and choices[0][0].time_s <= bound * (1.0 + SMALL_GAP):
+            if best is not None and best[0] <= bound * (1.0 + SMALL_GAP):
                 break
-        choices = self._choices(chosen, room)
-        if not choices:
-            return None
-        return self._tour(chosen, *choices[0], bound, prices)
+            known.append(_sums(found))
+        return None if best is None else self._tour(chosen, best[1], best[2], bound, prices)
+
+    def _fastest(
+        self, chosen: int, room: tuple[float, float]
+    ) -> tuple[float, Legs, tuple[int, ...]] | None:
+        """Return time, ways and order of the fastest choice of the ways found within the room."""
+        found = None
+        for order, choices in self._choices(chosen, room):
+            if len(choices.costs) and (found is None or choices.costs[0, 0] < found[0]):
+                found = float(choices.costs[0, 0]), choices.legs(0), order
+        return found
 
     def _choices(
         self, chosen: int, room: tuple[float, float]
-    ) -> list[tuple[Choice, tuple[int, ...]]]:
-        """Return choices of the ways found along the orders tried, the fastest first."""
-        found = [
-            (choice, order)
-            for order in sorted(self._tried[chosen])
-            for choice in joined([self._ways.options(a, b) for a, b in self._legs(order)], room)
-        ]
-        return sorted(found, key=lambda one: one[0].costs)
+    ) -> Iterator[tuple[tuple[int, ...], Choices]]:
+        """Yield choices of the ways found along the orders tried."""
+        for order in sorted(self._tried[chosen]):
+            yield order, joined([self._ways.options(a, b) for a, b in self._legs(order)], room)
+
+
+def _sums(legs: Legs) -> Costs:
+    """Return time, dose and load of ways."""
+    return (
+        sum(leg.time_s for leg in legs),
+        sum(leg.dose_usv for leg in legs),
+        sum(leg.load for leg in legs),
+    )
