@@ -43,6 +43,8 @@ from rocsafe_ground.tour.trip import Budgets, TourPoint
 
 Figures = dict[str, Any]
 AMPLE = 1e12
+# Proven gap that is wanted of routes on 1000 x 1000 cells.
+LARGE_GAP = 0.005
 
 
 def smooth(generator: np.random.Generator, side: int, length: int) -> FloatArray:
@@ -252,7 +254,7 @@ def tour_case(seed: int, points: int, side: int) -> tuple[TourSearch, Budgets]:
     stops = [TourPoint(cell=int(cell), dwell_s=30.0) for cell in cells]
     probe = TourSearch(searcher, start[0], stops)
     everything = (1 << points) - 1
-    low, high = probe.cleanest(everything).dose_usv, probe.fastest(everything).dose_usv
+    low, high = probe.cleanest_usv(everything), probe.fastest(everything).dose_usv
     budget = low * (high / low) ** generator.uniform(0.1, 0.9)
     return TourSearch(searcher, start[0], stops), Budgets(dose_usv=budget, time_s=AMPLE)
 
@@ -402,7 +404,7 @@ def main() -> int:
     works: dict[str, Callable[[], Figures]] = {
         'exact': lambda: part_exact(count or 1000),
         'routes': lambda: part_routes(count or 200, 300, SearchEffort()),
-        'large': lambda: part_routes(count or 10, 1000, SearchEffort()),
+        'large': lambda: part_routes(count or 10, 1000, SearchEffort(enough_gap=LARGE_GAP)),
         'tours': lambda: part_tours(count or 10, 12, 300),
         'replan': lambda: part_replan(count or 50, 300),
         'derailment': lambda: part_derailment(options.run, count or 200),

@@ -2,6 +2,7 @@
 """Drives from survey to evidence and back, without processes: how the budget is kept.
 
     python benchmarks/ground_drives.py --run runs/evidence-... --count 500   readings to drive
+    python benchmarks/ground_drives.py --run ... --results FILE --seconds 200   goes on each time
     python benchmarks/ground_drives.py --part wrong --count 1000             wrong predictions
 
 `survey`: the drones' tracks and the mosaic are those of a run. For each seed the source has
@@ -154,11 +155,21 @@ def wrong_route(places: list[Place], planned: TrueField, spare: float) -> Driven
     return DrivenRoute(route_id='wrong', stops=tuple(stops), budget_usv=budget, turn_back_usvh=1e5)
 
 
-def part_survey(run: Path, count: int) -> Figures:
-    """Survey, localise, plan and drive."""
+def part_survey(run: Path, count: int, results: Path | None, seconds: float) -> Figures:
+    """Survey, localise, plan and drive; seeds in the file of results are not run again."""
     ground = read_ground_map(MapFiles(folder=run), GroundVehicle(), 0.5, 1e5)
     track = drone_track(run)
-    rows = [row for seed in range(count) if (row := one_run(ground, track, seed)) is not None]
+    known = read_rows(results)
+    begin = time.monotonic()
+    for seed in range(count):
+        if seed in known or time.monotonic() - begin > seconds:
+            continue
+        row = json.loads(json.dumps(one_run(ground, track, seed), default=float))
+        known[seed] = row
+        if results is not None:
+            with results.open('a', encoding='utf-8') as stream:
+                stream.write(json.dumps({'seed': seed, **row}) + '\n')
+    rows = [known[seed] for seed in sorted(known) if seed < count]
     driven = [row for row in rows if 'dose' in row]
     return {
         'runs': len(rows),
@@ -172,6 +183,20 @@ def part_survey(run: Path, count: int) -> Figures:
         'largest_share_of_budget': max(row['dose'] / row['budget'] for row in driven),
         'cpu_s_median': statistics.median(row['cpu_s'] for row in driven),
     }
+
+
+def read_rows(results: Path | None) -> dict[int, Figures]:
+    """Return the rows of a file of results by their seeds; a last line that is cut is left out."""
+    found: dict[int, Figures] = {}
+    if results is None or not results.is_file():
+        return found
+    for line in results.read_text(encoding='utf-8').splitlines():
+        try:
+            row = json.loads(line)
+        except ValueError:
+            continue
+        found[row.pop('seed')] = row
+    return found
 
 
 def drone_track(run: Path) -> list[tuple[str, int, float, float, float]]:
@@ -189,7 +214,7 @@ def drone_track(run: Path) -> list[tuple[str, int, float, float, float]]:
     return rows
 
 
-def one_run(ground: GroundMap, track: list[Any], seed: int) -> Figures | None:
+def one_run(ground: GroundMap, track: list[Any], seed: int) -> Figures:
     """Return the figures of one run."""
     begin = time.process_time()
     generator = np.random.default_rng([seed, 0x1E])
@@ -294,11 +319,19 @@ def main() -> int:
     parser.add_argument('--part', choices=('survey', 'wrong'), default='survey')
     parser.add_argument('--count', type=int, default=500)
     parser.add_argument('--run', type=Path, help='run directory with a mosaic and readings.csv')
+    parser.add_argument(
+        '--results', type=Path, help='file of rows, with which a later call goes on'
+    )
+    parser.add_argument('--seconds', type=float, default=math.inf, help='wall time for new seeds')
     options = parser.parse_args()
     if options.part == 'survey' and options.run is None:
         parser.error('--run is needed for the part survey')
     wrong = options.part == 'wrong'
-    figures = part_wrong(options.count) if wrong else part_survey(options.run, options.count)
+    figures = (
+        part_wrong(options.count)
+        if wrong
+        else part_survey(options.run, options.count, options.results, options.seconds)
+    )
     sys.stdout.write(json.dumps({options.part: figures}, indent=1, default=float) + '\n')
     return 0
 

@@ -54,7 +54,7 @@ class Served:
         self.images = arguments.images
         self.sequence = 0
         self.copters = {
-            system: FakeCopter(
+            system: getattr(arguments, 'kind', FakeCopter)(
                 system,
                 home=tuple(arguments.home),
                 boot_s=arguments.boot,

@@ -78,6 +78,17 @@ def test_dual_bounds_the_optimum_from_both_sides():
         assert dual.path.dose_usv <= budget
 
 
+def test_search_ends_at_the_gap_that_is_enough():
+    """The path is within it of the optimum."""
+    for seed in range(6):
+        search = search_of(random_edges(30, 30, seed))
+        budget = budget_between(search, 0.4)
+        near = search.within(budget, SearchEffort(enough_gap=0.02))
+        optimum = search.within(budget).path.time_s
+        assert near.label_count == 0 or near.gap_fraction == 0.0
+        assert optimum * (1.0 - ROUNDING) <= near.path.time_s <= optimum / (1.0 - 0.02)
+
+
 def test_search_that_runs_out_of_labels_says_how_good_it_is():
     """It keeps the path of the dual and a bound that holds."""
     edges = random_edges(40, 40, 3, blocked=0.0)

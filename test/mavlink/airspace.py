@@ -7,7 +7,7 @@ import itertools
 import socket
 
 import yaml
-from test.fakes.fake_autopilot import HOME
+from test.fakes.fake_autopilot import HOME, FakeCopter
 from test.fakes.fake_process import Served
 
 # Geoid above the ellipsoid where the fake copters live.
@@ -55,6 +55,7 @@ class Airspace:
             images=images,
             returns=options.get('returns', False),
             streams=options.get('streams', True),
+            kind=options.get('kind', FakeCopter),
         )
         self._served = Served(arguments)
         self.copters = self._served.copters

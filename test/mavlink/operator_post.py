@@ -27,13 +27,13 @@ HOME_PLACE = GeoPosition(*HOME, 488.0 + SEPARATION_M)
 class Ground:
     """A bridge, and an operator who hears and orders."""
 
-    def __init__(self, ros, air, state_directory, **options):
+    def __init__(self, ros, air, state_directory, drone=None, **options):
         self.ros = ros
         self.air = air
         systems = list(air.copters)
         self.names = [f'rav{system}' for system in systems]
         values = {
-            'drones_file': write_drones(Path(state_directory), air.link, systems),
+            'drones_file': write_drones(Path(state_directory), air.link, systems, **(drone or {})),
             'position_rate_hz': 2.0,
             'origin_latitude_deg': HOME[0],
             'origin_longitude_deg': HOME[1],

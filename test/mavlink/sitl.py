@@ -33,15 +33,32 @@ PRECAUTIONS = {
     'link': {'FS_GCS_ENABLE': 1},
 }
 PARAM_SET_REAL32 = 9
+ROVER_BINARY = os.environ.get('ROCSAFE_SITL_ROVER', '')
+# Tracks, and speeds of a robot that takes evidence.
+ROVER_PARAMETERS = {
+    'BATT_MONITOR': 4,
+    'SERVO1_FUNCTION': 73,
+    'SERVO3_FUNCTION': 74,
+    **{f'SERVO{n}_{end}': value for n in (1, 3) for end, value in (('MIN', 1000), ('MAX', 2000))},
+    **{f'RC{n}_{end}': value for n in (1, 3) for end, value in (('MIN', 1000), ('MAX', 2000))},
+    'ATC_STR_RAT_FF': 0.2,
+    'CRUISE_SPEED': 3,
+    'CRUISE_THROTTLE': 75,
+    'WP_SPEED': 3,
+    'WP_RADIUS': 1,
+    **{key: value for key, value in PARAMETERS.items() if key.startswith(('COMPASS', 'INS_'))},
+}
 
 
 class SitlCopter(Copter):
     """One ArduCopter."""
 
+    binary, model, parameters = BINARY, '+', PARAMETERS
+
     def __init__(self, system, link_port, folder, speedup, parameters):
         super().__init__(system, Tap(link_port))
         folder.mkdir()
-        lines = {**PARAMETERS, 'MAV_SYSID': system, **parameters}
+        lines = {**self.parameters, 'MAV_SYSID': system, **parameters}
         (folder / 'own.parm').write_text(''.join(f'{k} {v}\n' for k, v in lines.items()))
         self._folder, self._speedup = folder, speedup
         self.start()
@@ -53,7 +70,8 @@ class SitlCopter(Copter):
         with (self._folder / 'sitl.log').open('ab') as log:
             self.process = subprocess.Popen(
                 [
-                    *(BINARY, '--model', '+', '--wipe', '--speedup', str(self._speedup)),
+                    *(self.binary, '--model', self.model, '--wipe'),
+                    *('--speedup', str(self._speedup)),
                     *('--home', f'{HOME[0]},{HOME[1]},488,0'),
                     *('--instance', str(self.system - 1), '--sysid', str(self.system)),
                     *('--serial0', f'udpclient:127.0.0.1:{self.tap.port}'),
@@ -72,18 +90,25 @@ class SitlCopter(Copter):
         return float(value), PARAM_SET_REAL32
 
 
+class SitlRover(SitlCopter):
+    """One Rover with tracks."""
+
+    binary, model, parameters = ROVER_BINARY, 'rover-skid', ROVER_PARAMETERS
+
+
 class SitlAirspace(RealAirspace):
-    """ArduCopters on one link."""
+    """ArduPilots on one link."""
 
     words = WORDS
     begins_with = SET_CURRENT
+    kind = SitlCopter
 
     def __init__(self, systems, folder, speedup=10, precaution=''):
         port = free_port()
         super().__init__(
             f'udp://127.0.0.1:{port}',
             {
-                system: SitlCopter(
+                system: self.kind(
                     system, port, Path(folder) / f'sitl-{system}', speedup, PRECAUTIONS[precaution]
                 )
                 for system in systems
@@ -101,3 +126,9 @@ class SitlAirspace(RealAirspace):
     def drain(self, system=1):
         """Let the battery's voltage fall below its limit."""
         self.copters[system].set('SIM_BATT_VOLTAGE', 10.6)
+
+
+class SitlGround(SitlAirspace):
+    """Rovers on one link."""
+
+    kind = SitlRover

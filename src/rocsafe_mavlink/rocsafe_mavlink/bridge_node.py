@@ -21,6 +21,7 @@ from rocsafe_mavlink.camera.geotagging import Geotagger
 from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
 from rocsafe_mavlink.command_node import CommandServices
 from rocsafe_mavlink.conversions import link_status
+from rocsafe_mavlink.drive_route_node import DriveRouteServer
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone_node import TelemetryPublisher
 from rocsafe_mavlink.drone_options import DroneOptions, read_drones
@@ -48,6 +49,8 @@ class DroneInterface:
         drone: Drone,
         geotagger: Geotagger,
         options: BridgeOptions,
+        *,
+        drives: bool = False,
     ) -> None:
         self.node = node
         self.drone = drone
@@ -57,8 +60,12 @@ class DroneInterface:
         self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
         self._commands = CommandServices(node, drone, self._lease, time.monotonic)
-        late_start = LateStart(None if folder is None else folder / 'late_start.json')
-        self._flights = FlyRouteServer(node, drone, self._lease, self.shots.owed, late_start)
+        self._routes: FlyRouteServer | DriveRouteServer
+        if drives:
+            self._routes = DriveRouteServer(node, drone, self._lease)
+        else:
+            late_start = LateStart(None if folder is None else folder / 'late_start.json')
+            self._routes = FlyRouteServer(node, drone, self._lease, self.shots.owed, late_start)
         drone.listen(self.on_message, self.on_event)
 
     def on_message(self, message: Message) -> None:
@@ -82,7 +89,7 @@ class DroneInterface:
         """Let time pass."""
         self.drone.step(now_s)
         self._watch_master()
-        self._flights.step(now_s, is_supervised=is_supervised)
+        self._routes.step(now_s, is_supervised=is_supervised)
         self._commands.step()
         self._telemetry.step(now_s)
         self.shots.step(now_s, time_s)
@@ -140,7 +147,7 @@ class BridgeNode(Node):
         drone = make_drone(options, self._options, self._stations[options.link])
         geotagger = make_geotagger(options, self._options, time.time)
         node = self._vehicle_node(drone, node_options)
-        return DroneInterface(node, drone, geotagger, self._options)
+        return DroneInterface(node, drone, geotagger, self._options, drives=options.drives)
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:
         return VehicleScopeNode(

@@ -50,6 +50,8 @@ class DroneOptions:
     max_wind_mps, max_gust_mps
         Greatest mean wind and gust of a minute in which it flies, m/s, as its autopilot estimates
         them; 0: no limit.
+    drives
+        Whether it is a ground vehicle (ArduPilot Rover): it gets its ways by drive_route.
     on_wind
         What happens when they are exceeded in the air: ``warn`` (a return is offered) or
         ``return``.
@@ -69,6 +71,7 @@ class DroneOptions:
     geoid_separation_m: float | None = None
     max_wind_mps: float = 0.0
     max_gust_mps: float = 0.0
+    drives: bool = False
     on_wind: str = 'warn'
 
     def __post_init__(self) -> None:

@@ -12,7 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rocsafe_geo.arrays import IndexArray
-from rocsafe_geo.limits import require_count, require_not_negative, require_positive
+from rocsafe_geo.limits import (
+    require_between,
+    require_count,
+    require_not_negative,
+    require_positive,
+)
 from rocsafe_ground.errors import BeyondBudgetError, NoWayError
 from rocsafe_ground.route.corridor import Corridor
 from rocsafe_ground.route.edges import Edges, GridPath, Searcher
@@ -43,6 +48,8 @@ class SearchEffort:
         bounds cells and labels are dropped; none: the dual is the whole search, the fastest.
     rounds
         How often cells are dropped by all prices, at most.
+    enough_gap
+        Proven gap at which the search ends; 0: at the optimum.
     """
 
     is_exact: bool = True
@@ -50,11 +57,13 @@ class SearchEffort:
     most_duals: int = 40
     prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
     rounds: int = 5
+    enough_gap: float = 0.0
 
     def __post_init__(self) -> None:
         require_count('rounds', self.rounds, 1, len(TURNS))
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
         require_count('most_duals', self.most_duals, 1, 1000)
+        require_between('enough_gap', self.enough_gap, 0.0, 1.0)
         if self.is_exact and not self.prices:
             raise ValueError('prices is empty: an exact search needs at least one')
 
@@ -134,6 +143,8 @@ class RouteSearch:
         dual = self._dual(budget_usv, effort)
         if dual.gap_fraction <= ROUNDING:
             return _proven(dual.path, dual.price_s_per_usv)
+        if dual.gap_fraction <= effort.enough_gap:
+            return dual
         return self._closed(budget_usv, dual, effort)
 
     def _closed(self, budget: float, dual: BoundedPath, effort: SearchEffort) -> BoundedPath:
@@ -147,6 +158,8 @@ class RouteSearch:
             for share in effort.prices:
                 price = turn * share * dual.price_s_per_usv
                 known = self._one_price(budget, price, known, corridor)
+                if ROUNDING < known.gap_fraction <= effort.enough_gap:
+                    return known
             if known.gap_fraction > ROUNDING and effort.is_exact:
                 known = self._exact(budget, known, corridor, min(FEW_LABELS, effort.most_labels))
             if known.gap_fraction <= ROUNDING:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""ArduPilot's multicopters: modes as in Copter 4.x, measured on ArduCopter 4.7."""
+"""ArduPilot's multicopters and rovers: modes of 4.x, measured on ArduCopter and Rover 4.7."""
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, FlightState, Verb
 
@@ -65,4 +65,59 @@ COPTER = Autopilot(
     turns_at_waypoints=False,
     starts_anywhere=False,
     unsent=frozenset({'ESTIMATOR_STATUS', 'WIND_COV'}),
+)
+
+ROVER_HOLD, ROVER_LOITER, ROVER_AUTO, ROVER_RTL, ROVER_SMART_RTL, ROVER_GUIDED = (
+    4,
+    5,
+    10,
+    11,
+    12,
+    15,
+)
+
+ROVER = Autopilot(
+    name='ArduPilot Rover',
+    number=ARDUPILOT,
+    is_tested=True,
+    has_home_item=True,
+    mode_names={
+        0: 'MANUAL',
+        1: 'ACRO',
+        3: 'STEERING',
+        ROVER_HOLD: 'HOLD',
+        ROVER_LOITER: 'LOITER',
+        6: 'FOLLOW',
+        7: 'SIMPLE',
+        8: 'DOCK',
+        9: 'CIRCLE',
+        ROVER_AUTO: 'AUTO',
+        ROVER_RTL: 'RTL',
+        ROVER_SMART_RTL: 'SMART_RTL',
+        ROVER_GUIDED: 'GUIDED',
+        16: 'INITIALISING',
+    },
+    modes={
+        Verb.GUIDED: ROVER_GUIDED,
+        Verb.MISSION: ROVER_AUTO,
+        Verb.HOLD: ROVER_HOLD,
+        # Back on its own tracks: RTL drives straight home, through whatever stands there.
+        Verb.RETURN: ROVER_SMART_RTL,
+        Verb.LAND: ROVER_HOLD,
+    },
+    states={
+        ROVER_HOLD: FlightState.HOLDING,
+        ROVER_LOITER: FlightState.HOLDING,
+        ROVER_RTL: FlightState.RETURNING,
+        ROVER_SMART_RTL: FlightState.RETURNING,
+    },
+    is_mode_packed=False,
+    arms_in=Verb.HOLD,
+    pauses_missions=False,
+    repositions_itself=False,
+    flies_to_takeoff=False,
+    turns_at_waypoints=False,
+    starts_anywhere=False,
+    unsent=frozenset({'ESTIMATOR_STATUS', 'WIND_COV', 'WIND'}),
+    drives=True,
 )

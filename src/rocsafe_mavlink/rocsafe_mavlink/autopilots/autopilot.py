@@ -75,6 +75,9 @@ class Autopilot:
         Whether MISSION_START begins with the item that it names, also in the air.
     unsent
         Messages of `stream_rates.WANTED` that it does not have.
+    drives
+        Whether it is a ground vehicle: it is under way while its motors are on, and at the end of
+        its way somebody must switch them off.
     """
 
     name: str
@@ -92,6 +95,7 @@ class Autopilot:
     turns_at_waypoints: bool
     starts_anywhere: bool
     unsent: frozenset[str]
+    drives: bool = False
 
     @property
     def first_own_item(self) -> int:

@@ -72,8 +72,11 @@ def route_checks(
 
 def estimated_duration_s(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> float:
     """Return a coarse duration, home to home: constant speed and an allowance for corners."""
-    places = [home, *(waypoint.position for waypoint in plan.waypoints), home]
-    level_s = LEVEL_ALLOWANCE * sum(distance_m(a, b) for a, b in pairwise(places)) / plan.speed_mps
+    ends = [] if plan.is_drive else [home]
+    places = [home, *(waypoint.position for waypoint in plan.waypoints), *ends]
+    speeds = [waypoint.speed_mps or plan.speed_mps for waypoint in plan.waypoints]
+    legs = zip(pairwise(places), [*speeds, plan.speed_mps], strict=False)
+    level_s = LEVEL_ALLOWANCE * sum(distance_m(*leg) / speed for leg, speed in legs)
     climb_s = plan.waypoints[0].height_m / limits.climb_mps
     descent_s = plan.waypoints[-1].height_m / limits.descent_mps
     return level_s + climb_s + descent_s + sum(waypoint.hold_s for waypoint in plan.waypoints)
@@ -149,13 +152,14 @@ def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> l
     furthest_m = max(distance_m(home, waypoint.position) for waypoint in plan.waypoints)
     duration_s = estimated_duration_s(plan, home, limits)
     low, high = limits.lowest_m, limits.max_height_agl_m
+    in_height = check_that(
+        'heights',
+        low <= min(heights) and highest_m <= high,
+        f'{min(heights):g} to {highest_m:g} m',
+        f'{low:g} m above home to {high:g} m above the ground',
+    )
     return [
-        check_that(
-            'heights',
-            low <= min(heights) and highest_m <= high,
-            f'{min(heights):g} to {highest_m:g} m',
-            f'{low:g} m above home to {high:g} m above the ground',
-        ),
+        *([] if plan.is_drive else [in_height]),
         check_that(
             'distance',
             furthest_m <= limits.furthest_m,

@@ -15,7 +15,7 @@ from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep, Refusal
 from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
-from rocsafe_mavlink.flight.flight_signs import shown_failsafe
+from rocsafe_mavlink.flight.flight_signs import is_at_home, shown_failsafe
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.plan.flight_plan import WAYPOINT, FlightPlan, Mission, mission_of
@@ -117,7 +117,10 @@ class MissionFlight:
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""
         if self.stage is FlightStage.FLYING:
-            return self._watch(vehicle, now_s), []
+            watched = self._watch(vehicle, now_s)
+            return (
+                watched._parked(vehicle, now_s) if watched._has_arrived(vehicle) else (watched, [])
+            )
         if self.sequence is None:
             return self, []
         sequence, sent = self.sequence.on_tick(vehicle, now_s)
@@ -176,7 +179,22 @@ class MissionFlight:
         mission = mission_of(plan, self.autopilot)
         return replace(self, plan=plan, mission=mission, visited=0)
 
+    def _has_arrived(self, vehicle: VehicleTelemetry) -> bool:
+        """Whether a ground vehicle stands at the end of its way, or back at home, switched on."""
+        if not (self.autopilot.drives and vehicle.is_armed) or self.is_over:
+            return False
+        if self.autopilot.is_in(vehicle, Verb.MISSION):
+            return vehicle.mission.phase is MissionPhase.COMPLETE
+        return self.autopilot.is_in(vehicle, Verb.RETURN) and is_at_home(vehicle)
+
+    def _parked(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
+        """Switch off the motors of a ground vehicle that has arrived: it does not by itself."""
+        disarming, sent = self.commands.disarm().on_tick(vehicle, now_s)
+        return replace(self, stage=FlightStage.DISARMING, sequence=disarming), sent
+
     def _after_success(self) -> 'MissionFlight':
+        if self.stage is FlightStage.DISARMING and self.autopilot.drives and not self.reason:
+            return self._ended_drive()
         if self.stage is FlightStage.DISARMING:
             return self._end(FlightOutcome.REJECTED, self.reason)
         return replace(self, stage=FlightStage.FLYING, sequence=None)
@@ -235,6 +253,11 @@ class MissionFlight:
             return replace(self, visited=count)._end(FlightOutcome.COMPLETED, '')
         cause = self.cause or FlightOutcome.ABORTED_BY_OPERATOR
         return self._end(cause, self.reason or 'it landed before its last waypoint')
+
+    def _ended_drive(self) -> 'MissionFlight':
+        if self.cause is None:
+            return replace(self, visited=len(self.plan.stops))._end(FlightOutcome.COMPLETED, '')
+        return self._end(self.cause, 'it came home before the end of its way')
 
     def _end(self, outcome: FlightOutcome, reason: str) -> 'MissionFlight':
         stage = FlightStage.OVER

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Signs of trouble in the telemetry of a flight: a failsafe, a home that moved."""
 
+import math
+
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.telemetry import EkfFlag, Home, SystemStatus, VehicleTelemetry
 
 HOME_MOVED_M, HOME_ROSE_M = 10.0, 3.0
+# A ground vehicle that came back on its own tracks stands within the error of its receiver.
+AT_HOME_M, STANDS_MPS = 5.0, 0.2
 
 
 def shown_failsafe(vehicle: VehicleTelemetry) -> FlightOutcome | None:
@@ -28,6 +32,15 @@ def home_moved(planned: Home, now: Home | None) -> str:
         return ''
     limits = f'at most {HOME_MOVED_M:g} m and {HOME_ROSE_M:g} m'
     return f'home moved {level_m:.1f} m and {rise_m:.1f} m in height at arming: {limits} allowed'
+
+
+def is_at_home(vehicle: VehicleTelemetry) -> bool:
+    """Return whether a ground vehicle stands where it began."""
+    motion, home = vehicle.motion, vehicle.home
+    if motion is None or home is None:
+        return False
+    speed_mps = math.hypot(*motion.velocity_enu_mps[:2])
+    return speed_mps < STANDS_MPS and distance_m(_place(home), motion.position) < AT_HOME_M
 
 
 def _place(home: Home) -> GeoPosition:

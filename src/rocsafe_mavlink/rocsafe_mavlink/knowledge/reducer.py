@@ -13,6 +13,7 @@ from rocsafe_geo.position import distance_m
 from rocsafe_mavlink.knowledge.events import Event, EventKind, events_between
 from rocsafe_mavlink.knowledge.fix import LARGEST_SPEED_MPS, separation_m
 from rocsafe_mavlink.knowledge.telemetry import (
+    GROUND_ROVER,
     Attitude,
     Battery,
     Gps,
@@ -91,7 +92,7 @@ def _heartbeat(vehicle: VehicleTelemetry, message: Message, now_s: float) -> Veh
     mission = vehicle.mission
     if is_armed and not vehicle.is_armed:
         mission = replace(mission, reached=-1)
-    return replace(
+    heard = replace(
         vehicle,
         heartbeat_s=now_s,
         autopilot=message['autopilot'],
@@ -101,6 +102,11 @@ def _heartbeat(vehicle: VehicleTelemetry, message: Message, now_s: float) -> Veh
         is_armed=is_armed,
         mission=mission,
     )
+    if heard.vehicle_type != GROUND_ROVER:
+        return heard
+    # It tells no landed state: it counts as in the air, which is under way, while it may drive.
+    landed = Landed.IN_AIR if is_armed else Landed.ON_GROUND
+    return replace(heard, landed=landed, has_flown=heard.has_flown or is_armed)
 
 
 def _position(vehicle: VehicleTelemetry, message: Message, now_s: float) -> VehicleTelemetry:
@@ -196,6 +202,8 @@ def _home(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> Vehicle
 
 
 def _landed(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
+    if vehicle.vehicle_type == GROUND_ROVER:
+        return vehicle
     value = message['landed_state']
     landed = Landed(value) if value in set(Landed) else Landed.UNDEFINED
     is_in_air = vehicle.is_armed and landed in (Landed.IN_AIR, Landed.TAKEOFF, Landed.LANDING)

@@ -16,6 +16,8 @@ MODE_SHOWS_S = 3.5
 LOST_AFTER_S = 10.0
 # Estimates of the wind are kept so long: the mean and the gust are of the last minute.
 WIND_KEPT_S = 60.0
+# MAV_TYPE of a ground vehicle.
+GROUND_ROVER = 10
 FIX_3D = 3
 FIX_NONE = 0
 

@@ -33,7 +33,7 @@ class FlightWaypoint:
     position
         Latitude and longitude; the altitude is not used.
     height_m
-        Height above home, positive.
+        Height above home, positive; 0 on a drive.
     hold_s
         Time to stay there.
     heading_deg
@@ -42,6 +42,8 @@ class FlightWaypoint:
         Height above the ground there; None: not known, taken to be that above home.
     is_bend
         Whether the way only bends there: nothing is photographed or counted.
+    speed_mps
+        Speed over ground on the way to it; None: that of the plan.
     """
 
     position: GeoPosition
@@ -50,9 +52,12 @@ class FlightWaypoint:
     heading_deg: float = 0.0
     height_agl_m: float | None = None
     is_bend: bool = False
+    speed_mps: float | None = None
 
     def __post_init__(self) -> None:
-        require_positive('height_m', self.height_m)
+        require_not_negative('height_m', self.height_m)
+        if self.speed_mps is not None:
+            require_positive('speed_mps', self.speed_mps, 'm/s')
         require_between('hold_s', self.hold_s, 0.0, LARGEST_HOLD_S)
         require_between('heading_deg', self.heading_deg, 0.0, 360.0)
         if self.height_agl_m is not None:
@@ -86,6 +91,8 @@ class FlightPlan:
         Outlines that the vehicle does not fly over, on its way home neither.
     clearance_m
         Distance to keep from them.
+    is_drive
+        Whether a ground vehicle drives it: no take-off, no return, no landing.
     """
 
     waypoints: tuple[FlightWaypoint, ...]
@@ -95,10 +102,13 @@ class FlightPlan:
     trigger_distance_m: float = 0.0
     exclusions: tuple[tuple[GeoPosition, ...], ...] = ()
     clearance_m: float = 0.0
+    is_drive: bool = False
 
     def __post_init__(self) -> None:
         if not self.waypoints:
             raise ValueError('a flight plan must have at least one waypoint')
+        for waypoint in () if self.is_drive else self.waypoints:
+            require_positive('height_m', waypoint.height_m, 'm')
         require_positive('speed_mps', self.speed_mps, 'm/s')
         require_not_negative('trigger_distance_m', self.trigger_distance_m, 'm')
         require_not_negative('clearance_m', self.clearance_m, 'm')
@@ -133,17 +143,22 @@ class Mission:
 
 
 def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
-    """Return the mission of `plan` for an autopilot, with home in front where it wants it."""
+    """Return the mission of `plan` for an autopilot, with home in front where it wants it.
+
+    Raises
+    ------
+    ValueError
+        If a ground vehicle is to fly, or another to drive.
+    """
+    if plan.is_drive != autopilot.drives:
+        wanted = 'drive_route' if autopilot.drives else 'fly_route'
+        raise ValueError(f'{autopilot.name}: must get its routes by {wanted}')
+    if plan.is_drive:
+        return _driven(plan)
     items = [MissionItem(command=WAYPOINT, frame=GLOBAL)] if autopilot.has_home_item else []
     items.append(_takeoff(plan.waypoints[0], autopilot))
     first_item = len(items)
-    items.append(
-        MissionItem(
-            command=DO_CHANGE_SPEED,
-            frame=MISSION_FRAME,
-            parameters=(GROUND_SPEED, plan.speed_mps, 0.0, 0.0),
-        )
-    )
+    items.append(_speed(plan.speed_mps))
     numbers: list[int] = []
     turns = _turns(plan.waypoints, autopilot)
     for waypoint, turn, shutter in zip(plan.waypoints, turns, _shutters(plan), strict=True):
@@ -153,6 +168,35 @@ def mission_of(plan: FlightPlan, autopilot: Autopilot) -> Mission:
         items += [_item_of(waypoint, autopilot), *shutter]
     items.append(MissionItem(command=RETURN_TO_LAUNCH, frame=MISSION_FRAME))
     return Mission(items=tuple(items), first_item=first_item, waypoint_items=tuple(numbers))
+
+
+def _driven(plan: FlightPlan) -> Mission:
+    """Return the mission of a ground vehicle: its way with speeds, stands and photographs.
+
+    It ends where the way does: a return of its own would be straight, through what stands there.
+    """
+    items = [MissionItem(command=WAYPOINT, frame=GLOBAL)]
+    numbers: list[int] = []
+    speed_mps = 0.0
+    shot = MissionItem(command=DO_DIGICAM_CONTROL, frame=MISSION_FRAME, x_e7=SHOOT)
+    for waypoint in plan.waypoints:
+        wanted_mps = waypoint.speed_mps or plan.speed_mps
+        if wanted_mps != speed_mps:
+            items.append(_speed(wanted_mps))
+            speed_mps = wanted_mps
+        if not waypoint.is_bend:
+            numbers.append(len(items))
+        items.append(_item_at(waypoint, 0.0))
+        items += [shot] if plan.takes_photographs and not waypoint.is_bend else []
+    return Mission(items=tuple(items), first_item=1, waypoint_items=tuple(numbers))
+
+
+def _speed(speed_mps: float) -> MissionItem:
+    return MissionItem(
+        command=DO_CHANGE_SPEED,
+        frame=MISSION_FRAME,
+        parameters=(GROUND_SPEED, speed_mps, 0.0, 0.0),
+    )
 
 
 def _shutters(plan: FlightPlan) -> list[list[MissionItem]]:
@@ -212,7 +256,10 @@ def _takeoff(first: FlightWaypoint, autopilot: Autopilot) -> MissionItem:
 
 
 def _item_of(waypoint: FlightWaypoint, autopilot: Autopilot) -> MissionItem:
-    heading_deg = waypoint.heading_deg if autopilot.turns_at_waypoints else 0.0
+    return _item_at(waypoint, waypoint.heading_deg if autopilot.turns_at_waypoints else 0.0)
+
+
+def _item_at(waypoint: FlightWaypoint, heading_deg: float) -> MissionItem:
     return MissionItem(
         command=WAYPOINT,
         x_e7=e7_of_deg(waypoint.position.latitude_deg),

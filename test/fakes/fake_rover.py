@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A fake ArduPilot Rover: says and refuses what Rover 4.7 did in its own simulator.
+
+It drives as a point at constant speed. It tells no landed state, takes no pause within a mission,
+stays armed at the end of one, and comes back on its own tracks by SMART_RTL.
+"""
+
+from test.fakes.fake_autopilot import ACCEPTED, DENIED, FAILED, STEP_S, FakeCopter
+
+MANUAL, HOLD, AUTO, RTL, SMART_RTL, GUIDED = 0, 4, 10, 11, 12, 15
+MODES = {MANUAL, HOLD, AUTO, RTL, SMART_RTL, GUIDED}
+
+
+class FakeRover(FakeCopter):
+    """One rover on a link."""
+
+    def _start(self):
+        super()._start()
+        self._stood_s = 0.0
+        self._tracks = []
+
+    def _on_mode(self, message):
+        mode = int(self._parameter(message, 2))
+        if mode not in MODES:
+            return FAILED
+        if mode == AUTO and len(self.missions.stored[0]) < 2:
+            self._text(5, "No Mission. Can't set AUTO.")
+            return FAILED
+        if mode == AUTO and self.is_armed:
+            self.current = max(self.current, 1)
+            self.mission_state = 3
+        self.mode = mode
+        return ACCEPTED
+
+    def _on_arm(self, message):
+        self.is_armed = self._parameter(message, 1) == 1.0
+        return ACCEPTED
+
+    def _on_start(self, message):
+        # It takes neither a first nor a last item.
+        if any(self._parameter(message, number) for number in (1, 2)):
+            return DENIED
+        self.mode = AUTO
+        return ACCEPTED
+
+    def _on_pause(self, message):
+        del message
+        return FAILED
+
+    def _fly(self):
+        self.velocity = (0.0, 0.0, 0.0)
+        self.missions.is_flying = self.is_armed
+        if not self.is_armed:
+            return
+        if self.mode == AUTO and self.mission_state == 3:
+            self._tracks.append(self.place)
+            self._drive_item()
+        elif self.mode in (RTL, SMART_RTL) and self._tracks:
+            self._approach(self._tracks.pop())
+
+    def _drive_item(self):
+        items = self.missions.stored[0]
+        if self.current >= len(items):
+            self.mission_state = 5
+            self._text(5, 'Mission Complete')
+            return
+        item = items[self.current]
+        if item.command != 16:
+            self._do(item)
+            self.current += 1
+        elif self._approach(self._local(item.x_e7, item.y_e7)):
+            self._stood_s += STEP_S
+            if self._stood_s >= item.parameters[0]:
+                self._stood_s = 0.0
+                self._reached()
+
+    def _speak(self):
+        self.status = 4 if self.is_armed else 3
+        self._due('HEARTBEAT', 1.0, self._heartbeat)
+        for name, period_s in self._rates.items():
+            self._due(name, period_s, getattr(self, f'_{name.lower()}'))
+
+    def _heartbeat(self):
+        return {**super()._heartbeat(), 'type': 10}
+
+    def _extended_sys_state(self):
+        return {'landed_state': 0}

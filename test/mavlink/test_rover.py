@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A real ground vehicle gets drive_route over the bridge: a fake Rover, and ArduPilot's own."""
+
+import pytest
+from rclpy.action import ActionClient
+from std_srvs.srv import Trigger
+from test.fakes.fake_autopilot import HOME
+from test.fakes.fake_rover import FakeRover
+from test.mavlink import sitl
+from test.mavlink.airspace import Airspace
+from test.mavlink.operator_post import HOME_PLACE, Ground
+
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_interfaces.action import DriveRoute
+from rocsafe_interfaces.msg import GroundRoute, GroundStop, VehicleState
+from rocsafe_interfaces.srv import Resume
+from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
+from rocsafe_mavlink.drive_conversions import drive_assignment
+from rocsafe_mavlink.drone.drone import DroneSpec
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import mission_of
+from rocsafe_ros.conversions import point_of_position
+
+REAL_S = 200.0
+ROVERS = [
+    'fake',
+    pytest.param(
+        'sitl',
+        marks=[
+            pytest.mark.skipif(
+                not sitl.ROVER_BINARY, reason='ROCSAFE_SITL_ROVER names no Rover simulator'
+            ),
+            pytest.mark.system,
+            pytest.mark.all,
+        ],
+    ),
+]
+SPEED_MPS = 1.5
+
+
+def drive(*norths, vehicle='rav1', dwell_s=2.0):
+    """Return a way to the north with evidence at some places, a bend, and back."""
+    ways = [(0.0, ''), *((north, f'e{number}') for number, north in enumerate(norths, 1))]
+    ways = [*ways, (0.5 * norths[-1], ''), (0.0, '')]
+    stops = [
+        GroundStop(
+            position=point_of_position(offset(HOME_PLACE, 0.0, north, 0.0)),
+            speed_limit_mps=SPEED_MPS if number else 0.0,
+            dwell_s=dwell_s if evidence else 0.0,
+            evidence=evidence,
+        )
+        for number, (north, evidence) in enumerate(ways)
+    ]
+    return GroundRoute(route_id='drive-1', vehicle=vehicle, stops=stops, dose_budget_usv=100.0)
+
+
+@pytest.fixture(params=ROVERS)
+def ground(ros, request, tmp_path):
+    """Give a bridge with one rover, and an operator."""
+    real = request.param == 'sitl'
+    air = sitl.SitlGround((1,), tmp_path) if real else Airspace((1,), kind=FakeRover)
+    made = Ground(ros, air, tmp_path / 'state', drone={'drives': True, 'speed_mps': SPEED_MPS})
+    made.deadline_s = REAL_S if real else 60.0
+    made.drives = ActionClient(made.operator, DriveRoute, 'rav1/drive_route')
+    made.actions.append(made.drives)
+    yield made
+    made.close()
+    air.close()
+
+
+def sent(ground, route, **fields):
+    """Send a drive; return the future of its result."""
+    goal = DriveRoute.Goal(
+        route=route, lease=fields.pop('lease', None) or ground.lease(), **fields
+    )
+    ground.until(ground.drives.server_is_ready)
+    accepted = ground.drives.send_goal_async(goal)
+    ground.until(accepted.done)
+    ground.goal = accepted.result()
+    return ground.goal.get_result_async()
+
+
+def under_way(ground, route):
+    """Drive; return the future of the result when the first evidence is behind."""
+    result = sent(ground, route)
+    ground.until(lambda: result.done() or ground.seen().viewpoints_visited >= 1, ground.deadline_s)
+    assert not result.done(), result.result().result.error_msg
+    return result
+
+
+def test_rover_drives_to_the_evidence_and_back(ground):
+    """It stands, photographs and comes home; its motors are off at the end."""
+    result = ground.ended(sent(ground, drive(10.0, 20.0)), ground.deadline_s)
+    assert result.outcome == DriveRoute.Result.COMPLETED, result.error_msg
+    assert list(result.evidence_taken) == ['e1', 'e2']
+    assert result.distance_driven_m == pytest.approx(40.0, abs=8.0)
+    assert result.duration_s > 0.0
+    here = GeoPosition(result.position.latitude, result.position.longitude)
+    assert abs(here.latitude_deg - HOME[0]) < 5e-5
+    ground.until(lambda: not ground.air.is_armed(), ground.deadline_s)
+    ground.wait_for_state(VehicleState.LANDED)
+
+
+def test_rover_holds_and_goes_on(ground):
+    """Within its way; the evidence behind it stays behind."""
+    result = under_way(ground, drive(8.0, 40.0))
+    assert ground.call('rav1/hold', Trigger).success
+    ground.wait_for_state(VehicleState.HOLDING)
+    ground.until(lambda: ground.seen().speed_mps < 0.3, ground.deadline_s)
+    assert ground.seen().viewpoints_visited == 1
+    assert ground.call('rav1/resume', Resume).success
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.COMPLETED, done.error_msg
+
+
+def test_rover_returns_on_its_own_tracks(ground):
+    """Before its last evidence; the drive ends at home, switched off."""
+    result = under_way(ground, drive(8.0, 60.0))
+    assert ground.call('rav1/return_home', Trigger).success
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.RETURNED_EARLY, done.error_msg
+    assert list(done.evidence_taken) == ['e1']
+    ground.until(lambda: not ground.air.is_armed(), ground.deadline_s)
+
+
+def test_cancelled_drive_stands(ground):
+    """The vehicle holds where it is."""
+    result = under_way(ground, drive(8.0, 60.0))
+    ground.until(ground.goal.cancel_goal_async().done, ground.deadline_s)
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.CANCELLED
+    ground.wait_for_state(VehicleState.HOLDING)
+
+
+@pytest.mark.parametrize(
+    ('route', 'text'),
+    [
+        (drive(10.0, vehicle='rgv7'), 'the route is for rgv7'),
+        (GroundRoute(vehicle='rav1'), 'must be 2 or more'),
+        (drive(9000.0), 'distance'),
+    ],
+)
+def test_drive_that_cannot_be_is_refused_before_anything_moves(ros, tmp_path, route, text):
+    """With the reason; the motors stay off."""
+    air = Airspace((1,), kind=FakeRover)
+    made = Ground(ros, air, tmp_path / 'state', drone={'drives': True})
+    made.drives = ActionClient(made.operator, DriveRoute, 'rav1/drive_route')
+    made.actions.append(made.drives)
+    try:
+        done = made.ended(sent(made, route))
+        assert done.outcome == DriveRoute.Result.REJECTED
+        assert text in done.error_msg
+        assert not air.is_armed()
+        without = made.ended(sent(made, drive(10.0), lease='none'))
+        assert without.outcome == DriveRoute.Result.REJECTED
+    finally:
+        made.close()
+        air.close()
+
+
+def test_rover_gets_no_flight_and_a_drone_no_drive():
+    """A route of the wrong kind is refused by what the heartbeat says, not by the file."""
+    spec = DroneSpec(name='rav1', target=(1, 1), frame=None, limits=FlightLimits())
+    plan = drive_assignment(drive(10.0), spec).plan
+    with pytest.raises(ValueError, match='must get its routes by fly_route'):
+        mission_of(plan, COPTER)
+    items = mission_of(plan, ROVER).items
+    # Home, speed, the evidence with its stand, the shutter, the bend, the start: no return.
+    assert [item.command for item in items] == [16, 178, 16, 203, 16, 16]
+    assert items[1].parameters[1] == SPEED_MPS
+    assert items[2].parameters[0] == 2.0
