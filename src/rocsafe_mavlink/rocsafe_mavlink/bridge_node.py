@@ -184,7 +184,8 @@ class BridgeNode(Node):
                 for interface in self._interfaces
                 if interface.drone.spec.name in names
             }
-            links.append(link_status(link, contacts, station.link.counters.by_name()))
+            heard = station.link
+            links.append(link_status(link, contacts, heard.counters.by_name(), heard.fault))
         vehicles = (interface.health() for interface in self._interfaces)
         return [diagnostic('runs'), *links, *filter(None, vehicles)]
 

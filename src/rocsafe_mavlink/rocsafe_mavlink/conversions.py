@@ -253,9 +253,10 @@ def check_message(check: Check) -> PreflightCheck:
 
 
 def link_status(
-    name: str, contacts: dict[str, Contact], counts: dict[str, int]
+    name: str, contacts: dict[str, Contact], counts: dict[str, int], fault: str = ''
 ) -> DiagnosticStatus:
-    """Return the health of a link: who is heard, and how much was dropped and why."""
+    """Return the health of a link: who is heard, how much was dropped and why, its fault."""
     silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
-    text = ', '.join(silent) or 'all are heard'
-    return diagnostic(text, name=f'bridge: {name}', is_warning=bool(silent), values=counts)
+    wrong = [*silent, *filter(None, [fault])]
+    text = ', '.join(wrong) or 'all are heard'
+    return diagnostic(text, name=f'bridge: {name}', is_warning=bool(wrong), values=counts)

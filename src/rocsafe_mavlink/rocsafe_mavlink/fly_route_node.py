@@ -109,7 +109,12 @@ class FlyRouteServer:
             return
         self._end_late('another route came')
         if delay_s > 0.0:
-            due_s = self._late_start.due_s(_key(goal.request), now_s, delay_s)
+            try:
+                due_s = self._late_start.due_s(_key(goal.request), now_s, delay_s)
+            except OSError as error:
+                why = f'its delay cannot be kept over a restart: {error}'
+                self._end(goal, refusal_message(f'{self._drone.spec.name}: {why}'))
+                return
             self._late = ([goal], due_s)
             self._drone.wait_until(due_s)
         else:

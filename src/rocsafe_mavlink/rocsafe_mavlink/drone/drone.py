@@ -255,9 +255,12 @@ class Drone:
             return failures(self.checks(assignment.plan, at_s))
 
         flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
-        self.session.flight = flight
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
-        self._record.begin(assignment)
+        try:
+            self._record.begin(assignment)
+        except OSError as error:
+            raise ValueError(f'its flight cannot be kept over a restart: {error}') from error
+        self.session.flight = flight
         self.session.send(sent)
 
     def flies_another(self, assignment: Assignment) -> bool:
@@ -319,6 +322,7 @@ class Drone:
             entry=self._record.entry,
             frame=self.spec.frame,
             distance_m=self._record.distance_m,
+            journal_fault=self._record.fault,
         )
 
     def _why_it_waits(self, now_s: float) -> str:

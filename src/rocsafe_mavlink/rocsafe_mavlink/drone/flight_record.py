@@ -53,9 +53,14 @@ class FlightRecord:
         """The plan that was given last and how far it is; None: none was given."""
         return self._journal.entry
 
+    @property
+    def fault(self) -> str:
+        """Why the record is not on disk; empty: it is."""
+        return self._journal.fault
+
     def begin(self, assignment: Assignment) -> None:
-        """Note a plan that is about to be flown."""
-        self._journal.write(JournalEntry(assignment=assignment))
+        """Note a plan that is about to be flown; raises `OSError` if it cannot be written."""
+        self._journal.begin(JournalEntry(assignment=assignment))
         self.distance_m, self._flown_s, self._began_s = 0.0, 0.0, None
 
     def begin_replacing(self, assignment: Assignment) -> None:

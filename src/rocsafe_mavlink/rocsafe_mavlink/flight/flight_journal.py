@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.kept_file import KeptFile
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
@@ -76,19 +76,36 @@ class FlightJournal:
     """Keeps the entry of one vehicle, in memory and, if a path is given, in a file."""
 
     def __init__(self, path: Path | None = None) -> None:
-        self._path = path
+        self._file = KeptFile(path)
         self.entry: JournalEntry | None = None if path is None else _read(path)
 
+    @property
+    def fault(self) -> str:
+        """Why the entry is not on disk; empty: it is."""
+        return self._file.fault
+
+    def begin(self, entry: JournalEntry) -> None:
+        """Keep the entry of a flight that is to begin; once this returns, it survives a kill.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; the entry before is kept.
+        """
+        self._file.require(_content(entry))
+        self.entry = entry
+
     def write(self, entry: JournalEntry) -> None:
-        """Keep `entry`; once this returns, it survives a kill."""
-        if entry == self.entry:
+        """Keep `entry`, also where it cannot be written: the flight goes on, see `fault`."""
+        if entry == self.entry and not self.fault:
             return
         self.entry = entry
-        if self._path is None:
-            return
-        record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(self._path, json.dumps(record).encode())
+        self._file.keep(_content(entry))
+
+
+def _content(entry: JournalEntry) -> bytes:
+    record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
+    return json.dumps(record).encode()
 
 
 def _read(path: Path) -> JournalEntry | None:
