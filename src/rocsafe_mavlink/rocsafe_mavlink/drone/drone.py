@@ -257,7 +257,7 @@ class Drone:
         flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
         try:
-            self._record.begin(assignment)
+            self._record.begin(assignment, self.vehicle.home)
         except OSError as error:
             raise ValueError(f'its flight cannot be kept over a restart: {error}') from error
         self.session.flight = flight
@@ -348,7 +348,9 @@ class Drone:
 
     def _is_adopted(self, plan: FlightPlan, stored: tuple[MissionItem, ...] | None) -> bool:
         """Take up the flight of `plan` if the vehicle flies it; return whether it does."""
-        flight = adopted(plan, self.session.commands(), self.vehicle, stored)
+        entry = self._record.entry
+        home = None if entry is None else entry.home
+        flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
         self.session.flight = self.session.flight if flight is None else flight
         return flight is not None
 

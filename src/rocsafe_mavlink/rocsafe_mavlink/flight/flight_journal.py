@@ -12,6 +12,7 @@ from typing import Any
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.kept_file import KeptFile
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.knowledge.telemetry import Home
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
 
@@ -49,6 +50,8 @@ class JournalEntry:
     ----------
     assignment
         What was given.
+    home
+        Home of the vehicle when it was begun; None: a bridge before 0.3 did not note it.
     was_airborne
         Whether the vehicle was seen in the air since.
     visited
@@ -63,6 +66,7 @@ class JournalEntry:
     """
 
     assignment: Assignment
+    home: Home | None = None
     was_airborne: bool = False
     visited: int = 0
     distance_m: float = 0.0
@@ -122,9 +126,10 @@ def _read(path: Path) -> JournalEntry | None:
         record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
         outcome = record.pop('outcome')
         assignment = _assignment(record.pop('assignment'))
-        successor = record.pop('successor', None)
+        successor, home = record.pop('successor', None), record.pop('home', None)
         return JournalEntry(
             assignment=assignment,
+            home=None if home is None else Home(**home),
             outcome=None if outcome is None else FlightOutcome[outcome],
             successor=None if successor is None else _assignment(successor),
             **record,
