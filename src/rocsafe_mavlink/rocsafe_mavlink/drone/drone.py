@@ -217,7 +217,9 @@ class Drone:
             If the vehicle was never heard, or its kind is not known.
         """
         session = self.session
-        settings = replace(session.readout.settings, station=session.us[0])
+        settings = replace(
+            session.readout.settings, station=session.us[0], has_twin=session.has_twin(now_s)
+        )
         limits = self.spec.limits
         return preflight(self.vehicle, session.autopilot(), plan, limits, now_s, settings)
 

@@ -255,6 +255,8 @@ def _text(inputs: StatusInputs, fault: str, prediction: Prediction | None, now_s
     if custody.takeover and custody.failsafe is None:
         parts.append(custody.takeover)
     parts += [f'{one.reason}: {one.order} is offered' for one in inputs.advice]
+    if inputs.session.has_twin(now_s):
+        parts.append(f'another station speaks as system {inputs.session.us[0]}, as this one does')
     if inputs.journal_fault:
         parts.append(f'a restart of the bridge would not find its flight: {inputs.journal_fault}')
     if prediction is not None:
