@@ -11,7 +11,9 @@ from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
 from rocsafe_geo.angle import heading_of_yaw_rad
+from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import LONGEST_WAIT_S
 from rocsafe_interfaces.msg import (
     GeoPoint,
     GeoPolygon,
@@ -87,6 +89,17 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
+
+
+def delay_of(message: RouteMessage) -> float:
+    """Return the time to wait before a route is begun, seconds.
+
+    Raises
+    ------
+    ValueError
+        If it is no time that a mission waits: without it the route would be begun at once.
+    """
+    return require_between('delay_s', message.delay_s, 0.0, LONGEST_WAIT_S, 's')
 
 
 def _over_home(home: GeoPosition, height_m: float) -> FlightWaypoint:
