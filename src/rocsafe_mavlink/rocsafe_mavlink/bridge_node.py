@@ -22,6 +22,7 @@ from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
 from rocsafe_mavlink.command_node import CommandServices
 from rocsafe_mavlink.conversions import link_status
 from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.standstill import Standstill
 from rocsafe_mavlink.drone_node import TelemetryPublisher
 from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
@@ -118,6 +119,7 @@ class BridgeNode(Node):
         except (MavlinkError, ValueError, OSError) as error:
             raise ParameterError(f'bridge: {error}') from error
         self._supervised_s = self._ticked_s = time.monotonic()
+        self._standstill = Standstill()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -157,13 +159,25 @@ class BridgeNode(Node):
 
     def _poll(self) -> None:
         now_s, time_s = time.monotonic(), time.time()
+        if gap_s := self._standstill.look():
+            self._go_on_after(gap_s, now_s)
         for station in self._stations.values():
-            station.take(now_s, time_s)
+            if self._standstill.is_deaf:
+                station.discard(now_s)
+            else:
+                station.take(now_s, time_s)
         for interface in self._interfaces:
             interface.follow()
         if now_s - self._ticked_s >= TIMING.tick_s:
             self._ticked_s = now_s
             self._tick(now_s, time_s)
+
+    def _go_on_after(self, gap_s: float, now_s: float) -> None:
+        """Begin anew with each vehicle: what waits in buffers is old, the oldest of it first."""
+        reason = f'the bridge stood still for {gap_s:.0f} s'
+        self.get_logger().error(f'{reason}: what was under way is withdrawn')
+        for interface in self._interfaces:
+            interface.drone.session.forget_contact(reason, now_s)
 
     def _tick(self, now_s: float, time_s: float) -> None:
         is_watched = self._options.needs_supervisor

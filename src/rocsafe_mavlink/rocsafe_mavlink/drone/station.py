@@ -65,6 +65,10 @@ class Station:
                 self._route(address, message, now_s)
             self.flush(now_s, time_s)
 
+    def discard(self, now_s: float) -> None:
+        """Throw away what has come: nobody can tell when it was sent."""
+        self._transport.discard(now_s)
+
     def tick(self, now_s: float, time_s: float, *, is_supervised: bool) -> None:
         """Let time pass, and send what is due.
 

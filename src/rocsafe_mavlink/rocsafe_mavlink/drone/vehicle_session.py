@@ -6,7 +6,7 @@ sequences of its flight and of its operator, all else only reads.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.registry import autopilot_of
@@ -208,6 +208,19 @@ class VehicleSession:
         # What is commanded is what was there when the order was given.
         self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
+
+    def forget_contact(self, reason: str, now_s: float) -> None:
+        """Withdraw what is under way and what is to begin: nobody knows what the vehicle did.
+
+        It is in contact again with its next heartbeat.
+        """
+        self.withdraw_start()
+        if self.flight is not None:
+            self.flight = self.flight.withdrawn(reason)
+        if self.sequence is not None:
+            self.sequence = self.sequence.withdrawn(reason)
+        last_s = min(self.telemetry.heartbeat_s, now_s - LOST_AFTER_S)
+        self.telemetry = replace(self.telemetry, heartbeat_s=last_s)
 
     def withdraw_start(self) -> None:
         """Let a start that is to come be given up, if there is one."""

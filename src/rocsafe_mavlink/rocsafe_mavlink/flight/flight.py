@@ -167,12 +167,18 @@ class MissionFlight:
         """Return the flight after its autopilot restarted; one that begins is withdrawn."""
         reason = 'the autopilot was started again'
         if self.sequence is not None:
-            return replace(self, sequence=self.sequence.withdrawn(reason))
+            return self.withdrawn(reason)
         if self.stage is not FlightStage.FLYING:
             return self
         cause = self.cause or FlightOutcome.RESTARTED
         reason = self.reason or reason
         return replace(self, cause=cause, reason=reason)
+
+    def withdrawn(self, reason: str) -> 'MissionFlight':
+        """Return the flight without further commands of its start."""
+        if self.sequence is None:
+            return self
+        return replace(self, sequence=self.sequence.withdrawn(reason))
 
     def replanned(self, plan: FlightPlan) -> 'MissionFlight':
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
