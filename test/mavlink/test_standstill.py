@@ -91,7 +91,7 @@ def post(ros, tmp_path):
     air = Airspace()
     ground = Ground(ros, air, tmp_path)
     ground.clock = Clock(is_running=True)
-    ground.bridge._standstill = Standstill(ground.clock)
+    ground.bridge._standstill._clock = ground.clock
     yield ground
     ground.close()
     air.close()
@@ -129,13 +129,29 @@ def test_no_command_is_sent_on_what_was_heard_before(post):
         assert interface.drone.vehicle.contact(time.monotonic()) is Contact.LOST
         answer = post.call('rav1/resume', Resume)
         assert not answer.success
-        assert 'not in contact' in answer.message
+        assert 'the bridge stood still, and the order may be old' in answer.message
         copter.is_silent = False
         post.listen(topics.STATE)
         post.until(lambda: 'LOITER' in post.seen().text)
+        post.until(lambda: 'old' not in post.call('rav1/resume', Resume).message)
         assert 'LOITER' in post.call('rav1/resume', Resume).message
         assert set(post.air.told()[told:]) <= HARMLESS
         assert copter.mode == LOITER
+
+
+def test_take_off_that_was_ordered_before_is_none(ros, tmp_path):
+    """Who gave the order may stand beside the vehicle by now."""
+    air = Airspace()
+    ground = Ground(ros, air, tmp_path)
+    clock = ground.bridge._standstill._clock = Clock(is_running=True)
+    ground.listen(topics.FIX)
+    ground.until(lambda: ground.heard['fix', 'rav1'])
+    ground.lease()
+    clock.ahead_s += 20.0
+    assert 'may be old' in ground.ended(ground.fly()).error_msg
+    assert not air.copters[1].is_armed
+    ground.close()
+    air.close()
 
 
 def test_hold_is_obeyed_again_some_seconds_later(post):

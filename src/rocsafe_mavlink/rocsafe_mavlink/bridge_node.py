@@ -3,6 +3,7 @@
 
 import os
 import time
+from collections.abc import Callable
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -49,12 +50,13 @@ class DroneInterface:
         drone: Drone,
         geotagger: Geotagger,
         options: BridgeOptions,
+        doubt: Callable[[], str],
     ) -> None:
         self.node = node
         self.drone = drone
         self._master = ''
         folder = options.state_path(drone.spec.name)
-        self._lease = LeaseServer(node, folder)
+        self._lease = LeaseServer(node, folder, doubt)
         self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
         self._commands = CommandServices(node, drone, self._lease, time.monotonic)
@@ -108,6 +110,7 @@ class BridgeNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('bridge', **node_options)
         self._options = declare_options(self, BridgeOptions)
+        self._standstill = Standstill()
         try:
             self._fleet = read_drones(self._options.drones_file)
             self._stations = make_stations(self._options, self._fleet)
@@ -119,7 +122,6 @@ class BridgeNode(Node):
         except (MavlinkError, ValueError, OSError) as error:
             raise ParameterError(f'bridge: {error}') from error
         self._supervised_s = self._ticked_s = time.monotonic()
-        self._standstill = Standstill()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -142,7 +144,7 @@ class BridgeNode(Node):
         drone = make_drone(options, self._options, self._stations[options.link])
         geotagger = make_geotagger(options, self._options, time.time)
         node = self._vehicle_node(drone, node_options)
-        return DroneInterface(node, drone, geotagger, self._options)
+        return DroneInterface(node, drone, geotagger, self._options, self._standstill.doubt)
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:
         return VehicleScopeNode(

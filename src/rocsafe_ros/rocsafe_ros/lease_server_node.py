@@ -44,6 +44,8 @@ class LeaseServer:
         Node in the vehicle's namespace.
     folder
         Keeps the lease over restarts of this process; None: nothing is kept.
+    doubt
+        Returns why no order can be taken now, whoever gives it; empty if it can.
 
     Raises
     ------
@@ -51,8 +53,14 @@ class LeaseServer:
         If the file of the lease is damaged.
     """
 
-    def __init__(self, node: VehicleScopeNode, folder: Path | None) -> None:
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        folder: Path | None,
+        doubt: Callable[[], str] = lambda: '',
+    ) -> None:
         self._node = node
+        self._doubt = doubt
         self._vehicle = node.vehicle_name
         path = None if folder is None else folder / JOURNAL_NAME
         self._file = KeptFile(path, replace_whole)
@@ -84,6 +92,8 @@ class LeaseServer:
             Saying who leads the vehicle.
         """
         self._keeper.require(lease, time.monotonic())
+        if why := self._doubt():
+            raise LeaseRefusedError(why)
 
     def is_for_another(self, lease: str) -> bool:
         """Return whether an order is for another node of the same name, which answers it."""

@@ -44,6 +44,12 @@ class Standstill:
         self._deaf_until_s = now_s + SETTLED_S
         return gap_s
 
+    def doubt(self) -> str:
+        """Return why an order that comes now may be an old one; empty if it cannot be."""
+        now_s = self._clock()
+        is_old = now_s - self._last_s > STALE_AFTER_S or now_s < self._deaf_until_s
+        return 'the bridge stood still, and the order may be old: give it again' if is_old else ''
+
     @property
     def is_deaf(self) -> bool:
         """Whether what arrives may be from before the process went on."""
