@@ -122,6 +122,16 @@ def default_domain(ros_stays_on_this_machine: None) -> Iterator[int | None]:
         yield number
 
 
+@pytest.fixture(scope='module', autouse=True)
+def environment_is_left_as_it_was(default_domain: int | None) -> Iterator[None]:
+    """Undo what commands that run in this process set for their children."""
+    before = dict(os.environ)
+    yield
+    if os.environ != before:
+        os.environ.clear()
+        os.environ.update(before)
+
+
 @pytest.fixture(scope='session', autouse=True)
 def ctrl_c_is_heard() -> None:
     """Let children obey SIGINT also where a shell started the tests in its background."""

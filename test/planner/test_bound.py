@@ -35,7 +35,7 @@ def fleets(draw):
             cruise_speed_mps=draw(st.floats(1.0, 20.0)),
             acceleration_mps2=draw(st.floats(0.5, 5.0)),
             climb_rate_mps=draw(st.floats(0.5, 5.0)),
-            hover_s=draw(st.floats(0.1, 20.0)),
+            hover_s=draw(st.just(0.0) | st.floats(0.1, 20.0)),
             autopilot=draw(st.sampled_from((DIRECT, Autopilot()))),
         )
         for k in range(draw(st.integers(1, 3)))
@@ -92,7 +92,8 @@ def test_bounds_hold_in_wind_and_anywhere(points, vehicles, data):
     best = best_makespan(world)
     assert bound_of(world).makespan_s <= best + ROUNDING_S
     found = optimised(world, Effort(proposals=2000))
-    assert found.bound <= best * (1.0 + 1e-6)
+    # Of flights that pass viewpoints the search proves nothing: NaN.
+    assert not found.bound > best * (1.0 + 1e-6)
     # A short search may miss the best of so odd a world: it is not below it.
     assert makespan_s(world, found.orders) >= best * (1.0 - 1e-5)
 
@@ -126,6 +127,19 @@ def test_bound_holds_where_viewpoints_are_passed(points, home):
     spec = vehicle('rav1', hover_s=0.0, autopilot=Autopilot())
     world = problem(points, [home], (spec,))
     assert bound_of(world).makespan_s <= best_makespan(world) + ROUNDING_S
+
+
+@pytest.mark.parametrize('seed', range(4))
+def test_flights_through_a_grid_are_bounded_within_a_seventh(seed):
+    """The turns at the ends of the rows are left, but neither the ramps nor the stops."""
+    rng = np.random.default_rng(seed)
+    points = [(20.0 * i, 20.0 * j) for j in range(5) for i in range(6)]
+    fleet = tuple(vehicle(f'rav{k}', hover_s=0.0, autopilot=Autopilot()) for k in range(2))
+    world = problem(points, rng.uniform(-40.0, 0.0, (2, 2)), fleet)
+    orders = optimised(world, Effort(proposals=20_000)).orders
+    makespan = makespan_s(world, orders)
+    proven = lower_bound(world, makespan, lambda _bound: True).makespan_s
+    assert makespan / 1.14 < proven <= makespan
 
 
 def test_one_far_point_is_bounded_by_its_trip():
@@ -202,7 +216,7 @@ def test_every_battery_pays_its_way():
     spec = vehicle('rav1', endurance_s=150.0, battery_swap_s=100.0, hover_s=20.0)
     world = problem([(400.0 + k, 0.0) for k in range(4)], [(0.0, 0.0)], (spec,))
     best = best_finish(world)
-    bound = lower_bound(world, best, lambda _bound: True, PriceOptions())
+    bound = lower_bound(world, best, lambda _bound: True)
     assert bound.method == 'batteries'
     assert 0.97 * best < bound.makespan_s <= best + ROUNDING_S
 

@@ -7,12 +7,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_planner.planning import plan_survey
+from rocsafe_planner.routing import bound as bounding
+from rocsafe_planner.routing.costs import finish_s
 from rocsafe_planner.solver import PointLegs, SearchOptions, one_depot, solve
 from rocsafe_planner.solver.bounds.walk_prices import PriceOptions, price_bounds
-from rocsafe_planner.solver.bounds.walks import best_ends, collect, count_visits
+from rocsafe_planner.solver.bounds.walks import (
+    best_ends,
+    chain_flights,
+    collect,
+    count_visits,
+)
 
 from . import tiny_routing
-from .fleets import request
+from .fleets import problem, request, vehicle
 
 
 @pytest.mark.parametrize('seed', range(300, 330))
@@ -81,6 +88,42 @@ def test_what_is_collected_is_the_most_of_all_walks(seed):
     visits = np.empty((len(ends), n), np.int32)
     count_visits(legs, before[0], before[1], ends, times, visits)
     assert (visits @ price).max(initial=0.0) == pytest.approx(most[-1])
+
+
+@given(st.integers(0, 10_000))
+def test_flights_are_chained_as_well_as_can_be(seed):
+    """Against all sequences of flights with changes between them."""
+    rng = np.random.default_rng(seed)
+    moments, change = 9, int(rng.integers(1, 4))
+    first, further = np.cumsum(rng.integers(0, 3, (2, moments)), axis=1).astype(float)
+    first[0] = further[0] = 0.0
+    best, flown = np.empty(moments), np.empty(moments, np.int32)
+    chain_flights(first, best, further, change, best, flown)
+
+    def most(left, prize_of):
+        after = [
+            prize_of[s] + most(left - s - change, further)
+            for s in range(left + 1)
+            if left - s - change >= 0
+        ]
+        return max([prize_of[left], *after])
+
+    assert best.tolist() == [most(t, first) for t in range(moments)]
+
+
+@pytest.mark.parametrize('count', [1, 2])
+def test_each_change_of_a_battery_is_counted(count):
+    """Eight far places, two a battery: what vehicles collect by a time is whole flights."""
+    spec = {'endurance_s': 142.0, 'battery_swap_s': 60.0, 'hover_s': 20.0}
+    fleet = tuple(vehicle(f'rav{k}', **spec) for k in range(count))
+    world = problem([(300.0 + 5.0 * k, 0.0) for k in range(8)], [(0.0, 0.0)] * count, fleet)
+    each = 8 // count
+    orders = [list(range(k * each, (k + 1) * each)) for k in range(count)]
+    known = finish_s(world, orders)
+    routed = bounding.routing_problem(world, 'longest_time', is_bounded=True)
+    changes = bounding.battery_changes(world)
+    assert max(price_bounds(routed, known)) < 0.8 * known
+    assert 0.98 * known < max(price_bounds(routed, known, None, changes)) <= known
 
 
 @pytest.mark.slow

@@ -81,6 +81,14 @@ class Performance:
         wind = math.hypot(*self.wind_mps)
         return self._level(min(self.cruise_speed_mps, self.airspeed_mps + wind))
 
+    @property
+    def longest_ramp_s(self) -> float:
+        """Time that no leg in any direction takes to reach its speed, or to stop from it."""
+        ways = (self.fastest(), self.vertical)
+        full = max(way.cruise_speed_mps / way.acceleration_mps2 for way in ways)
+        rise = max(way.acceleration_mps2 / way.jerk_mps3 for way in ways)
+        return full + rise + self.autopilot.smoothing_s
+
     def legs_s(self, paths: FloatArray) -> FloatArray:
         """Return times from standstill to standstill; paths (..., 2) or (..., 3), metres."""
         east, north = paths[..., 0], paths[..., 1]

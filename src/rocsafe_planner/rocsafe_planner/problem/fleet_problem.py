@@ -12,7 +12,7 @@ Sites are numbered: the n points, then the starts of the m vehicles, their ends,
 """
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -190,6 +190,12 @@ class FleetProblem:
     def legs_s(self, vehicle: int, origins: IndexArray, targets: IndexArray) -> FloatArray:
         """Return the times that a vehicle needs for legs between sites, without hovering."""
         return self._times[self._air(vehicle)](origins, targets)
+
+    def stopping_legs_s(self, vehicle: int) -> FloatArray:
+        """Return the times of all legs between sites as if the vehicle stopped at viewpoints."""
+        air, every = self._air(vehicle), np.arange(len(self.sites))
+        stopping = replace(air, flight=replace(self.flight(vehicle), passes=False))
+        return LegTimes(stopping, self.detours, 0)(every[:, None], every[None, :])
 
     def fixed_s(self, vehicle: int) -> float:
         """Return the time of climb and descent of a flight from home."""

@@ -15,10 +15,11 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.routing.solver_problem import routing_problem
+from rocsafe_planner.routing.solver_problem import routing_problem, same_places
 from rocsafe_planner.solver import RoutingProblem, improving_bounds
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 from rocsafe_planner.solver.bounds.flights import Batteries, flight_bounds
+from rocsafe_planner.solver.bounds.stepped_flights import BatteryChanges
 from rocsafe_planner.solver.bounds.walk_prices import PriceOptions, price_bounds
 from rocsafe_planner.solver.model.compiled import IS_COMPILED
 
@@ -78,7 +79,7 @@ def _bounds(
     for bound in islice(improving_bounds(routed, known_s), looks):
         yield bound.value, bound.name
     if IS_COMPILED and prices is not None:
-        for value in price_bounds(routed, known_s, prices):
+        for value in price_bounds(routed, known_s, prices, battery_changes(problem)):
             yield value, 'prices'
     swaps_s = [v.battery_swap_s for v in problem.vehicles if v.battery_swap_s is not None]
     if not swaps_s or not IS_COMPILED:
@@ -89,6 +90,24 @@ def _bounds(
     flights = _flights(problem, routed)
     for value in islice(flight_bounds(routed, flights, batteries, known_s), looks):
         yield value * (1.0 - 1e-9), 'batteries'
+
+
+def battery_changes(problem: FleetProblem) -> list[BatteryChanges | None]:
+    """Return how each vehicle changes its battery; None: it does not."""
+    place_of = same_places(problem)
+    return [
+        None
+        if vehicle.battery_swap_s is None
+        else BatteryChanges(
+            home=place_of[problem.home_site(k)],
+            fixed=problem.fixed_s(k),
+            first_fixed=problem.first_fixed_s(k),
+            longest=vehicle.endurance_s,
+            first_longest=vehicle.first_endurance_s,
+            change=vehicle.battery_swap_s,
+        )
+        for k, vehicle in enumerate(problem.vehicles)
+    ]
 
 
 def _looks(points: int) -> int:

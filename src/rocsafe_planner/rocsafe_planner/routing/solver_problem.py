@@ -111,14 +111,14 @@ class LegTable:
 
     def _time(self, vehicle: int) -> Legs:
         problem, spec = self._problem, self._problem.vehicles[vehicle]
-        if self._is_bounded and (
-            any(v.hover_s == 0.0 for v in problem.vehicles)  # those who pass viewpoints
-            or len(problem.sites) > (MOST_CLOSED_SITES if self._is_plain else MOST_EXACT_SITES)
-        ):
+        most = MOST_CLOSED_SITES if self._is_plain else MOST_EXACT_SITES
+        if self._is_bounded and len(problem.sites) > most:
             return self._trapezoids(problem.flight(vehicle).fastest(), spec.hover_s)
         if self._is_estimated:
             performance = problem.flight(vehicle).performance
             return self._trapezoids(performance.fastest(), spec.hover_s)
+        if self._is_bounded and problem.flight(vehicle).passes:
+            return MatrixLegs(matrix=passed_legs_s(problem, vehicle))
         return MatrixLegs(matrix=self._durations(vehicle) + self._stays(spec.hover_s))
 
     def _trapezoids(self, fastest: MotionLimits, stay: float, power_w: float = 1.0) -> PointLegs:
@@ -170,6 +170,23 @@ class LegTable:
         half[: len(self._problem.points)] = 0.5 * cost
         stays: FloatArray = half[:, None] + half[None, :]
         return stays
+
+
+def passed_legs_s(problem: FleetProblem, vehicle: int) -> FloatArray:
+    """Return times of all legs whose sums no flight that passes its viewpoints undercuts.
+
+    At a passed viewpoint its two legs overlap for at most the ramp of either, and half of either.
+    A flight stands where it begins, stops at its last viewpoint, and stands where it ends.
+    """
+    points, times = len(problem.points), problem.stopping_legs_s(vehicle)
+    ramp_s = problem.flight(vehicle).performance.longest_ramp_s
+    overlaps = 0.5 * np.minimum(ramp_s, 0.5 * times)
+    there = overlaps.copy()
+    np.fill_diagonal(there, np.inf)
+    legs = times - 2.0 * overlaps
+    legs[points:, :points] += overlaps[points:, :points]
+    legs[:points, points:] = times[:points, points:] + there[:, :points].min(axis=0)[:, None]
+    return np.asarray(legs)
 
 
 def _vehicle(

@@ -7,19 +7,26 @@ found by dynamic programming over steps of time, to which legs are rounded down.
 those of the linear program that shares all customers among the walks found so far (column
 generation), drawn towards the best prices so far, which keeps them from jumping (Pessoa, Sadykov,
 Uchoa & Vanderbeck 2018, doi:10.1287/ijoc.2017.0784).
+
+Where a vehicle changes its battery its walks are flights, each as long as a battery lasts at most,
+one after another with the changes between them: what it can collect by some time is found by a
+second dynamic program, over its flights.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_planner.solver.bounds.relaxation import end_stays, leg_tables
-from rocsafe_planner.solver.bounds.walks import best_ends, collect, count_visits
+from rocsafe_planner.solver.bounds.collected import Collected, Table
+from rocsafe_planner.solver.bounds.stepped_flights import (
+    ROUNDING,
+    BatteryChanges,
+    Walks,
+    walks_of,
+)
 from rocsafe_planner.solver.model.problem import RoutingProblem
 from rocsafe_planner.solver.model.tables import Floats, Ints
-
-ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +65,10 @@ class PriceOptions:
 
 
 def price_bounds(
-    problem: RoutingProblem, known: float, options: PriceOptions | None = None
+    problem: RoutingProblem,
+    known: float,
+    options: PriceOptions | None = None,
+    changes: Sequence[BatteryChanges | None] = (),
 ) -> Iterator[float]:
     """Yield ever better bounds of the costliest route.
 
@@ -70,12 +80,15 @@ def price_bounds(
         Value of a known plan: the length of the steps follows it. It proves nothing.
     options
         How prices are sought.
+    changes
+        For each vehicle, how it changes its battery, None: it does not; empty: no vehicle does.
     """
     options = options or PriceOptions()
+    changes = changes or [None] * len(problem.vehicles)
     price: Floats = np.ones(problem.customers)
     best = 0.0
     for steps in options.steps:
-        walks = _walks_of(problem, known, steps)
+        walks = walks_of(problem, known, steps, changes)
         if walks is None or options.work / walks.work < options.fewest_rounds:
             return
         ascent = _Ascent(walks, price, options)
@@ -86,91 +99,6 @@ def price_bounds(
             if not more:
                 break
         price = ascent.best_price
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Kind:
-    """Vehicles that fly alike: their legs in steps, and whom they may serve."""
-
-    legs: Ints
-    first: Ints
-    last: Ints
-    allowed: Floats
-    count: int
-    longest: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Walks:
-    """All kinds of vehicles, the length of a step and their number."""
-
-    kinds: tuple[_Kind, ...]
-    unit: float
-    steps: int
-
-    @property
-    def work(self) -> float:
-        """Additions of a round."""
-        return float(sum(kind.legs.size for kind in self.kinds) * self.steps)
-
-
-def _walks_of(problem: RoutingProblem, known: float, steps: int) -> _Walks | None:
-    """Return the walks in at most `steps` steps, None if a leg is shorter than a step."""
-    n = problem.customers
-    tables, _ = leg_tables(problem)
-    between = [table[:n, :n] for table in tables]
-    unit = _unit(between, known, steps)
-    if unit is None:
-        return None
-    alike: dict[tuple[object, ...], list[int]] = {}
-    for k, vehicle in enumerate(problem.vehicles):
-        who = b'' if problem.allowed is None else problem.allowed[k].tobytes()
-        ends = (vehicle.legs, vehicle.start, vehicle.end, vehicle.fixed_cost)
-        alike.setdefault((*ends, _longest(problem, k), who), []).append(k)
-    stays = end_stays(problem)
-    kinds = []
-    for members in alike.values():
-        vehicle = problem.vehicles[members[0]]
-        table = tables[vehicle.legs]
-        home = stays[vehicle.legs] if vehicle.end is None else table[:n, vehicle.end]
-        longest = _longest(problem, members[0])
-        allowed = np.ones(n) if problem.allowed is None else problem.allowed[members[0]]
-        kinds.append(
-            _Kind(
-                legs=_in_steps(between[vehicle.legs], unit),
-                first=_in_steps(vehicle.fixed_cost + table[vehicle.start, :n], unit),
-                last=_in_steps(home, unit),
-                allowed=allowed.astype(np.float64),
-                count=len(members),
-                longest=int(min(longest / unit * (1.0 + ROUNDING) + ROUNDING, 2**30)),
-            )
-        )
-    return _Walks(kinds=tuple(kinds), unit=unit, steps=int(known / unit) + 1)
-
-
-def _longest(problem: RoutingProblem, k: int) -> float:
-    """Return the most that a route of a vehicle may cost by its limit."""
-    vehicle = problem.vehicles[k]
-    is_same = vehicle.limiting_legs == vehicle.legs
-    return vehicle.fixed_cost + vehicle.limit if is_same else np.inf
-
-
-def _in_steps(costs: Floats, unit: float) -> Ints:
-    return np.floor(costs / unit + ROUNDING).astype(np.int32)
-
-
-def _unit(between: list[Floats], known: float, steps: int) -> float | None:
-    """Return the length of a step, for which short legs lose least by rounding; None: too long."""
-    n = len(between[0])
-    if known <= 0.0:
-        return None
-    if n == 1:
-        return known / steps
-    near = np.concatenate([np.sort(table, axis=1)[:, 1:5].ravel() for table in between])
-    units = known / np.linspace(0.5 * steps, steps, 400)
-    lost = [float((near - unit * np.floor(near / unit + ROUNDING)).mean()) for unit in units]
-    unit = float(units[int(np.argmin(lost))])
-    return unit if near.min() >= unit else None
 
 
 class _Ascent:
@@ -193,15 +121,14 @@ class _Ascent:
         Prices that prove it.
     """
 
-    def __init__(self, walks: _Walks, price: Floats, options: PriceOptions) -> None:
+    def __init__(self, walks: Walks, price: Floats, options: PriceOptions) -> None:
         self._walks, self._options = walks, options
         self.best_price = self._price = price
         self.bound = 0.0
         self._reached = self._stalled = 0
-        n, moments = len(price), walks.steps + 1
-        self._prizes = np.empty((2, moments, n))
-        self._before = np.empty((2, moments, n), np.int32)
-        self._visits: Floats = np.zeros((0, n))
+        most = max(len(kind.flights) for kind in walks.kinds)
+        self._tables = [Table(len(price), walks.steps + 1) for _ in range(most)]
+        self._visits: Floats = np.zeros((0, len(price)))
         self._owner: Ints = np.zeros(0, np.int64)
 
     def climb(self) -> bool:
@@ -209,10 +136,11 @@ class _Ascent:
         kinds, price = self._walks.kinds, self._price
         total = np.zeros(self._walks.steps + 1)
         for number, kind in enumerate(kinds):
-            total += kind.count * self._collected(kind)
-            steps = min(self._reached, self._walks.steps, kind.longest)
-            ends, times = best_ends(self._prizes[0], kind.last, steps, self._options.walks)
-            self._take_walks(number, ends, times)
+            collected = Collected(kind, price * kind.allowed, self._tables)
+            total += kind.count * collected.whole
+            visits = collected.visits(min(self._reached, self._walks.steps), self._options.walks)
+            self._visits = np.vstack([self._visits, visits * kind.allowed])
+            self._owner = np.concatenate([self._owner, np.full(len(visits), number)])
         refuted = np.flatnonzero(total < price.sum() * (1.0 - ROUNDING))
         reached = int(refuted[-1]) + 1 if len(refuted) else 0
         self._stalled += 1
@@ -220,26 +148,6 @@ class _Ascent:
             self._reached, self.best_price, self._stalled = reached, price, 0
             self.bound = reached * self._walks.unit * (1.0 - ROUNDING)
         return self._stalled < self._options.stalled and self._reprice()
-
-    def _collected(self, kind: _Kind) -> Floats:
-        """Return what one vehicle collects by each moment at most."""
-        collected = np.empty(self._walks.steps + 1)
-        (best, second), (before, before_second) = self._prizes, self._before
-        collect(
-            kind.legs, kind.first, kind.last, self._price * kind.allowed,
-            best, before, second, before_second, collected,
-        )  # fmt: skip
-        if kind.longest < len(collected):
-            collected[kind.longest :] = collected[kind.longest]
-        return collected
-
-    def _take_walks(self, number: int, ends: Ints, times: Ints) -> None:
-        """Take walks of a kind of vehicle into the linear program."""
-        kind = self._walks.kinds[number]
-        visits = np.empty((len(ends), len(kind.first)), np.int32)
-        count_visits(kind.legs, self._before[0], self._before[1], ends, times, visits)
-        self._visits = np.vstack([self._visits, visits * kind.allowed])
-        self._owner = np.concatenate([self._owner, np.full(len(ends), number)])
 
     def _reprice(self) -> bool:
         """Set the next prices; return False if walks share all customers: nothing is refuted."""

@@ -10,6 +10,8 @@ NOTHING = -1e18
 """Prize of a walk that does not exist."""
 FROM_START = -1
 """Predecessor of the first customer of a walk."""
+NO_FLIGHT = 0
+"""Steps of a flight that is not flown."""
 
 
 @kernel
@@ -101,8 +103,38 @@ def count_visits(
             after, i = i, earlier
 
 
+@kernel
+def chain_flights(
+    alone: Floats, before: Floats, further: Floats, change: int, best: Floats, flown: Ints
+) -> None:
+    """Find the most that is collected by each moment, with or without one flight more at the end.
+
+    Parameters
+    ----------
+    alone : (steps + 1,)
+        The most that is collected without that flight.
+    before : (steps + 1,)
+        The most that is collected before it; `best` itself: any number of such flights.
+    further : (steps + 1,)
+        The most that it collects in so many steps.
+    change
+        Steps of the change before it.
+    best : (steps + 1,)
+        Written.
+    flown : (steps + 1,)
+        Written: its steps, `NO_FLIGHT` without it.
+    """
+    for t in range(len(best)):
+        best[t], flown[t] = alone[t], NO_FLIGHT
+        for s in range(1, t - change + 1):
+            collected = before[t - change - s] + further[s]
+            if collected > best[t]:
+                best[t], flown[t] = collected, s
+
+
 def best_ends(best: Floats, last: Ints, steps: int, most: int) -> tuple[Ints, Ints]:
     """Return last customers and times of the best walks that are done by `steps`."""
+    best = best[: steps + 1]
     moments = np.arange(len(best))
     in_time = moments[:, None] + last[None, :] <= steps
     prizes = np.where(in_time, best, NOTHING)
