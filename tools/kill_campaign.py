@@ -22,7 +22,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from threading import Event, Thread
@@ -44,6 +44,8 @@ STANDSTILL_S = (0.05, 3.0)
 DEADLINE_S = 240.0
 # DDS takes a killed vehicle for alive for 20 s, and `fleet_verbs` stays 5 s longer than the last.
 ORPHAN_S = 40.0
+# In which a process that is ended writes where its threads are, s.
+STACKS_S = 5.0
 POLL_S = 0.02
 # Products of a mission that is complete.
 PRODUCTS = (
@@ -119,8 +121,17 @@ class Run:
                 [rocsafe, 'run', SCENARIO, '--out', folder / 'runs', '--config', config,
                  '--speed', '25'],
                 stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
-                start_new_session=True,
+                start_new_session=True, env={**os.environ, 'PYTHONFAULTHANDLER': '1'},
             )  # fmt: skip
+
+    def end(self) -> None:
+        """End a mission that does not end; its output and its logs then say where each waits."""
+        os.killpg(self.process.pid, signal.SIGABRT)
+        with suppress(subprocess.TimeoutExpired):
+            self.process.wait(STACKS_S)
+        with suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
 
     @property
     def path(self) -> Path | None:
@@ -219,8 +230,7 @@ def flown(rocsafe: str, folder: Path, seed: int, receipts: 'Receipts') -> Result
         result.code = run.process.wait(max(1.0, begin + DEADLINE_S - time.monotonic()))
     except subprocess.TimeoutExpired:
         result.faults.append(f'not ended within {DEADLINE_S:g} s')
-        os.killpg(run.process.pid, signal.SIGKILL)
-        run.process.wait()
+        run.end()
     result.wall_s = round(time.monotonic() - begin, 1)
     was_killed = any(blow.target == ORCHESTRATOR and blow.kind == 'kill' for blow in result.blows)
     result.acknowledged = len(receipts.stored)

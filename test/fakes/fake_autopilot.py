@@ -56,6 +56,7 @@ class FakeCopter:
 
     Attributes
     ----------
+    home_msl_m : altitude of its home, which every station may set anew.
     patience : by how much it waits longer for a station, where its time runs fast.
     """
 
@@ -73,6 +74,7 @@ class FakeCopter:
         self.patience = 1.0
         self.missions = MissionStore(system, home=_home_item(home))
         self.home = home
+        self.home_msl_m = HOME_MSL_M
         self.heading_deg = 0.0
         self._unix_s = unix_s
         self._head_start_s = boot_s
@@ -496,7 +498,7 @@ class FakeCopter:
         return {
             'latitude': round(self.home[0] * 1e7),
             'longitude': round(self.home[1] * 1e7),
-            'altitude': round(HOME_MSL_M * 1000),
+            'altitude': round(self.home_msl_m * 1000),
         }
 
     def _attitude(self):

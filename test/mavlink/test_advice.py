@@ -19,7 +19,7 @@ from rocsafe_mavlink.drone_options import DroneOptions
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import Motion, VehicleTelemetry, Wind
 from rocsafe_mavlink.knowledge.traffic import encounter
-from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightWaypoint
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.plausibility import fault_of
@@ -241,7 +241,8 @@ def test_height_above_the_ground_is_bounded():
 def test_action_at_the_fence_is_judged_by_its_value(autopilot, found, verdict):
     """One that only reports is warned of; one that stops the motors forbids a flight."""
     reader = ParameterReader(autopilot=autopilot, target=(1, 1), found=found, asks=99)
-    checks = setting_checks(reader, FlightLimits(), 255)
+    known = VehicleSettings(parameters=reader, station=255)
+    checks = setting_checks(known, FlightLimits())
     (check,) = [check for check in checks if check.name == 'action at the fence']
     assert check.verdict is verdict
 

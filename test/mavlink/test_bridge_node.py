@@ -190,6 +190,17 @@ def test_delay_of_a_route_does_not_count_again_after_a_restart(ros, air, tmp_pat
     assert due_s[0] == due_s[1]
 
 
+@pytest.mark.parametrize('delay_s', [math.nan, math.inf, -1.0, 1e308])
+def test_delay_that_is_no_time_is_refused(ground, delay_s):
+    """Others are kept away by it: without one the vehicle must not begin at once."""
+    route = survey()
+    route.delay_s = delay_s
+    answer = ground.ended(ground.fly(route=route))
+    assert answer.outcome == FlyRoute.Result.REJECTED
+    assert 'delay_s is' in answer.error_msg
+    assert not ground.air.copters[1].is_armed
+
+
 def test_old_parameters_are_refused_with_the_new_name(ros):
     """A parameter file that was written before there was a drones file."""
     old = Parameter('links', value=['udp://127.0.0.1:14550'])

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A real ground vehicle gets drive_route over the bridge: a fake Rover, and ArduPilot's own."""
 
+import math
+
 import pytest
 from rclpy.action import ActionClient
 from std_srvs.srv import Trigger
@@ -12,7 +14,7 @@ from test.mavlink.operator_post import HOME_PLACE, Ground
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import DriveRoute
-from rocsafe_interfaces.msg import GroundRoute, GroundStop, VehicleState
+from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop, VehicleState
 from rocsafe_interfaces.srv import Resume
 from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
 from rocsafe_mavlink.drive_conversions import drive_assignment
@@ -169,3 +171,22 @@ def test_rover_gets_no_flight_and_a_drone_no_drive():
     assert [item.command for item in items] == [16, 178, 16, 203, 16, 16]
     assert items[1].parameters[1] == SPEED_MPS
     assert items[2].parameters[0] == 2.0
+
+
+@pytest.mark.parametrize(
+    ('changes', 'text'),
+    [
+        ({'speed_limit_mps': math.nan}, 'speed_mps'),
+        ({'speed_limit_mps': -1.0}, 'speed_mps'),
+        ({'dwell_s': 1e6}, 'hold_s'),
+        ({'position': GeoPoint(latitude=math.nan, longitude=8.5)}, 'latitude'),
+    ],
+)
+def test_stop_that_no_vehicle_can_drive_is_refused(changes, text):
+    """Before it becomes an item of a mission."""
+    route = drive(10.0, 20.0)
+    for name, value in changes.items():
+        setattr(route.stops[1], name, value)
+    spec = DroneSpec(name='rav1', target=(1, 1), frame=None, limits=FlightLimits())
+    with pytest.raises(ValueError, match=text):
+        drive_assignment(route, spec)

@@ -18,6 +18,7 @@ from test.mavlink.wire import (
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.drone.drone import Drone, DroneSpec
 from rocsafe_mavlink.drone.station import Station
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
@@ -340,3 +341,42 @@ def test_bytes_of_a_payload_come_from_the_address_of_its_vehicle_only():
     (message,) = got
     assert bytes(message['payload'][: message['payload_length']]) == b'0.25\n'
     assert air.vehicle() == before
+
+
+TWIN = Message('HEARTBEAT', {'type': 6, 'autopilot': 8, 'custom_mode': 0, 'mavlink_version': 3})
+
+
+@pytest.mark.parametrize(
+    ('must_return', 'verdict'), [(True, CheckVerdict.FAIL), (False, CheckVerdict.WARN)]
+)
+def test_another_station_with_our_number_is_told(must_return, verdict):
+    """A second bridge, or a ground station: the vehicle would not notice that we are silent."""
+    air = Air(limits=FlightLimits(must_return_on_link_loss=must_return))
+    air.station = Station(air.wires, air.link, 7)
+    air.station.add(air.drones[1])
+    air.wait(46.0)
+
+    def found():
+        checks = air.drones[1].checks(plan(3), air.now_s)
+        return [check.verdict for check in checks if check.name == 'station']
+
+    echo = Message('HEARTBEAT', {**TWIN.fields, 'custom_mode': 7})
+    for beat in (echo, Message('HEARTBEAT', TWIN.fields)):
+        # The first is our own, which the link gave back.
+        assert found() == []
+        air.say(pack_frame(*encode(beat), *US, 0, sign=False))
+    assert found() == [verdict]
+    assert 'another station speaks as system 255' in air.drones[1].status(air.now_s).text
+    air.say(pack_frame(*encode(TWIN), 254, 190, 0, sign=False))
+    air.wait(11.0)
+    assert found() == []
+    assert 'another station' not in air.drones[1].status(air.now_s).text
+
+
+def test_heartbeats_of_a_station_bear_its_number():
+    """By it its own are known from those of others."""
+    air = Air()
+    air.station = Station(air.wires, air.link, 7)
+    air.station.add(air.drones[1])
+    air.wait(3.0)
+    assert {m['custom_mode'] for m in air.sent if m.name == 'HEARTBEAT'} == {7}

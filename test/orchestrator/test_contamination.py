@@ -29,6 +29,17 @@ def test_marked_vehicle_is_refused_until_it_is_cleared(tmp_path: Path) -> None:
     assert set(contaminated(tmp_path)) == {'rav2'}
 
 
+@pytest.mark.parametrize('why', ['full', 'damaged'])
+def test_mark_that_cannot_be_written_is_told_and_ends_nothing(tmp_path: Path, why: str) -> None:
+    """The flight goes on, and a file that somebody damaged is left as it is."""
+    folder = tmp_path / 'missing' if why == 'full' else tmp_path
+    if why == 'damaged':
+        (folder / FILE_NAME).write_text('{')
+    told = mark(folder, {'rav1': 'it read 120 uSv/h'})
+    assert told.startswith('rav1 could not be marked as contaminated: ')
+    assert why == 'full' or (folder / FILE_NAME).read_text() == '{'
+
+
 def test_clearing_a_vehicle_that_is_not_marked_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

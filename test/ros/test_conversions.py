@@ -8,8 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sensor_msgs.msg import NavSatFix, NavSatStatus
 
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_ros import conversions
 
 latitudes = st.floats(-84, 84)
@@ -59,3 +61,20 @@ def test_fix_without_a_position(latitude):
     fix = NavSatFix(latitude=latitude)
     fix.status.status = NavSatStatus.STATUS_NO_FIX
     assert not conversions.has_position(fix)
+
+
+@pytest.mark.parametrize('values', [(91.0, 0.0, 0.0), (53.0, 0.0, 1e300), (-53.0, 170.0, 60.0)])
+def test_place_beyond_any_flight_is_no_order(values):
+    """A wild number would end the node of a vehicle where it is used first."""
+    frame = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
+    latitude, longitude, altitude = values
+    point = GeoPoint(latitude=latitude, longitude=longitude, altitude=altitude)
+    with pytest.raises(ValueError, match='must be'):
+        conversions.enu_of_point(point, frame)
+
+
+def test_order_without_an_altitude_is_for_the_level_of_the_origin():
+    """Its height is told elsewhere."""
+    frame = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
+    point = GeoPoint(latitude=53.28, longitude=-9.06, altitude=math.nan)
+    assert conversions.enu_of_point(point, frame) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What tools and shells get to see."""
 
+import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -96,3 +98,16 @@ def test_env_sh_finds_its_folder_from_anywhere(tmp_path, shell):
     (tmp_path / '.venv/workspace.sh').write_text('ROCSAFE_WORKSPACE=here\n')
     after = subprocess.run(command, check=False, timeout=60, **options)
     assert (after.returncode, after.stdout, after.stderr) == (0, 'here\n', '')
+
+
+@pytest.mark.skipif(shutil.which('readelf') is None, reason='no readelf here')
+def test_libraries_name_no_folder_to_load_others_from():
+    """Whoever may write to such a folder would have his code loaded."""
+    libraries = [str(path) for path in Layout(ROOT).install.rglob('*.so')]
+    if not libraries or '/opt/ros' in os.environ.get('AMENT_PREFIX_PATH', ''):
+        pytest.skip('nothing is built here, or by another rule')
+    told = subprocess.run(
+        ['readelf', '--dynamic', *libraries], capture_output=True, text=True, check=True
+    ).stdout
+    assert 'Dynamic section' in told
+    assert re.findall(r'\((?:RPATH|RUNPATH)\).*', told) == []

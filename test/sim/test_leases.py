@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One hand at a time: the lease of a vehicle as service, topic and condition of every order."""
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -98,3 +99,18 @@ def test_goal_goes_to_exactly_one_of_two_nodes_of_a_name(
     # The other one would say that it cannot, since it never flew.
     assert (answer.success, answer.message) == (True, '')
     assert not flown.done()
+
+
+def test_lease_is_granted_where_the_disk_fails(
+    operator: Operator, rav: Any, tmp_path: Path
+) -> None:
+    """A full disk must not keep anybody from leading a vehicle, or end its node."""
+    spool = tmp_path / 'spool'
+    rav(lock_step=False, spool_directory=str(spool))
+    assert take(operator, holder='anna').success
+    shutil.move(spool, tmp_path / 'aside')
+    spool.write_text('no folder')
+    second = take(operator, holder='bert', take_over=True)
+    assert second.success, second.message
+    refused = operator.wait(send(operator, '')).result
+    assert 'rav1 is led by bert' in refused.error_msg

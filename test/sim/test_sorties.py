@@ -282,3 +282,11 @@ def test_swaps_must_rise() -> None:
     with pytest.raises(ValueError, match=r'swaps after \[2, 9\]'):
         replace(ROUTE, swaps=(BatterySwap(after=2), BatterySwap(after=9)))
     assert START_NS > 0
+
+
+@pytest.mark.parametrize('field', ['delay_s', 'swap_s'])
+@pytest.mark.parametrize('wait_s', [-1.0, math.nan, math.inf, 1e308, 86_401.0])
+def test_wait_that_no_mission_has_is_refused(field, wait_s):
+    """A wild number ended the vehicle's process, or let it begin at once."""
+    with pytest.raises(ValueError, match=f'{field} is '):
+        replace(ROUTE, **{field: wait_s})

@@ -2,6 +2,7 @@
 """Construction of stations, drones and cameras from options."""
 
 import math
+import secrets
 from collections.abc import Callable
 from pathlib import Path
 
@@ -39,10 +40,12 @@ def make_stations(options: BridgeOptions, fleet: DroneFleet) -> dict[str, Statio
         If a file is damaged.
     """
     stations: dict[str, Station] = {}
+    # Not 0, which other stations send.
+    instance = secrets.randbits(31) + 1
     try:
         for link in fleet.links:
             key_file = fleet.on(link)[0].signing_key_file
-            stations[link] = _station(link, key_file, options)
+            stations[link] = _station(link, key_file, options, instance)
     except BaseException:
         for station in stations.values():
             station.close()
@@ -126,14 +129,16 @@ def open_source(text: str, clock: Callable[[], float]) -> ImageSource | None:
     return FolderSource(folder)
 
 
-def _station(link: str, key_file: str, options: BridgeOptions) -> Station:
+def _station(link: str, key_file: str, options: BridgeOptions, instance: int) -> Station:
     endpoint = parse_endpoint(link)
     gate = signer = None
     if key_file:
         key, store = read_key(Path(key_file)), timestamps_of(Path(key_file))
         gate, signer = SignatureGate(key, store), Signer(key, LINK_ID, store)
     return Station(
-        open_transport(endpoint), Link(_rules(endpoint), options.identity, gate, signer)
+        open_transport(endpoint),
+        Link(_rules(endpoint), options.identity, gate, signer),
+        instance,
     )
 
 

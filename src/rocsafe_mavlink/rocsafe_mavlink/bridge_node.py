@@ -3,6 +3,7 @@
 
 import os
 import time
+from collections.abc import Callable
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -23,6 +24,7 @@ from rocsafe_mavlink.command_node import CommandServices
 from rocsafe_mavlink.conversions import link_status
 from rocsafe_mavlink.drive_route_node import DriveRouteServer
 from rocsafe_mavlink.drone.drone import Drone
+from rocsafe_mavlink.drone.standstill import Standstill
 from rocsafe_mavlink.drone_node import TelemetryPublisher
 from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
@@ -49,14 +51,15 @@ class DroneInterface:
         drone: Drone,
         geotagger: Geotagger,
         options: BridgeOptions,
+        doubt: Callable[[], str],
         *,
-        drives: bool = False,
+        drives: bool,
     ) -> None:
         self.node = node
         self.drone = drone
         self._master = ''
         folder = options.state_path(drone.spec.name)
-        self._lease = LeaseServer(node, folder)
+        self._lease = LeaseServer(node, folder, doubt)
         self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
         self._commands = CommandServices(node, drone, self._lease, time.monotonic)
@@ -114,6 +117,7 @@ class BridgeNode(Node):
     def __init__(self, **node_options: Any) -> None:
         super().__init__('bridge', **node_options)
         self._options = declare_options(self, BridgeOptions)
+        self._standstill = Standstill()
         try:
             self._fleet = read_drones(self._options.drones_file)
             self._stations = make_stations(self._options, self._fleet)
@@ -147,7 +151,9 @@ class BridgeNode(Node):
         drone = make_drone(options, self._options, self._stations[options.link])
         geotagger = make_geotagger(options, self._options, time.time)
         node = self._vehicle_node(drone, node_options)
-        return DroneInterface(node, drone, geotagger, self._options, drives=options.drives)
+        return DroneInterface(
+            node, drone, geotagger, self._options, self._standstill.doubt, drives=options.drives
+        )
 
     def _vehicle_node(self, drone: Drone, node_options: dict[str, Any]) -> VehicleScopeNode:
         return VehicleScopeNode(
@@ -164,13 +170,25 @@ class BridgeNode(Node):
 
     def _poll(self) -> None:
         now_s, time_s = time.monotonic(), time.time()
+        if gap_s := self._standstill.look():
+            self._go_on_after(gap_s, now_s)
         for station in self._stations.values():
-            station.take(now_s, time_s)
+            if self._standstill.is_deaf:
+                station.discard(now_s)
+            else:
+                station.take(now_s, time_s)
         for interface in self._interfaces:
             interface.follow()
         if now_s - self._ticked_s >= TIMING.tick_s:
             self._ticked_s = now_s
             self._tick(now_s, time_s)
+
+    def _go_on_after(self, gap_s: float, now_s: float) -> None:
+        """Begin anew with each vehicle: what waits in buffers is old, the oldest of it first."""
+        reason = f'the bridge stood still for {gap_s:.0f} s'
+        self.get_logger().error(f'{reason}: what was under way is withdrawn')
+        for interface in self._interfaces:
+            interface.drone.session.forget_contact(reason, now_s)
 
     def _tick(self, now_s: float, time_s: float) -> None:
         is_watched = self._options.needs_supervisor
@@ -191,7 +209,8 @@ class BridgeNode(Node):
                 for interface in self._interfaces
                 if interface.drone.spec.name in names
             }
-            links.append(link_status(link, contacts, station.link.counters.by_name()))
+            heard = station.link
+            links.append(link_status(link, contacts, heard.counters.by_name(), heard.fault))
         vehicles = (interface.health() for interface in self._interfaces)
         return [diagnostic('runs'), *links, *filter(None, vehicles)]
 

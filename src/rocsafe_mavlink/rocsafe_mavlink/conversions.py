@@ -11,7 +11,9 @@ from sensor_msgs.msg import BatteryState, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
 from rocsafe_geo.angle import heading_of_yaw_rad
+from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.time_units import LONGEST_WAIT_S
 from rocsafe_interfaces.msg import (
     GeoPoint,
     GeoPolygon,
@@ -87,6 +89,17 @@ def assignment_of(message: RouteMessage, plan_id: str, spec: DroneSpec) -> Assig
     )
     ids = tuple(int(viewpoint.id) for viewpoint in message.viewpoints)
     return Assignment(plan_id=plan_id, plan=plan, viewpoint_ids=ids)
+
+
+def delay_of(message: RouteMessage) -> float:
+    """Return the time to wait before a route is begun, seconds.
+
+    Raises
+    ------
+    ValueError
+        If it is no time that a mission waits: without it the route would be begun at once.
+    """
+    return require_between('delay_s', message.delay_s, 0.0, LONGEST_WAIT_S, 's')
 
 
 def _over_home(home: GeoPosition, height_m: float) -> FlightWaypoint:
@@ -253,9 +266,10 @@ def check_message(check: Check) -> PreflightCheck:
 
 
 def link_status(
-    name: str, contacts: dict[str, Contact], counts: dict[str, int]
+    name: str, contacts: dict[str, Contact], counts: dict[str, int], fault: str = ''
 ) -> DiagnosticStatus:
-    """Return the health of a link: who is heard, and how much was dropped and why."""
+    """Return the health of a link: who is heard, how much was dropped and why, its fault."""
     silent = [f'{who}: {how.value}' for who, how in contacts.items() if how is not Contact.FRESH]
-    text = ', '.join(silent) or 'all are heard'
-    return diagnostic(text, name=f'bridge: {name}', is_warning=bool(silent), values=counts)
+    wrong = [*silent, *filter(None, [fault])]
+    text = ', '.join(wrong) or 'all are heard'
+    return diagnostic(text, name=f'bridge: {name}', is_warning=bool(wrong), values=counts)

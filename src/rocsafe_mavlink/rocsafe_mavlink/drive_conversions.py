@@ -57,7 +57,7 @@ def _waypoint(stop: GroundStop) -> FlightWaypoint:
         height_m=0.0,
         hold_s=stop.dwell_s,
         is_bend=not stop.evidence,
-        speed_mps=stop.speed_limit_mps if stop.speed_limit_mps > 0.0 else None,
+        speed_mps=stop.speed_limit_mps or None,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.action import ActionServer, CancelResponse
 
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_mavlink.conversions import assignment_of
+from rocsafe_mavlink.conversions import assignment_of, delay_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment
@@ -103,13 +103,23 @@ class FlyRouteServer:
     def _on_goal(self, goal: Any) -> None:
         if self._lease.is_for_another(goal.request.lease):
             return  # that node executes it
-        now_s, delay_s = self._now_s or time.monotonic(), goal.request.route.delay_s
+        now_s, name = self._now_s or time.monotonic(), self._drone.spec.name
+        try:
+            delay_s = delay_of(goal.request.route)
+        except ValueError as error:
+            self._end(goal, refusal_message(f'{name}: {error}'))
+            return
         if self._late is not None and _is_same(self._late[0][0].request, goal.request):
             self._late[0].append(goal)
             return
         self._end_late('another route came')
         if delay_s > 0.0:
-            due_s = self._late_start.due_s(_key(goal.request), now_s, delay_s)
+            try:
+                due_s = self._late_start.due_s(_key(goal.request), now_s, delay_s)
+            except OSError as error:
+                why = f'its delay cannot be kept over a restart: {error}'
+                self._end(goal, refusal_message(f'{name}: {why}'))
+                return
             self._late = ([goal], due_s)
             self._drone.wait_until(due_s)
         else:

@@ -35,10 +35,17 @@ def contaminated(folder: Path) -> dict[str, str]:
     return content
 
 
-def mark(folder: Path, vehicles: Mapping[str, str]) -> None:
-    """Add vehicles with the reason; an earlier reason stays."""
-    if vehicles:
-        _write(folder, {**vehicles, **contaminated(folder)})
+def mark(folder: Path, vehicles: Mapping[str, str]) -> str:
+    """Add vehicles with the reason; an earlier reason stays.
+
+    Return why they could not be added, empty if they were: no flight ends by it.
+    """
+    try:
+        if vehicles:
+            _write(folder, {**vehicles, **contaminated(folder)})
+    except (OSError, SetupError) as error:
+        return f'{", ".join(vehicles)} could not be marked as contaminated: {error}'
+    return ''
 
 
 def clear(folder: Path, vehicle: str) -> None:

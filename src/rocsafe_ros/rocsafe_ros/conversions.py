@@ -4,6 +4,7 @@
 import math
 from array import array
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from builtin_interfaces.msg import Time
@@ -13,6 +14,8 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, CompressedImage, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.limits import require_between
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
@@ -25,6 +28,8 @@ EARTH_FRAME = 'earth'
 MAP_FRAME = 'map'
 # Variance of a fix without error; some readers take 0 for "unknown".
 _LEAST_VARIANCE_M2 = 1e-12
+# No order is for a place further from the origin of a mission.
+FURTHEST_M = 1e6
 _NO_DISTORTION = [0.0] * 5
 _STATE_NAMES = {
     value: name.lower().replace('_', ' ')
@@ -65,6 +70,25 @@ def position_of_point(point: GeoPoint) -> GeoPosition:
     return GeoPosition(
         latitude_deg=point.latitude, longitude_deg=point.longitude, altitude_m=point.altitude
     )
+
+
+def enu_of_point(point: GeoPoint, frame: LocalFrame) -> tuple[float, float, float]:
+    """Return the place (east, north, up) of a point in an order, metres.
+
+    An altitude that is not known is that of the origin.
+
+    Raises
+    ------
+    ValueError
+        If the point is no position, or one beyond any flight.
+    """
+    position = position_of_point(point)
+    if math.isnan(position.altitude_m):
+        position = replace(position, altitude_m=frame.origin.altitude_m)
+    east, north, up = frame.enu_of(position).tolist()
+    for name, value in (('east', east), ('north', north), ('up', up)):
+        require_between(name, value, -FURTHEST_M, FURTHEST_M, 'm')
+    return east, north, up
 
 
 def has_position(fix: NavSatFix) -> bool:

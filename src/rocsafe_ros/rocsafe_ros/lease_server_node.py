@@ -14,6 +14,7 @@ from rclpy.clock import Clock, ClockType
 from std_msgs.msg import Header
 
 from rocsafe_geo.storage.durable import replace_whole
+from rocsafe_geo.storage.kept_file import KeptFile
 from rocsafe_geo.storage.value_file import values_of
 from rocsafe_interfaces.msg import Control
 from rocsafe_interfaces.srv import Lease as LeaseService
@@ -43,6 +44,8 @@ class LeaseServer:
         Node in the vehicle's namespace.
     folder
         Keeps the lease over restarts of this process; None: nothing is kept.
+    doubt
+        Returns why no order can be taken now, whoever gives it; empty if it can.
 
     Raises
     ------
@@ -50,11 +53,18 @@ class LeaseServer:
         If the file of the lease is damaged.
     """
 
-    def __init__(self, node: VehicleScopeNode, folder: Path | None) -> None:
+    def __init__(
+        self,
+        node: VehicleScopeNode,
+        folder: Path | None,
+        doubt: Callable[[], str] = lambda: '',
+    ) -> None:
         self._node = node
+        self._doubt = doubt
         self._vehicle = node.vehicle_name
-        self._path = None if folder is None else folder / JOURNAL_NAME
-        self._keeper = LeaseKeeper(self._vehicle, self._kept_lease(), time.monotonic())
+        path = None if folder is None else folder / JOURNAL_NAME
+        self._file = KeptFile(path, replace_whole)
+        self._keeper = LeaseKeeper(self._vehicle, self._kept_lease(path), time.monotonic())
         self._was_valid = self._keeper.is_valid(time.monotonic())
         self._control = topics.create_publisher(node, topics.CONTROL)
         spec = topics.LEASE
@@ -82,6 +92,8 @@ class LeaseServer:
             Saying who leads the vehicle.
         """
         self._keeper.require(lease, time.monotonic())
+        if why := self._doubt():
+            raise LeaseRefusedError(why)
 
     def is_for_another(self, lease: str) -> bool:
         """Return whether an order is for another node of the same name, which answers it."""
@@ -197,19 +209,20 @@ class LeaseServer:
             message.expires = stamp_of_ns(time.time_ns() + left_ns)
         return message
 
-    def _kept_lease(self) -> Lease:
+    def _kept_lease(self, path: Path | None) -> Lease:
         """Return the lease of an earlier process of this mission, or none."""
         token = os.environ.get(MISSION_VARIABLE, '')
         server = server_of(self._vehicle, token or secrets.token_hex(16))
-        if self._path is None or not self._path.exists():
+        if path is None or not path.exists():
             return Lease(server=server)
         try:
-            kept = values_of(json.loads(self._path.read_bytes()), Lease, self._path.name)
+            kept = values_of(json.loads(path.read_bytes()), Lease, path.name)
         except ValueError as error:
-            raise ParameterError(f'{self._path} is damaged: {error}') from error
+            raise ParameterError(f'{path} is damaged: {error}') from error
         return Lease(server=server) if token and kept.server != server else kept
 
     def _write(self, lease: Lease) -> None:
-        if self._path is not None:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            replace_whole(self._path, json.dumps(asdict(lease)).encode())
+        """Keep a lease over restarts; where that fails it holds until the process ends."""
+        self._file.keep(json.dumps(asdict(lease)).encode())
+        if self._file.fault:
+            self._node.get_logger().error(f'{self._vehicle}: {self._file.fault}')

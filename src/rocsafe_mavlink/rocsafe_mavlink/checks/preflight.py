@@ -45,7 +45,7 @@ def preflight(
     checks = [
         *_vehicle_checks(vehicle, autopilot, limits, now_s),
         *wind_checks(vehicle.wind, limits, now_s),
-        *setting_checks(known.parameters, limits, known.station),
+        *setting_checks(known, limits),
     ]
     if vehicle.home is None:
         return (*checks, Check('home', CheckVerdict.FAIL, 'not known', 'told by the vehicle'))

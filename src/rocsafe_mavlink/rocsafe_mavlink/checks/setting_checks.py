@@ -7,7 +7,7 @@ from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
 from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict
-from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 
 # Link-loss actions that bring a vehicle home: FS_GCS_ENABLE 1 (RTL), 3 and 4 (SmartRTL, else RTL
 # or landing), 6 (landing sequence of the mission, else RTL); NAV_DLL_ACT 2 (return).
@@ -25,15 +25,17 @@ FALLING: dict[int, frozenset[float]] = {ARDUPILOT: frozenset(), PX4: frozenset({
 USUAL_STATION = 255
 
 
-def setting_checks(
-    reader: ParameterReader | None, limits: FlightLimits, station: int
-) -> list[Check]:
+def setting_checks(known: VehicleSettings, limits: FlightLimits) -> list[Check]:
     """Return the checks of what the vehicle does by itself when something goes wrong."""
+    reader, station = known.parameters, known.station
     must_return = limits.must_return_on_link_loss
+    bad = CheckVerdict.FAIL if must_return else CheckVerdict.WARN
     if reader is None:
-        verdict = CheckVerdict.FAIL if must_return else CheckVerdict.WARN
-        return [Check('settings', verdict, NOT_READ, 'read')]
+        return [Check('settings', bad, NOT_READ, 'read')]
+    twin, limit = f'another one speaks as system {station}', 'nobody but us: set source_system'
+    alone = Check('station', bad, twin, f'{limit}, or it hides that this bridge is silent')
     return [
+        *([alone] if known.has_twin else []),
         *_link_loss_checks(reader, station, is_required=must_return),
         _setting(reader, Parameter.LOW_BATTERY_ACTION),
         _setting(reader, Parameter.RADIO_LOSS_ACTION),

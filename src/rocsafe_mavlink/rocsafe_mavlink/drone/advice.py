@@ -9,6 +9,7 @@ from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.way_checks import fence_check
 from rocsafe_mavlink.checks.wind_checks import wind_fault
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
+from rocsafe_mavlink.flight.flight_signs import home_moved
 from rocsafe_mavlink.knowledge.traffic import encounters
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
@@ -37,6 +38,8 @@ def advice_of(session: VehicleSession, limits: FlightLimits, now_s: float) -> tu
     found = [] if close is None else [Advice(HOLD, close.text)]
     fence = _fence_fault(session)
     found += [Advice(HOLD, fence)] if fence else []
+    home = _home_fault(session)
+    found += [Advice(HOLD, home)] if home else []
     wind = wind_fault(vehicle.wind, limits, now_s)
     return (*found, *([Advice(RETURN_HOME, wind)] if wind else []))
 
@@ -48,6 +51,14 @@ def _fence_fault(session: VehicleSession) -> str:
     if flight is None or flight.is_over or home is None or settings.fence is None:
         return ''
     return _outside(flight.plan, home.place, settings.fence)
+
+
+def _home_fault(session: VehicleSession) -> str:
+    """Return how far the home of a flight was moved; empty if its heights and its return hold."""
+    flight, home = session.flight, session.telemetry.home
+    if flight is None or flight.is_over or flight.home is None or home is None:
+        return ''
+    return home_moved(flight.home, home, 'in flight')
 
 
 @lru_cache(maxsize=16)

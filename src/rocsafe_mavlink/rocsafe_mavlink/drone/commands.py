@@ -14,8 +14,10 @@ from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.flight_signs import heights_moved
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
-from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.knowledge.fix import fix_fault
+from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Contact, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, rally_items
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
@@ -81,9 +83,7 @@ class DroneCommands:
         if session.flight is not None and session.flight.is_given_up:
             raise CommandRefusedError('its route was given up: send a route')
         self._require_verified()
-        fault = self._fault_ahead(session.telemetry, now_s)
-        if fault:
-            raise CommandRefusedError(fault)
+        _refuse(self._fault_ahead(session.telemetry, now_s))
         self._begin(lambda commands: commands.resume(session.telemetry, self._fault_ahead), now_s)
 
     def return_home(self, now_s: float) -> None:
@@ -124,6 +124,7 @@ class DroneCommands:
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
         self._require_within_fence(place)
+        _refuse(self._unknown_way(self._session.telemetry, now_s))
         self._require_clear(place)
         self._begin(lambda commands: commands.go_to(place, height_m, home), now_s)
 
@@ -150,15 +151,14 @@ class DroneCommands:
         self._require_ours(now_s)
         if not self._session.is_flying:
             raise CommandRefusedError('no flight is under way')
-        failed = failures(self.route_checks(plan))
-        if failed:
-            raise CommandRefusedError(failed)
+        _refuse(self._unknown_way(self._session.telemetry, now_s, plan))
+        _refuse(failures(self.route_checks(plan)))
 
-        def strays(vehicle: VehicleTelemetry, _now_s: float) -> str:
+        def strays(vehicle: VehicleTelemetry, now_s: float) -> str:
             # It has stopped a little further on than where it was when the order came.
             home = None if vehicle.home is None else vehicle.home.place
             checks = [] if home is None else exclusion_checks(plan, start_of(vehicle, home), home)
-            return failures(tuple(checks))
+            return self._unknown_way(vehicle, now_s, plan) or failures(tuple(checks))
 
         self._begin(
             lambda commands: commands.replace_mission(
@@ -250,15 +250,29 @@ class DroneCommands:
         flight, motion = self._session.flight, self._session.telemetry.motion
         if flight is None or flight.is_over or motion is None:
             return
-        fault = way_fault(flight.plan, [motion.position, place])
-        if fault:
-            raise CommandRefusedError(fault)
+        _refuse(way_fault(flight.plan, [motion.position, place]))
 
-    def _fault_ahead(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
-        """Return which exclusion lies between a vehicle and the next place of its mission."""
+    def _unknown_way(
+        self, vehicle: VehicleTelemetry, now_s: float, plan: FlightPlan | None = None
+    ) -> str:
+        """Return why nobody can tell where a vehicle would fly; empty if that is known.
+
+        Heights are above home, and the way around the exclusions of `plan`, or of the flight
+        under way, begins where the vehicle is.
+        """
         flight = self._session.flight
-        if flight is None or not flight.plan.exclusions:
+        if flight is None or flight.is_over:
             return ''
+        exclusions = (*flight.plan.exclusions, *(() if plan is None else plan.exclusions))
+        fault = fix_fault(vehicle, now_s, STALE_AFTER_S) if exclusions else ''
+        where = f'where it is cannot be told: {fault}' if fault else ''
+        return heights_moved(flight.home, vehicle.home) or where
+
+    def _fault_ahead(self, vehicle: VehicleTelemetry, now_s: float) -> str:
+        """Return which exclusion lies between a vehicle and the next place of its mission."""
+        flight, unknown = self._session.flight, self._unknown_way(vehicle, now_s)
+        if flight is None or unknown or not flight.plan.exclusions:
+            return unknown
         ahead = flight.next_place(vehicle)
         if ahead is None or vehicle.motion is None:
             return 'where it is, or its home, is not known'
@@ -281,3 +295,9 @@ class DroneCommands:
             self._session.begin(write(self._session.commands()), now_s, preempts=preempts)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
+
+
+def _refuse(reason: str) -> None:
+    """Refuse a command if there is a reason to."""
+    if reason:
+        raise CommandRefusedError(reason)

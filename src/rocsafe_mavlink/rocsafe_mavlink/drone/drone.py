@@ -217,7 +217,9 @@ class Drone:
             If the vehicle was never heard, or its kind is not known.
         """
         session = self.session
-        settings = replace(session.readout.settings, station=session.us[0])
+        settings = replace(
+            session.readout.settings, station=session.us[0], has_twin=session.has_twin(now_s)
+        )
         limits = self.spec.limits
         return preflight(self.vehicle, session.autopilot(), plan, limits, now_s, settings)
 
@@ -255,9 +257,12 @@ class Drone:
             return failures(self.checks(assignment.plan, at_s))
 
         flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
-        self.session.flight = flight
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
-        self._record.begin(assignment)
+        try:
+            self._record.begin(assignment, self.vehicle.home)
+        except OSError as error:
+            raise ValueError(f'its flight cannot be kept over a restart: {error}') from error
+        self.session.flight = flight
         self.session.send(sent)
 
     def flies_another(self, assignment: Assignment) -> bool:
@@ -319,6 +324,7 @@ class Drone:
             entry=self._record.entry,
             frame=self.spec.frame,
             distance_m=self._record.distance_m,
+            journal_fault=self._record.fault,
         )
 
     def _why_it_waits(self, now_s: float) -> str:
@@ -344,7 +350,9 @@ class Drone:
 
     def _is_adopted(self, plan: FlightPlan, stored: tuple[MissionItem, ...] | None) -> bool:
         """Take up the flight of `plan` if the vehicle flies it; return whether it does."""
-        flight = adopted(plan, self.session.commands(), self.vehicle, stored)
+        entry = self._record.entry
+        home = None if entry is None else entry.home
+        flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
         self.session.flight = self.session.flight if flight is None else flight
         return flight is not None
 

@@ -8,7 +8,7 @@ from rocsafe_mavlink.errors import WaitError
 from rocsafe_mavlink.flight.flight import MissionFlight
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal, JournalEntry
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
-from rocsafe_mavlink.knowledge.telemetry import MissionPhase, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import Home, MissionPhase, VehicleTelemetry
 
 # A step between two positions longer than this is a jump, not flown.
 LARGEST_STEP_M = 60.0
@@ -53,9 +53,14 @@ class FlightRecord:
         """The plan that was given last and how far it is; None: none was given."""
         return self._journal.entry
 
-    def begin(self, assignment: Assignment) -> None:
-        """Note a plan that is about to be flown."""
-        self._journal.write(JournalEntry(assignment=assignment))
+    @property
+    def fault(self) -> str:
+        """Why the record is not on disk; empty: it is."""
+        return self._journal.fault
+
+    def begin(self, assignment: Assignment, home: Home | None = None) -> None:
+        """Note a plan that is about to be flown; raises `OSError` if it cannot be written."""
+        self._journal.begin(JournalEntry(assignment=assignment, home=home))
         self.distance_m, self._flown_s, self._began_s = 0.0, 0.0, None
 
     def begin_replacing(self, assignment: Assignment) -> None:
@@ -65,7 +70,8 @@ class FlightRecord:
 
     def switch_to(self, assignment: Assignment) -> None:
         """Note a plan that is flown now in place of the one before."""
-        self._journal.write(JournalEntry(assignment=assignment, was_airborne=True))
+        home = None if self.entry is None else self.entry.home
+        self._journal.write(JournalEntry(assignment=assignment, home=home, was_airborne=True))
 
     def on_position(self, vehicle: VehicleTelemetry) -> None:
         """Add the way to a new position of `vehicle`."""

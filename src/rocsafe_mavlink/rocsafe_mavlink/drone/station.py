@@ -5,6 +5,8 @@ Drones are told apart by (system, component), never by address alone. Heartbeats
 while the supervisor lives: without them a drone notices that it is alone.
 """
 
+from dataclasses import replace
+
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.readout import Target
 from rocsafe_mavlink.errors import NotAllowedError
@@ -31,10 +33,14 @@ class Station:
         Carries the bytes.
     link
         Reads and writes them.
+    instance
+        Number of this process in its heartbeats, a field that means nothing there: with it they
+        are known where a link gives back what it is sent.
     """
 
-    def __init__(self, transport: Transport, link: Link) -> None:
+    def __init__(self, transport: Transport, link: Link, instance: int = 0) -> None:
         self.link = link
+        self._beat = replace(HEARTBEAT, fields={**HEARTBEAT.fields, 'custom_mode': instance})
         self._transport = transport
         self._drones: dict[Target, Drone] = {}
         self._beat_s = -HEARTBEAT_PERIOD_S
@@ -59,6 +65,10 @@ class Station:
                 self._route(address, message, now_s)
             self.flush(now_s, time_s)
 
+    def discard(self, now_s: float) -> None:
+        """Throw away what has come: nobody can tell when it was sent."""
+        self._transport.discard(now_s)
+
     def tick(self, now_s: float, time_s: float, *, is_supervised: bool) -> None:
         """Let time pass, and send what is due.
 
@@ -72,7 +82,7 @@ class Station:
         if is_supervised and now_s - self._beat_s >= HEARTBEAT_PERIOD_S - 1e-6:
             self._beat_s = now_s
             for peer in self.link.stations:
-                self._transport.send(peer, self.link.pack(HEARTBEAT, now_s, time_s))
+                self._transport.send(peer, self.link.pack(self._beat, now_s, time_s))
         for drone in self._drones.values():
             drone.session.tick(now_s)
         self.flush(now_s, time_s)
@@ -94,6 +104,8 @@ class Station:
             if drone is not None:
                 drone.take_beside(message)
                 return
+        if message.name == 'HEARTBEAT' and message['custom_mode'] != self._beat['custom_mode']:
+            self._hear_twin(message.system, now_s)
         if drone is None:
             self.link.counters.drop(Reason.UNKNOWN_PEER)
             return
@@ -105,6 +117,12 @@ class Station:
             held = (served.session.address for served in self._drones.values())
             self.link.held = frozenset(one for one in held if one is not None)
         drone.take(message, now_s)
+
+    def _hear_twin(self, system: int, now_s: float) -> None:
+        """Note another station that says to be us."""
+        for drone in self._drones.values():
+            if drone.session.us[0] == system:
+                drone.session.twin_s = now_s
 
     def _carrier_of(self, system: int, address: Address) -> Drone | None:
         """Return the drone whose system sends from an address; any of its components may send."""

@@ -47,12 +47,16 @@ class RemainingRoute:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StatusInputs:
-    """Inputs of a status; `frame` is that of the mission, `advice` the alarms for the operator."""
+    """Inputs of a status; `frame` is that of the mission, `advice` the alarms for the operator.
+
+    `journal_fault` says why the journal of the flight is not on disk; empty: it is.
+    """
 
     session: VehicleSession
     entry: JournalEntry | None
     frame: LocalFrame
     distance_m: float
+    journal_fault: str = ''
     advice: tuple[Advice, ...] = ()
 
     @property
@@ -251,6 +255,10 @@ def _text(inputs: StatusInputs, fault: str, prediction: Prediction | None, now_s
     if custody.takeover and custody.failsafe is None:
         parts.append(custody.takeover)
     parts += [f'{one.reason}: {one.order} is offered' for one in inputs.advice]
+    if inputs.session.has_twin(now_s):
+        parts.append(f'another station speaks as system {inputs.session.us[0]}, as this one does')
+    if inputs.journal_fault:
+        parts.append(f'a restart of the bridge would not find its flight: {inputs.journal_fault}')
     if prediction is not None:
         place, silent_s = prediction.position, now_s - vehicle.heartbeat_s
         parts.append(

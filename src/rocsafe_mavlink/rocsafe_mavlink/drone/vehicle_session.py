@@ -6,7 +6,7 @@ sequences of its flight and of its operator, all else only reads.
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
 from rocsafe_mavlink.autopilots.registry import autopilot_of
@@ -18,7 +18,7 @@ from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.px4_events import text_of_event
 from rocsafe_mavlink.knowledge.reducer import reduce
-from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import LOST_AFTER_S, Contact, VehicleTelemetry
 from rocsafe_mavlink.link.link import Address, Link
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import compare
@@ -61,6 +61,8 @@ class VehicleSession:
         Joins texts that come in several messages.
     starts_at_s
         Steady time at which a route is to be begun by itself; None: none is.
+    twin_s
+        Steady time at which another station spoke with our own system last.
     withdrawals
         How often a start that is to come was withdrawn by an order.
     """
@@ -76,6 +78,7 @@ class VehicleSession:
     custody: Custody = field(default_factory=Custody)
     texts: TextJoiner = field(default_factory=TextJoiner)
     starts_at_s: float | None = None
+    twin_s: float = -math.inf
     withdrawals: int = 0
     _outgoing: list[Message] = field(default_factory=list)
 
@@ -126,6 +129,10 @@ class VehicleSession:
         if self.telemetry.autopilot is None:
             raise ValueError('the vehicle was never heard')
         return autopilot_of(self.telemetry.autopilot, self.telemetry.vehicle_type)
+
+    def has_twin(self, now_s: float) -> bool:
+        """Whether another station was heard lately that says to be us."""
+        return now_s - self.twin_s < LOST_AFTER_S
 
     def known_autopilot(self) -> Autopilot | None:
         """Return the kind of autopilot; None if it is not known: it is then only listened to."""
@@ -201,6 +208,19 @@ class VehicleSession:
         # What is commanded is what was there when the order was given.
         self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
+
+    def forget_contact(self, reason: str, now_s: float) -> None:
+        """Withdraw what is under way and what is to begin: nobody knows what the vehicle did.
+
+        It is in contact again with its next heartbeat.
+        """
+        self.withdraw_start()
+        if self.flight is not None:
+            self.flight = self.flight.withdrawn(reason)
+        if self.sequence is not None:
+            self.sequence = self.sequence.withdrawn(reason)
+        last_s = min(self.telemetry.heartbeat_s, now_s - LOST_AFTER_S)
+        self.telemetry = replace(self.telemetry, heartbeat_s=last_s)
 
     def withdraw_start(self) -> None:
         """Let a start that is to come be given up, if there is one."""

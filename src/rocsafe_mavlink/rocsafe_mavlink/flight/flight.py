@@ -17,7 +17,7 @@ from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_signs import is_at_home, shown_failsafe
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
-from rocsafe_mavlink.knowledge.telemetry import Contact, MissionPhase, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import Contact, Home, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.plan.flight_plan import WAYPOINT, FlightPlan, Mission, mission_of
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_transfer import compare
@@ -49,6 +49,8 @@ class MissionFlight:
         What it shall fly.
     mission
         The items that lie on it.
+    home
+        Home of the vehicle when it was begun: its heights are above that; None: not known.
     stage
         How far the flight is.
     sequence
@@ -66,6 +68,7 @@ class MissionFlight:
     commands: VehicleCommands
     plan: FlightPlan
     mission: Mission
+    home: Home | None = None
     stage: FlightStage = FlightStage.STARTING
     sequence: CommandSequence | None = None
     visited: int = 0
@@ -167,12 +170,18 @@ class MissionFlight:
         """Return the flight after its autopilot restarted; one that begins is withdrawn."""
         reason = 'the autopilot was started again'
         if self.sequence is not None:
-            return replace(self, sequence=self.sequence.withdrawn(reason))
+            return self.withdrawn(reason)
         if self.stage is not FlightStage.FLYING:
             return self
         cause = self.cause or FlightOutcome.RESTARTED
         reason = self.reason or reason
         return replace(self, cause=cause, reason=reason)
+
+    def withdrawn(self, reason: str) -> 'MissionFlight':
+        """Return the flight without further commands of its start."""
+        if self.sequence is None:
+            return self
+        return replace(self, sequence=self.sequence.withdrawn(reason))
 
     def replanned(self, plan: FlightPlan) -> 'MissionFlight':
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
@@ -297,7 +306,9 @@ def fly(
         raise ValueError('the vehicle has not told its home')
     mission = mission_of(plan, commands.autopilot)
     sequence = commands.start_flight(mission, vehicle.home, may_not_arm)
-    flight = MissionFlight(commands=commands, plan=plan, mission=mission, sequence=sequence)
+    flight = MissionFlight(
+        commands=commands, plan=plan, mission=mission, home=vehicle.home, sequence=sequence
+    )
     return flight.on_tick(vehicle, now_s)
 
 
@@ -306,19 +317,26 @@ def adopted(
     commands: VehicleCommands,
     vehicle: VehicleTelemetry,
     stored: tuple[MissionItem, ...] | None,
+    home: Home | None = None,
 ) -> MissionFlight | None:
     """Return the flight that `vehicle` is on if it flies `plan`; nothing is sent.
 
     A bridge that was started again finds its flight by what the vehicle says of itself, and by
     the mission `stored` that was read back from it; None: whatever lies there. The waypoints
-    behind it follow from the current item.
+    behind it follow from the current item. `home` is that of its begin; None: that of now.
     """
     mission, first = mission_of(plan, commands.autopilot), commands.autopilot.first_own_item
     if not vehicle.is_armed or vehicle.home is None:
         return None
     if stored is not None and compare(mission.items, stored, first):
         return None
-    return MissionFlight(commands=commands, plan=plan, mission=mission, stage=FlightStage.FLYING)
+    return MissionFlight(
+        commands=commands,
+        plan=plan,
+        mission=mission,
+        home=home or vehicle.home,
+        stage=FlightStage.FLYING,
+    )
 
 
 def _may_be_armed(failed: CommandSequence, vehicle: VehicleTelemetry) -> bool:

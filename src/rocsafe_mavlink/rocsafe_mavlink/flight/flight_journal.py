@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.kept_file import KeptFile
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
+from rocsafe_mavlink.knowledge.telemetry import Home
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint
 
 
@@ -49,6 +50,8 @@ class JournalEntry:
     ----------
     assignment
         What was given.
+    home
+        Home of the vehicle when it was begun; None: a bridge before 0.3 did not note it.
     was_airborne
         Whether the vehicle was seen in the air since.
     visited
@@ -63,6 +66,7 @@ class JournalEntry:
     """
 
     assignment: Assignment
+    home: Home | None = None
     was_airborne: bool = False
     visited: int = 0
     distance_m: float = 0.0
@@ -76,19 +80,36 @@ class FlightJournal:
     """Keeps the entry of one vehicle, in memory and, if a path is given, in a file."""
 
     def __init__(self, path: Path | None = None) -> None:
-        self._path = path
+        self._file = KeptFile(path)
         self.entry: JournalEntry | None = None if path is None else _read(path)
 
+    @property
+    def fault(self) -> str:
+        """Why the entry is not on disk; empty: it is."""
+        return self._file.fault
+
+    def begin(self, entry: JournalEntry) -> None:
+        """Keep the entry of a flight that is to begin; once this returns, it survives a kill.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written; the entry before is kept.
+        """
+        self._file.require(_content(entry))
+        self.entry = entry
+
     def write(self, entry: JournalEntry) -> None:
-        """Keep `entry`; once this returns, it survives a kill."""
-        if entry == self.entry:
+        """Keep `entry`, also where it cannot be written: the flight goes on, see `fault`."""
+        if entry == self.entry and not self.fault:
             return
         self.entry = entry
-        if self._path is None:
-            return
-        record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(self._path, json.dumps(record).encode())
+        self._file.keep(_content(entry))
+
+
+def _content(entry: JournalEntry) -> bytes:
+    record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
+    return json.dumps(record).encode()
 
 
 def _read(path: Path) -> JournalEntry | None:
@@ -105,9 +126,10 @@ def _read(path: Path) -> JournalEntry | None:
         record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
         outcome = record.pop('outcome')
         assignment = _assignment(record.pop('assignment'))
-        successor = record.pop('successor', None)
+        successor, home = record.pop('successor', None), record.pop('home', None)
         return JournalEntry(
             assignment=assignment,
+            home=None if home is None else Home(**home),
             outcome=None if outcome is None else FlightOutcome[outcome],
             successor=None if successor is None else _assignment(successor),
             **record,

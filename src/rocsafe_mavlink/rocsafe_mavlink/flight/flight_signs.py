@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Signs of trouble in the telemetry of a flight: a failsafe, a home that moved."""
+"""Signs of trouble in the telemetry of a flight: a failsafe, a home that was moved."""
 
 import math
 
-from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.position import distance_m
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.telemetry import EkfFlag, Home, SystemStatus, VehicleTelemetry
 
@@ -22,16 +22,16 @@ def shown_failsafe(vehicle: VehicleTelemetry) -> FlightOutcome | None:
     return FlightOutcome.FAILSAFE_GPS if is_failing and not has_place else None
 
 
-def home_moved(planned: Home, now: Home | None) -> str:
+def home_moved(planned: Home, now: Home | None, when: str = 'at arming') -> str:
     """Return how far home moved, if it is more than the plan allows; empty otherwise."""
     if now is None:
         return 'home is not known after arming'
-    level_m = distance_m(_place(planned), _place(now))
+    level_m = distance_m(planned.place, now.place)
     rise_m = abs(now.altitude_msl_m - planned.altitude_msl_m)
     if level_m <= HOME_MOVED_M and rise_m <= HOME_ROSE_M:
         return ''
     limits = f'at most {HOME_MOVED_M:g} m and {HOME_ROSE_M:g} m'
-    return f'home moved {level_m:.1f} m and {rise_m:.1f} m in height at arming: {limits} allowed'
+    return f'home moved {level_m:.1f} m and {rise_m:.1f} m in height {when}: {limits} allowed'
 
 
 def is_at_home(vehicle: VehicleTelemetry) -> bool:
@@ -40,8 +40,20 @@ def is_at_home(vehicle: VehicleTelemetry) -> bool:
     if motion is None or home is None:
         return False
     speed_mps = math.hypot(*motion.velocity_enu_mps[:2])
-    return speed_mps < STANDS_MPS and distance_m(_place(home), motion.position) < AT_HOME_M
+    return speed_mps < STANDS_MPS and distance_m(home.place, motion.position) < AT_HOME_M
 
 
-def _place(home: Home) -> GeoPosition:
-    return GeoPosition(home.latitude_deg, home.longitude_deg)
+def heights_moved(begun: Home | None, now: Home | None) -> str:
+    """Return why heights above home are not those of a flight that was begun; empty: they are.
+
+    An autopilot flies heights above its home of the moment, which every station may set anew.
+    """
+    if begun is None or now is None:
+        return ''
+    rise_m = now.altitude_msl_m - begun.altitude_msl_m
+    if abs(rise_m) <= HOME_ROSE_M:
+        return ''
+    return (
+        f'its home was set {abs(rise_m):.0f} m {"higher" if rise_m > 0 else "lower"} in flight, '
+        'and with it all heights: set it back, or let it return or land'
+    )

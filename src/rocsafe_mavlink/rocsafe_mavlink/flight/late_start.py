@@ -5,7 +5,7 @@ import json
 from contextlib import suppress
 from pathlib import Path
 
-from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.kept_file import KeptFile
 
 
 class LateStart:
@@ -20,7 +20,7 @@ class LateStart:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self._path = path
+        self._file = KeptFile(path)
         self._key, self._due_s = '', 0.0
         # Without a file, or with a damaged one, the delay counts anew.
         with suppress(OSError, ValueError, TypeError, KeyError):
@@ -32,19 +32,24 @@ class LateStart:
 
         Times are of the machine's clock since its start: one beyond the delay is of an earlier
         start of the machine, and counts for nothing.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
         """
         if key != self._key or self._due_s > now_s + delay_s:
-            self._note(key, now_s + delay_s)
+            due_s = now_s + delay_s
+            self._file.require(_content(key, due_s))
+            self._key, self._due_s = key, due_s
         return max(now_s, self._due_s)
 
     def forget(self) -> None:
         """Let the delay count anew: the start was withdrawn."""
-        self._note('', 0.0)
+        if self._key:
+            self._key, self._due_s = '', 0.0
+            self._file.keep(_content('', 0.0))
 
-    def _note(self, key: str, due_s: float) -> None:
-        if (key, due_s) == (self._key, self._due_s):
-            return
-        self._key, self._due_s = key, due_s
-        if self._path is not None:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(self._path, json.dumps({'key': key, 'due_s': due_s}).encode())
+
+def _content(key: str, due_s: float) -> bytes:
+    return json.dumps({'key': key, 'due_s': due_s}).encode()

@@ -15,14 +15,24 @@ LARGEST_SEPARATION_M = 110.0
 SMALLEST_SEPARATION_M = 0.001
 
 
-def fix_fault(vehicle: VehicleTelemetry, now_s: float) -> str:
-    """Return why the position of `vehicle` cannot be used at `now_s`; empty if it can."""
+def fix_fault(vehicle: VehicleTelemetry, now_s: float, old_after_s: float = OLD_AFTER_S) -> str:
+    """Return why the position of `vehicle` cannot be used at `now_s`; empty if it can.
+
+    Parameters
+    ----------
+    vehicle
+        The vehicle as it is known now.
+    now_s
+        Steady time.
+    old_after_s
+        An older position, or one whose receiver stands still so long, is not the current one.
+    """
     gps, motion = vehicle.gps, vehicle.motion
-    if motion is None or now_s - motion.heard_s > OLD_AFTER_S:
+    if motion is None or now_s - motion.heard_s > old_after_s:
         return 'no position comes'
     if gps.fix_type < FIX_3D:
         return f'the receiver has no fix (type {gps.fix_type})'
-    if now_s - gps.changed_s > FROZEN_AFTER_S:
+    if now_s - gps.changed_s > max(FROZEN_AFTER_S, old_after_s):
         return "the receiver's time stands still"
     if vehicle.ekf_flags is None:
         return 'the position estimate has not been heard of'

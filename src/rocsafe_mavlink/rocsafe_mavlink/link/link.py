@@ -117,6 +117,11 @@ class Link:
         """Whether only holders of the key are heard."""
         return self._gate is not None
 
+    @property
+    def fault(self) -> str:
+        """What is wrong with it that its user has to mend; empty: nothing."""
+        return '' if self._signer is None else self._signer.fault
+
     def may_take_over(self, present: Address, other: Address) -> bool:
         """Return whether `other` may speak for a vehicle that spoke from `present` before.
 

@@ -26,6 +26,8 @@ class LinkLimits:
     pieces, piece_bytes
         One call takes at most this many pieces, of at most this size, so that a flood cannot
         block its caller.
+    discards
+        So many calls throw away what a buffer of the system holds.
     retry_s
         Time between two attempts to open a connection, seconds.
     """
@@ -39,6 +41,7 @@ class LinkLimits:
     sequence_gap: int = 128
     pieces: int = 256
     piece_bytes: int = 65_535
+    discards: int = 64
     retry_s: float = 1.0
 
 

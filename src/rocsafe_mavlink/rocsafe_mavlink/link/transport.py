@@ -27,6 +27,9 @@ class Transport(Protocol):
     def take(self, now_s: float) -> list[Piece]:
         """Return what has come since the last call: sender and bytes."""
 
+    def discard(self, now_s: float) -> None:
+        """Throw away what has come since the last call."""
+
     def send(self, address: Address, data: bytes) -> bool:
         """Send to a peer; return whether it went out."""
 
@@ -75,6 +78,12 @@ class UdpTransport:
                 continue
             pieces.append((sender[:2], data))
         return pieces
+
+    def discard(self, now_s: float) -> None:
+        """Throw away the datagrams that have arrived, as many as a buffer holds."""
+        for _ in range(LINK_LIMITS.discards):
+            if len(self.take(now_s)) < LINK_LIMITS.pieces:
+                break
 
     def send(self, address: Address, data: bytes) -> bool:
         """Send one datagram; return False if the system did not take it."""
@@ -130,6 +139,12 @@ class StreamTransport:
                 break
             pieces.append((self._address, data))
         return pieces
+
+    def discard(self, now_s: float) -> None:
+        """Throw away the bytes that have arrived, as many as the system holds."""
+        for _ in range(LINK_LIMITS.discards):
+            if not self.take(now_s):
+                break
 
     def send(self, address: Address, data: bytes) -> bool:  # noqa: ARG002 - a stream has one end
         """Send bytes; return False if the connection is closed or full."""

@@ -76,6 +76,8 @@ class VehicleSettings:
         Why its rally points cannot be read; empty while they may be.
     station
         Our own system; -1: not known.
+    has_twin
+        Whether another station was heard that says to be this system.
     """
 
     parameters: ParameterReader | None = None
@@ -84,3 +86,4 @@ class VehicleSettings:
     rally: tuple[GeoPosition, ...] | None = None
     rally_error: str = ''
     station: int = -1
+    has_twin: bool = False

@@ -84,6 +84,11 @@ class Signer:
         self._link_id = link_id
         self._store = store
 
+    @property
+    def fault(self) -> str:
+        """Why its time stamps are not on disk; empty: they are."""
+        return self._store.fault
+
     def signature(self, frame: bytes, time_s: float) -> bytes:
         """Return the signature of `frame`, a whole frame up to its checksum, to be appended."""
         ticks = self._store.next_sent(ticks_at(time_s))

@@ -9,7 +9,7 @@ can be replayed; genuine messages are refused for at most that second.
 import json
 from pathlib import Path
 
-from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.kept_file import KeptFile
 
 StreamKey = tuple[int, int, int]
 # Distance of a limit ahead, in ticks of 10 microseconds: one write a second and stream.
@@ -34,9 +34,14 @@ class TimestampStore:
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self._path = path
+        self._file = KeptFile(path)
         self._limits: dict[str, int] = _read(path)
         self._used = dict(self._limits)
+
+    @property
+    def fault(self) -> str:
+        """Why the limits are not on disk; empty: they are."""
+        return self._file.fault
 
     @property
     def is_full(self) -> bool:
@@ -53,7 +58,7 @@ class TimestampStore:
         ahead = sorted(name for name, ticks in self._limits.items() if ticks > now)
         for name in ahead:
             self._limits[name] = self._used[name] = now
-        self._write()
+        self._file.require(self._content())
         return ahead
 
     def last_of(self, stream: StreamKey) -> int | None:
@@ -82,11 +87,11 @@ class TimestampStore:
         self._used[name] = ticks
         if ticks > self._limits.get(name, -1):
             self._limits[name] = ticks + RESERVE_TICKS
-            self._write()
+            # A link in use goes on where the disk fails; it is tried again within a second.
+            self._file.keep(self._content())
 
-    def _write(self) -> None:
-        if self._path is not None:
-            write_whole(self._path, json.dumps(self._limits).encode())
+    def _content(self) -> bytes:
+        return json.dumps(self._limits).encode()
 
 
 def _name(stream: StreamKey) -> str:

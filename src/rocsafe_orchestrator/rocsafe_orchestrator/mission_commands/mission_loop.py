@@ -219,7 +219,7 @@ class MissionLoop:
         parts.mission.remarks += [f'{n}: may be contaminated, {why}' for n, why in news.items()]
         run = parts.directory
         real = {n: f'{why} in {run.name}' for n, why in news.items() if n in parts.real}
-        mark(run.path.parent, real)
+        parts.mission.remarks += filter(None, [mark(run.path.parent, real)])
 
     def _tell(self, decisions: list[Decision]) -> None:
         for decision in decisions:

@@ -52,6 +52,8 @@ from rocsafe_ros.domain.mission_partition import keep_to_mission
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view.formats import clock
 
+log = logging.getLogger(__name__)
+
 LOOPBACK = '127.0.0.1'
 # Simulated seconds between two reports of the vehicles, with a margin.
 BEATS_PERIOD_S = 2.0
@@ -167,8 +169,13 @@ class MissionRun:
     def _note_process(self, name: str, pid: int) -> None:
         """Write down a process for a run that is resumed after the death of this one."""
         self.session = self.session.with_process(name, pid)
-        if self.scenario.fleet.agents:
+        if not self.scenario.fleet.agents:
+            return
+        try:
             write_session(self.directory.session, self.session)
+        except OSError as error:
+            # A process is also started again in flight, which goes on.
+            log.warning('%s: %s is not in it: %s', self.directory.session, name, error)
 
     @contextmanager
     def processes(self) -> Iterator[None]:

@@ -109,7 +109,7 @@ def estimate_facts(found: SourceEstimates) -> Facts:
     )
     rows: Facts = [('Probability of 0, 1, ... sources', chances)]
     for number, source in enumerate(found.sources, 1):
-        where = f'{place_of(source)}, within {half_axes_of(source)} (95 %)'
+        where = f'{place_of(source)}, 95{formats.GAP}% ellipse {half_axes_of(source)}'
         rows.append((f'Source {number}', f'{where}; {dose_rate_of(source)} at 1{formats.GAP}m'))
     return rows
 

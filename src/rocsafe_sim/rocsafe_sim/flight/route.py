@@ -8,8 +8,9 @@ from functools import lru_cache
 from itertools import pairwise
 
 from rocsafe_geo.detour import Place, Ring, WaysAround, zone_on_way
-from rocsafe_geo.limits import require_not_negative
+from rocsafe_geo.limits import require_between, require_not_negative
 from rocsafe_geo.motion.state import Enu
+from rocsafe_geo.time_units import LONGEST_WAIT_S
 
 # A vehicle this near to its planned way is on it.
 ON_WAY_M = 0.01
@@ -125,8 +126,8 @@ class FlightRoute:
         require_enu('home_enu', self.home_enu)
         if self.landing_enu is not None:
             require_enu('landing_enu', self.landing_enu)
-        require_not_negative('delay_s', self.delay_s)
-        require_not_negative('swap_s', self.swap_s)
+        require_between('delay_s', self.delay_s, 0.0, LONGEST_WAIT_S, 's')
+        require_between('swap_s', self.swap_s, 0.0, LONGEST_WAIT_S, 's')
         require_not_negative('height_m', self.height_m, 'm')
         cuts = [swap.after for swap in self.swaps]
         if cuts != sorted(cuts) or not all(0 <= cut <= len(self.waypoints) for cut in cuts):

@@ -15,7 +15,7 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, VehicleState, Viewpoint
 from rocsafe_interfaces.msg import Route as RouteMessage
 from rocsafe_interfaces.srv import PushFence
-from rocsafe_ros.conversions import position_of_point
+from rocsafe_ros.conversions import enu_of_point
 from rocsafe_sim.flight.fence import Fence
 from rocsafe_sim.flight.route import BatterySwap, FlightRoute, RouteWaypoint
 from rocsafe_sim.flight.segment import Mode
@@ -177,11 +177,8 @@ class _Places:
 
     def place(self, point: GeoPoint) -> Enu:
         """Return a place in the air."""
-        position = position_of_point(point)
-        east, north, up = self._frame.enu_of(position).tolist()
-        if not self.is_level:
-            up = position.altitude_m - self._frame.origin.altitude_m
-        return east, north, up
+        east, north, up = enu_of_point(point, self._frame)
+        return east, north, up if self.is_level else point.altitude - self._frame.origin.altitude_m
 
     def ground(self, point: GeoPoint) -> Enu:
         """Return a place on the ground."""

@@ -12,7 +12,7 @@ from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.motion.ground_motion import Place
 from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import GeoPoint, GroundRoute, VehicleState
-from rocsafe_ros.conversions import point_of_position, position_of_point
+from rocsafe_ros.conversions import enu_of_point, point_of_position
 from rocsafe_sim.driving.drive_route import DrivenRoute, RouteStop
 from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome
 from rocsafe_sim.driving.rgv import Rgv
@@ -41,7 +41,7 @@ def drive_route_of(message: GroundRoute, frame: LocalFrame) -> DrivenRoute:
     """Return the route of a message; raises `ValueError` if a field is out of range."""
     stops = []
     for stop in message.stops:
-        east, north, _ = frame.enu_of(position_of_point(stop.position)).tolist()
+        east, north, _ = enu_of_point(stop.position, frame)
         stops.append(
             RouteStop(
                 east_m=east, north_m=north, limit_mps=stop.speed_limit_mps, dwell_s=stop.dwell_s,
