@@ -404,7 +404,9 @@ def main() -> int:
     works: dict[str, Callable[[], Figures]] = {
         'exact': lambda: part_exact(count or 1000),
         'routes': lambda: part_routes(count or 200, 300, SearchEffort()),
-        'large': lambda: part_routes(count or 10, 1000, SearchEffort(enough_gap=LARGE_GAP)),
+        'large': lambda: part_routes(
+            count or 10, 1000, SearchEffort(enough_gap=LARGE_GAP, is_exact=False)
+        ),
         'tours': lambda: part_tours(count or 10, 12, 300),
         'replan': lambda: part_replan(count or 50, 300),
         'derailment': lambda: part_derailment(options.run, count or 200),

@@ -9,6 +9,7 @@ import pytest
 from test.sim.drives import SECOND, driven, parts_of, point_field, route_of, rover_of
 
 from rocsafe_geo.motion.ground_motion import GroundMotion
+from rocsafe_sim.driving.caution import CautionOptions, Outlook, reason_to_end
 from rocsafe_sim.driving.chassis import Chassis
 from rocsafe_sim.driving.drive_journal import read_drive, write_drive
 from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome
@@ -281,3 +282,27 @@ def test_way_back_has_no_loops():
         way.measure(1.0)
     assert [mark.place for mark in way.homeward] == [(0.0, 0.0)]
     assert way.dose_usv <= 1.0
+
+
+def outlook(*, dose_usv, predicted_usv, rest_usv, back_usv):
+    """Return what a drive with a budget of 100 uSv has taken, and would take."""
+    return Outlook(
+        budget_usv=100.0, turn_back_usvh=1e5, dose_usv=dose_usv, rate_usvh=1.0, growth=1.0,
+        predicted_usv=predicted_usv, predicted_line_usv=predicted_usv, rest_usv=rest_usv,
+        is_rest_hotter=False, back_usv=back_usv, rest_j=0.0, back_j=0.0, charge_j=1e6,
+        is_at_stop=False,
+    )  # fmt: skip
+
+
+def test_what_is_confirmed_of_a_prediction_is_trusted_for_its_rest():
+    """Three quarters behind, as predicted: 22 more of 100 are not given up for a doubt of 25 %.
+
+    At the beginning they are, and so they are if more was taken than predicted.
+    """
+    options = CautionOptions()
+    late = outlook(dose_usv=74.0, predicted_usv=74.0, rest_usv=22.0, back_usv=21.0)
+    assert reason_to_end(late, options) is None
+    early = outlook(dose_usv=0.5, predicted_usv=0.5, rest_usv=85.0, back_usv=80.0)
+    assert reason_to_end(early, options)[0] is DriveOutcome.TURNED_BACK_DOSE
+    more = outlook(dose_usv=74.0, predicted_usv=60.0, rest_usv=22.0, back_usv=21.0)
+    assert reason_to_end(more, options)[0] is DriveOutcome.TURNED_BACK_DOSE

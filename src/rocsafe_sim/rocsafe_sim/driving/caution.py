@@ -19,8 +19,8 @@ class CautionOptions:
         Time for which the newest dose rate is taken to go on before a decision has effect: two
         windows of a detector, braking, and speeding up on the way back.
     doubt
-        What the way back may take more than on the way there, and the rest of the route more than
-        predicted.
+        What the way back may take more than on the way there, and at the start the rest of the
+        route more than predicted; less of it the more of the prediction is behind.
     least_ratio, largest_ratio
         Readings outside of these times the prediction are not those that were planned with.
     least_share
@@ -115,7 +115,11 @@ def _must_save_dose(outlook: Outlook, options: CautionOptions) -> bool:
     if outlook.dose_usv + soon + outlook.back_usv * options.doubt < limit:
         return False
     share = max(1.0, outlook.dose_usv / max(outlook.predicted_usv, 1e-9))
-    doubt = options.largest_ratio if outlook.is_rest_hotter else options.doubt
+    # What is wrong with a prediction is mostly the same along the whole way, such as the strength
+    # of a source: the measured share tells it the better the more of the way is behind.
+    ahead = outlook.rest_usv / max(outlook.rest_usv + outlook.predicted_usv, 1e-9)
+    own = 1.0 + (options.doubt - 1.0) * ahead
+    doubt = options.largest_ratio if outlook.is_rest_hotter else own
     rest = outlook.rest_usv * share * doubt
     # Stopping and leaving a hot place takes a dose of its own.
     back = outlook.back_usv + soon
