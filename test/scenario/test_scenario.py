@@ -318,3 +318,16 @@ def test_two_autopilots_on_a_link_must_be_told_apart(
         return
     with pytest.raises(ScenarioError, match=line):
         read_scenario(path)
+
+
+@pytest.mark.parametrize(('folder', 'has_cameras'), [('', False), ('/data/camera', True)])
+def test_real_vehicles_have_a_camera_where_its_images_come_in(
+    folder: str, has_cameras: bool, small: Callable[..., Path]
+) -> None:
+    """Those that carry a detector alone owe no photographs."""
+    changes: dict[str, object] = {}
+    for number in (0, 1):
+        changes[f'vehicles[{number}].link'] = f'udp://127.0.0.1:{14550 + number}'
+        changes[f'vehicles[{number}].drone'] = {'image_folder': folder}
+    assert read_scenario(small(changes)).has_cameras is has_cameras
+    assert read_scenario(small({})).has_cameras
