@@ -253,6 +253,8 @@ def judged(run: Run, result: Result, stored: set[str], *, was_killed: bool) -> l
         if done.returncode or 'Traceback' in done.stderr:
             faults.append(f'no report of the killed run: {done.stderr[-300:]}')
     faults += _tracebacks(run)
+    if run.text_of('logs/end.log'):
+        faults.append('ended by its deadline: logs/end.log tells what it waited for')
     images, files = run.images(), run.files()
     lost = {name for name in stored if name not in images or images[name] != files.get(name)}
     if lost:

@@ -3,6 +3,7 @@
 
 import json
 import math
+import time
 
 import pytest
 
@@ -199,6 +200,25 @@ def test_delay_that_is_no_time_is_refused(ground, delay_s):
     assert answer.outcome == FlyRoute.Result.REJECTED
     assert 'delay_s is' in answer.error_msg
     assert not ground.air.copters[1].is_armed
+
+
+def test_clock_that_is_set_in_flight_moves_no_time_stamp_of_a_signature(ground, monkeypatch):
+    """Stamps of the future would lock other stations out, also after the clock is right again."""
+    heard = []
+    (station,) = ground.bridge._stations.values()
+    for name in ('take', 'tick'):
+        called = getattr(station, name)
+
+        def noted(now_s, time_s, called=called, **options):
+            heard.append(time_s)
+            called(now_s, time_s, **options)
+
+        monkeypatch.setattr(station, name, noted)
+    before_s = time.time()
+    monkeypatch.setattr(time, 'time', lambda: before_s + 1e8)
+    ground.listen(topics.FIX)
+    ground.until(lambda: ground.heard['fix', 'rav1'] and len(heard) > 20)
+    assert all(before_s - 60.0 < time_s < before_s + 600.0 for time_s in heard)
 
 
 def test_old_parameters_are_refused_with_the_new_name(ros):

@@ -2,6 +2,9 @@
 """The `rocsafe` command: what it says to a stranger, and its exit codes."""
 
 import re
+import resource
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -257,3 +260,20 @@ def test_run_that_cannot_be_resumed_is_refused_by_one_line(
     assert main(['run', '--resume', str(tmp_path), *options]) == errors.EXIT_SETUP
     (text,) = capsys.readouterr().err.splitlines()
     assert line in text
+
+
+@pytest.mark.parametrize('command', [['check', str(DERAILMENT)], ['run', str(DERAILMENT)]])
+def test_short_memory_is_told_before_anything_begins(command: list[str]) -> None:
+    """A library asks for memory for ever where it gets none: the command never ended."""
+    script = f'import sys; sys.argv[1:] = {command!r}\nfrom rocsafe_orchestrator.cli import main\n'
+    called = [sys.executable, '-c', f'{script}raise SystemExit(main())']
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (400_000 * 1024, 400_000 * 1024))
+
+    done = subprocess.run(
+        called, preexec_fn=limit, capture_output=True, text=True, timeout=60.0, check=False
+    )
+    assert done.returncode == errors.EXIT_SETUP
+    wanted = 'rocsafe: ulimit -v allows 400000 kB of memory: must be at least 2097152 kB'
+    assert done.stderr == f'{wanted}, or unlimited\n'

@@ -401,6 +401,18 @@ def test_a_further_round_is_planned_and_flown_where_it_tells_most() -> None:
     assert rehearsal.mission.text == ''
 
 
+def test_a_mission_of_vehicles_without_cameras_is_complete() -> None:
+    """Real vehicles may carry a detector alone; there is no map, and that is said."""
+    rehearsal = Rehearsal().to_airborne()
+    for vehicle in ('rav1', 'rav2'):
+        rehearsal.mission.flown(vehicle, 0)
+    rehearsal.advance(0.1)
+    rehearsal.advance(0.1)
+    assert rehearsal.is_in(Phase.REPORTING)
+    assert rehearsal.mission.outcome is Phase.COMPLETE
+    assert rehearsal.mission.remarks == ['no vehicle took photographs: there is no map']
+
+
 def test_no_round_is_flown_when_it_is_enough() -> None:
     """Its reason is kept."""
     rehearsal = landed(extra_rounds=3)

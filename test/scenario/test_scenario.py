@@ -295,3 +295,39 @@ def test_exclusions_reach_the_planner(small: Callable[..., Path]) -> None:
     scenario = read_scenario(small({'exclusions': [{'polygon': zone}]}))
     (area,) = scenario.exclusion_areas()
     assert [[c.latitude_deg, c.longitude_deg] for c in area.boundary] == zone
+
+
+@pytest.mark.parametrize(
+    ('second', 'line'),
+    [
+        ({}, r'vehicles\[1\].drone.system = 1: rav1 has it on the same link, must differ'),
+        ({'system': 2, 'unsigned': True}, r'vehicles\[1\].drone.signing_key_file and unsigned: '),
+        ({'system': 2}, ''),
+        ({'component': 2}, ''),
+    ],
+)
+def test_two_autopilots_on_a_link_must_be_told_apart(
+    second: dict[str, Any], line: str, small: Callable[..., Path]
+) -> None:
+    """`rocsafe run` would refuse them, and only after the plan was confirmed."""
+    link = 'udp://127.0.0.1:14550'
+    changes = {f'vehicles[{n}].link': link for n in (0, 1)}
+    path = small({**changes, 'vehicles[1].drone': second})
+    if not line:
+        assert len(read_scenario(path).linked) == 2
+        return
+    with pytest.raises(ScenarioError, match=line):
+        read_scenario(path)
+
+
+@pytest.mark.parametrize(('folder', 'has_cameras'), [('', False), ('/data/camera', True)])
+def test_real_vehicles_have_a_camera_where_its_images_come_in(
+    folder: str, has_cameras: bool, small: Callable[..., Path]
+) -> None:
+    """Those that carry a detector alone owe no photographs."""
+    changes: dict[str, object] = {}
+    for number in (0, 1):
+        changes[f'vehicles[{number}].link'] = f'udp://127.0.0.1:{14550 + number}'
+        changes[f'vehicles[{number}].drone'] = {'image_folder': folder}
+    assert read_scenario(small(changes)).has_cameras is has_cameras
+    assert read_scenario(small({})).has_cameras

@@ -24,7 +24,7 @@ from rocsafe_mavlink.command_node import CommandServices
 from rocsafe_mavlink.conversions import link_status
 from rocsafe_mavlink.drive_route_node import DriveRouteServer
 from rocsafe_mavlink.drone.drone import Drone
-from rocsafe_mavlink.drone.standstill import Standstill
+from rocsafe_mavlink.drone.standstill import Standstill, awake_s
 from rocsafe_mavlink.drone_node import TelemetryPublisher
 from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
@@ -118,6 +118,9 @@ class BridgeNode(Node):
         super().__init__('bridge', **node_options)
         self._options = declare_options(self, BridgeOptions)
         self._standstill = Standstill()
+        # A clock that is set in flight must not move the time stamps of signatures ahead: other
+        # stations with the right time would be refused from then on.
+        self._signed_less_awake_s = time.time() - awake_s()
         try:
             self._fleet = read_drones(self._options.drones_file)
             self._stations = make_stations(self._options, self._fleet)
@@ -169,19 +172,19 @@ class BridgeNode(Node):
         self._supervised_s = self._ticked_s = time.monotonic()
 
     def _poll(self) -> None:
-        now_s, time_s = time.monotonic(), time.time()
+        now_s, signed_s = time.monotonic(), self._signed_less_awake_s + awake_s()
         if gap_s := self._standstill.look():
             self._go_on_after(gap_s, now_s)
         for station in self._stations.values():
             if self._standstill.is_deaf:
                 station.discard(now_s)
             else:
-                station.take(now_s, time_s)
+                station.take(now_s, signed_s)
         for interface in self._interfaces:
             interface.follow()
         if now_s - self._ticked_s >= TIMING.tick_s:
             self._ticked_s = now_s
-            self._tick(now_s, time_s)
+            self._tick(now_s, signed_s)
 
     def _go_on_after(self, gap_s: float, now_s: float) -> None:
         """Begin anew with each vehicle: what waits in buffers is old, the oldest of it first."""
@@ -190,13 +193,13 @@ class BridgeNode(Node):
         for interface in self._interfaces:
             interface.drone.session.forget_contact(reason, now_s)
 
-    def _tick(self, now_s: float, time_s: float) -> None:
+    def _tick(self, now_s: float, signed_s: float) -> None:
         is_watched = self._options.needs_supervisor
         is_supervised = not is_watched or now_s - self._supervised_s < TIMING.supervisor_lease_s
         for station in self._stations.values():
-            station.tick(now_s, time_s, is_supervised=is_supervised)
+            station.tick(now_s, signed_s, is_supervised=is_supervised)
         for interface in self._interfaces:
-            interface.step(now_s, time_s, is_supervised=is_supervised)
+            interface.step(now_s, time.time(), is_supervised=is_supervised)
 
     def health(self) -> list[DiagnosticStatus]:
         """Return its own status, those of its links and those of its vehicles."""

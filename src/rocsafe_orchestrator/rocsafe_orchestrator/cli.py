@@ -9,6 +9,7 @@ from typing import Any
 
 from rocsafe_orchestrator.command_line import passed_on
 from rocsafe_orchestrator.command_line.lasting_output import lasting_output
+from rocsafe_orchestrator.command_line.memory_limit import require_memory
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
@@ -47,6 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _answered(words: Sequence[str]) -> int:
     """Return the exit code, after one line about each fault."""
     try:
+        require_memory()
         return _obey(words)
     except (OrchestratorError, ScenarioError) as error:
         for line in str(error).splitlines():

@@ -341,7 +341,9 @@ class Requests:
         if real and not self._mission.fleet.is_gathering:
             self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
         else:
-            self._mission.planned(self._routed, len(visited))
+            # Of these the image store owes a photograph each.
+            taken = len(visited) if self._scenario.has_cameras else 0
+            self._mission.planned(self._routed, taken)
 
     def confirm(self) -> None:
         """Fly the plan that waits for a confirmation."""

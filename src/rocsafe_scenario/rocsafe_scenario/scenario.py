@@ -77,6 +77,11 @@ class Scenario(Block):
         """Real vehicles."""
         return tuple(vehicle for vehicle in self.vehicles if vehicle.link)
 
+    @property
+    def has_cameras(self) -> bool:
+        """Whether any vehicle takes photographs; a real one may carry a detector alone."""
+        return any(not vehicle.link or vehicle.drone.image_folder for vehicle in self.vehicles)
+
     def linked_on(self, host: str) -> tuple[VehicleBlock, ...]:
         """Return the real vehicles of a host."""
         return tuple(vehicle for vehicle in self.linked if self.host_of(vehicle.name) == host)

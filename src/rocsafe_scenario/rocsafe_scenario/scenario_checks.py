@@ -34,6 +34,7 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_unequal_fleet(scenario),
         *_missing_homes(scenario),
         *_unreal_time(scenario),
+        *_double_autopilots(scenario),
         *_too_many_processes(scenario),
         *_half_origin(scenario),
         *_unclear_strengths(scenario),
@@ -106,6 +107,29 @@ def _unreal_time(scenario: Scenario) -> Iterator[str]:
     if scenario.linked and speed not in (0.0, 1.0):
         name = scenario.linked[0].name
         yield f'clock.speed = {speed:g}: must be 1, {name} is real (it has a link)'
+
+
+def _double_autopilots(scenario: Scenario) -> Iterator[str]:
+    """Refuse two real vehicles that cannot be told apart, or differ in what is of their link."""
+    found: dict[tuple[str, int, int], str] = {}
+    keys: dict[str, tuple[str, bool]] = {}
+    for index, vehicle in enumerate(scenario.vehicles):
+        if not vehicle.link:
+            continue
+        drone = vehicle.drone
+        number = (vehicle.link, drone.system, drone.component)
+        other = found.setdefault(number, vehicle.name)
+        if other != vehicle.name:
+            yield (
+                f'vehicles[{index}].drone.system = {drone.system}: {other} has it on the same '
+                'link, must differ'
+            )
+        key = (drone.signing_key_file, drone.unsigned)
+        if keys.setdefault(vehicle.link, key) != key:
+            yield (
+                f'vehicles[{index}].drone.signing_key_file and unsigned: must be those of the '
+                'other vehicles on its link'
+            )
 
 
 def _too_many_processes(scenario: Scenario) -> Iterator[str]:

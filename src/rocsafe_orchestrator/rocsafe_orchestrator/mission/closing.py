@@ -66,6 +66,11 @@ class Closing:
             self._record.fault(
                 f'only {situation.images_stored} of {self.shots} photographs are stored'
             )
+        if not settled and not self.shots:
+            # Vehicles without a camera: nothing is missing.
+            self._record.remarks.append('no vehicle took photographs: there is no map')
+            self._record.enter(Phase.REPORTING)
+            return
         self._record.enter(Phase.MAPPING)
 
     def save_map(self, now_s: float, _situation: Situation) -> None:

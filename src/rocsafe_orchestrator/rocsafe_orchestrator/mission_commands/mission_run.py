@@ -5,8 +5,8 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,7 @@ from rocsafe_orchestrator.parameters.node_parameters import world_parameters
 from rocsafe_orchestrator.processes.company import open_topics
 from rocsafe_orchestrator.processes.console_process import operators_page, seal
 from rocsafe_orchestrator.processes.domain_lock import file_lock
+from rocsafe_orchestrator.processes.end_watch import EndWatch
 from rocsafe_orchestrator.processes.hosts import (
     JOIN_PORT,
     HostServer,
@@ -153,7 +154,11 @@ class MissionRun:
         display.say(f'run directory: {self.directory.path}')
         page = operators_page(self.extras.has_console, self.directory)
         with self.processes(), page, display:
-            phase = self.fly(display)
+            phase = self.fly(display, lambda phase: self._finish(console, phase))
+        return self._finish(console, phase)
+
+    def _finish(self, console: Console, phase: Phase) -> int:
+        """Say how the mission ended, when all is done, and return the exit code."""
         self.directory.session.unlink(missing_ok=True)
         self.directory.photographs_token.unlink(missing_ok=True)
         seal(self.directory)
@@ -192,12 +197,16 @@ class MissionRun:
         finally:
             self.supervisor.stop(must_hurry=lambda: self.interrupt.is_urgent)
 
-    def fly(self, display: Display) -> Phase:
-        """Fly and return the outcome."""
+    def fly(self, display: Display, finish: Callable[[Phase], int]) -> Phase:
+        """Fly and return the outcome; `finish` is called instead if ROS cannot be shut down."""
         # Imported late: `rocsafe check` works without ROS.
         from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner, ros_session
 
-        with ros_session(self.identity, self.extras.config), self._hosts() as hosts:
+        with (
+            ExitStack() as end,
+            ros_session(self.identity, self.extras.config),
+            self._hosts() as hosts,
+        ):
             node = OrchestratorNode(self.scenario, self.monitor, self.identity)
             self.claim.close()
             mission = self._mission(node)
@@ -224,7 +233,9 @@ class MissionRun:
                 run = MissionLoop(parts, node.deadlines.stop_s, self.started_s)
                 return run.fly()
             finally:
-                self.text = mission.text
+                self.text, phase = mission.text, mission.phase
+                watch = EndWatch(lambda: finish(phase), self.directory.log_of('end'))
+                end.callback(watch.cancel)
                 parts.spinner.close()
 
     @contextmanager
