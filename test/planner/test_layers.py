@@ -116,11 +116,12 @@ def test_no_layer_is_above_the_greatest_height():
     assert check_plan(plan) == []
 
 
-def rest_of(plan, *, unheard=True, places=None, homes=None, **request_changes):
-    """Return the rest of a plan for all but the second vehicle, which nobody hears in the air."""
+def rest_of(plan, *, number=1, unheard=True, places=None, homes=None, **request_changes):
+    """Return the rest of a plan for all but vehicle `number`, which nobody hears in the air."""
     plan = dataclasses.replace(plan, request=dataclasses.replace(plan.request, **request_changes))
     ids = [view.id for route in plan.routes for view in route.viewpoints]
-    first, silent, *others = plan.routes
+    first, *others = plan.routes
+    silent = others.pop(number - 1)
     place = first.viewpoints[0].position
     now = Aloft(position=dataclasses.replace(place, altitude_m=0.0), used_s=60.0)
     alive = {first.vehicle.name: now, **{route.vehicle.name: None for route in others}}
@@ -156,19 +157,25 @@ def stating(plan, **changes):
 def test_rest_keeps_away_from_the_height_of_a_vehicle_that_nobody_hears(by, tmp_path):
     """It goes on along its route by itself, at its height: the others fly in other layers."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by=by))
-    silent_m = plan.routes[1].flight_height_m
-    rest = rest_of(plan)
+    # The others would fly in the lowest layer, too.
+    heights_m = [route.flight_height_m for route in plan.routes]
+    silent = 1 + heights_m[1:].index(min(heights_m[1:]))
+    silent_m = heights_m[silent]
+    rest = rest_of(plan, number=silent)
     flown = [route for route in rest.routes if route.sorties]
     assert flown
     assert all(abs(route.flight_height_m - silent_m) >= 15.0 - 1e-6 for route in flown)
     assert check_plan(rest) == []
     (document,) = plan_document(rest)['request']['continuation']['unheard']
-    assert (document['name'], document['flight_height_m']) == ('rav2', silent_m)
+    assert (document['name'], document['flight_height_m']) == (
+        plan.routes[silent].vehicle.name,
+        silent_m,
+    )
     (tmp_path / 'plan.json').write_text(json.dumps(plan_document(rest)))
     again = read_plan(tmp_path / 'plan.json')
     assert again.request.continuation.unheard == rest.request.continuation.unheard
     assert again.near_unheard == rest.near_unheard
-    free = rest_of(plan, unheard=False)
+    free = rest_of(plan, number=silent, unheard=False)
     assert any(abs(route.flight_height_m - silent_m) < 15.0 for route in free.routes)
     again = stating(free, unheard=rest.request.continuation.unheard)
     assert any('is occupied' in fault for fault in check_plan(again))

@@ -165,10 +165,10 @@ def test_short_batteries_are_kept_to():
 
 def test_few_swap_rather_than_all():
     """Batteries 3 % too weak: not everybody flies twice, and it takes less time than that."""
-    free = plan_survey(request(method='solver', proposals=200_000))
+    free = plan_survey(request(method='solver', proposals=600_000))
     limit = 0.97 * free.makespan_s
     fleet = tuple(dataclasses.replace(v, endurance_s=limit, battery_swap_s=60.0) for v in FLEET)
-    plan = plan_survey(request(method='solver', vehicles=fleet, proposals=200_000))
+    plan = plan_survey(request(method='solver', vehicles=fleet, proposals=600_000))
     flights = [len(route.sorties) for route in plan.routes]
     assert min(flights) == 1
     assert max(flights) > 1

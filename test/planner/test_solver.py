@@ -28,8 +28,10 @@ from rocsafe_planner.solver.model.compiled import cache_directory
 from rocsafe_planner.solver.model.flatten import tables_of
 from rocsafe_planner.solver.model.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.precompile import compile_kernels
+from rocsafe_planner.solver.search.choosing import AdaptiveChoices
 from rocsafe_planner.solver.search.giant_tour import braid, cut, tour_of
 from rocsafe_planner.solver.search.starts import first_plans, sector_plan
+from rocsafe_planner.solver.search.tuning import USUAL
 
 from . import tiny_routing
 
@@ -336,3 +338,37 @@ def test_tours_are_cut_no_worse_than_they_were():
         assert max(solution_costs(problem, again)) <= max(solution_costs(problem, plan)) + 1e-4
     child = braid(tours[0], tours[1], choices)
     assert sorted(child.tolist()) == list(range(39))
+
+
+def towns(count, seed):
+    """Return places in a few towns of unlike width: the structure that fine temperatures miss."""
+    generator = np.random.default_rng(seed)
+    centres = 1000.0 * generator.random((6, 2))
+    town = generator.integers(6, size=count)
+    return centres[town] + (5.0 + 10.0 * town)[:, None] * generator.normal(size=(count, 2))
+
+
+@pytest.mark.parametrize(('count', 'vehicles'), [(40, 3), (150, 8), (600, 3)])
+@pytest.mark.parametrize('seed', [0, 1])
+def test_a_longer_search_is_never_worse(count, vehicles, seed):
+    """A search with more proposals begins with all that one with fewer does."""
+    problem = one_depot(towns(count, seed), np.zeros(2), vehicles)
+    values = [
+        solve(problem, SearchOptions(proposals=n, seed=seed, bound_share=0.0)).value
+        for n in (1_000, 20_000, 33_000, 100_000, 250_000, 900_000)
+    ]
+    assert values == sorted(values, reverse=True)
+    assert count < 600 or values[-1] < 0.99 * values[0]
+
+
+def test_values_that_bring_better_plans_are_drawn_more_often():
+    """Weights follow the scores, and no value is given up."""
+    choices = AdaptiveChoices({'x': (1.0, 2.0, 3.0)}, USUAL, np.random.default_rng(4))
+    counts = np.zeros(3)
+    for _ in range(600):
+        drawn = choices.draw()
+        counts[drawn['x']] += 1
+        is_good = choices.value('x', drawn) == 3.0
+        choices.reward(drawn, USUAL.best_score if is_good else USUAL.poor_score)
+    assert counts[2] > 3 * max(counts[:2])
+    assert min(counts) > 10

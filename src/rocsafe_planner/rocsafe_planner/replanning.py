@@ -24,7 +24,7 @@ from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.site.given_viewpoints import places_of
 from rocsafe_planner.site.survey_site import frame_of
 
-_PROPOSALS_A_POINT = 1500
+_PROPOSALS_A_POINT = 2500
 _LEAST_PROPOSALS = 100_000
 _MOST_PROPOSALS = 2_000_000
 

@@ -23,9 +23,9 @@ from rocsafe_planner.solver import Bound, Progress, SearchOptions, solve
 Watch = Callable[[float, float], bool]
 """Told value and lower bound so far; False stops the search, which keeps its best routes."""
 
-# Proposals of a search without a time limit: a point, and at most.
-_PROPOSALS_A_POINT = 8_000
-_MOST_PROPOSALS = 4_000_000
+# Of a search without a time limit: proposals a point, and at most.
+_PROPOSALS_A_POINT = 60_000
+_MOST_PROPOSALS = 24_000_000
 # How often it is asked whether to go on.
 _ASK_S = 0.05
 # Vehicles that are tried alone.

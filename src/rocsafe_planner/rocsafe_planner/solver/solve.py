@@ -139,17 +139,18 @@ class _Search:
     def _round(self, pool: ThreadPoolExecutor, lanes: list[Lane], schedule: Schedule) -> None:
         """Let every lane do one cycle; look after bound and reports meanwhile."""
         running: list[Future[None]] = []
-        for lane, cycle in zip(lanes, schedule.next_round(), strict=True):
+        cycles = schedule.next_round()
+        for lane, cycle in zip(lanes, cycles, strict=True):
             cycle.begin(lane)
             pacer = schedule.pacer(cycle, self._keep_on)
             running.append(pool.submit(lane.cycle, cycle.manner, pacer))
         while wait(running, timeout=POLL_S, return_when=FIRST_EXCEPTION).not_done:
             self._watch()
-        for lane, future in zip(lanes, running, strict=True):
+        for lane, cycle, future in zip(lanes, cycles, running, strict=True):
             future.result()
             self._publish(lane)
-            schedule.finished(float(lane.best.value[0]), lane.plan())
-        schedule.advance(lanes[0].proposals)
+            schedule.finished(cycle, float(lane.best.value[0]), lane.plan())
+        schedule.advance(cycles)
         self._tell()
 
     def _keep_on(self, lane: Lane) -> bool:

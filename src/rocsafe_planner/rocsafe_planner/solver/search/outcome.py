@@ -24,7 +24,9 @@ class SearchOptions:
     budget_s: float = 10.0
     """Time after which the search ends; ignored when `proposals` is set."""
     proposals: int | None = None
-    """Proposals a lane in all: the same plan on every machine, however fast."""
+    """Proposals a lane in all: the same plan on every machine, however fast.
+
+    One that ruins and recreates counts for as many others as it takes the time of."""
     lanes: int = 2
     """Independent searches that exchange their best plans after each round."""
     threads: int = 2

@@ -140,51 +140,55 @@ class Lane:
             ruins=manner.ruins,
             long=manner.long,
         )
-        aim = Aim(self.goal(manner, progress), self.peak, self.share)
+        # The colder, the narrower: a cycle that begins cold goes on where a longer one would be.
+        coolness = max(0.0, exponent / manner.cold)
+        aim = Aim(self.goal(manner, coolness), self.peak, self.share)
         anneal(self.tables, self.state, aim, self.best, Dice(self.random, THRESHOLDS), heat)
         self.proposals += proposals
 
     def cycle(self, manner: Manner, pacer: 'Pacer') -> None:
-        """Anneal until the end of the cycle."""
-        while pacer.progress() < 1:
-            self.anneal(manner, pacer.progress(), pacer.chunk, pacer.rate)
+        """Anneal until the end of the cycle, or of the search."""
+        while pacer.next_chunk() > 0:
+            self.anneal(manner, pacer.progress, pacer.next_chunk(), 1.0 / pacer.proposals)
             if not pacer.advance(self):
                 return
 
 
 class Pacer:
-    """Progress of a cycle, by proposals or by a clock."""
+    """Progress of a cycle by proposals.
+
+    Parameters
+    ----------
+    chunk
+        Proposals between two questions whether to go on.
+    proposals
+        Of the whole cycle, from hot to cold.
+    most
+        Proposals after which the search ends, even within a cycle.
+    keep_on
+        Answers whether to go on.
+    """
 
     def __init__(
-        self,
-        chunk: int,
-        proposals: int | None,
-        clock: Callable[[], float],
-        duration_s: float,
-        keep_on: Callable[[Lane], bool],
+        self, chunk: int, proposals: int, most: int, keep_on: Callable[[Lane], bool]
     ) -> None:
-        self.chunk = chunk
-        self.proposals = proposals
-        self.rate = 0.0
-        self._clock = clock
-        self._began = clock()
-        self._duration_s = duration_s
+        self.chunk, self.proposals = chunk, proposals
+        self._end = min(proposals, most)
         self._keep_on = keep_on
         self._made = 0
 
+    @property
     def progress(self) -> float:
-        """Return the part of the cycle that is over."""
-        if self.proposals is not None:
-            return self._made / self.proposals
-        return (self._clock() - self._began) / self._duration_s
+        """Part of the cycle that is over."""
+        return self._made / self.proposals
+
+    def next_chunk(self) -> int:
+        """Return the number of proposals until the next question; 0 at the end."""
+        return min(self.chunk, self._end - self._made)
 
     def advance(self, lane: Lane) -> bool:
         """Count a chunk; return whether to continue."""
-        self._made += self.chunk
-        if self.proposals is not None:
-            self.rate = 1 / self.proposals
-        else:
-            self.rate = self.progress() / self._made
+        self._made += self.next_chunk()
         return self._keep_on(lane)
 
 

@@ -1,22 +1,29 @@
 # SPDX-License-Identifier: Apache-2.0
 """Schedule of the annealing: first plan, temperatures and length of each cycle of each lane.
 
-The first cycles anneal a constructed plan from a high temperature. Later cycles anneal crosses of
-the best plans from a lower one: a genetic search whose mutation is annealing. Small problems gain
-most by the crosses, large ones by one long cycle.
+The first cycles anneal a constructed plan, each longer than the one before. Later cycles anneal
+crosses of the best plans from a lower temperature: a genetic search whose mutation is annealing.
+Their manner is drawn by what each manner has brought so far, and they grow when nothing better is
+found. Nothing depends on the length of the search: a longer one begins with all that a shorter one
+does, and is never worse.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from rocsafe_planner.solver.model.flatten import DENSE_SITES
 from rocsafe_planner.solver.model.tables import Floats, Ints
+from rocsafe_planner.solver.search.choosing import AdaptiveChoices
 from rocsafe_planner.solver.search.giant_tour import braid, cut, tour_of
 from rocsafe_planner.solver.search.outcome import SearchOptions
 from rocsafe_planner.solver.search.population import Lane, Manner, Pacer, Plan
 from rocsafe_planner.solver.search.tuning import USUAL, CycleTuning
+
+REHEAT, ROUTES, TOURS = range(3)
+"""Kinds of later cycles: from the best plan, from a cross by routes, from one by tours."""
+RUINS_OF = 4096
+"""Proposals of which `Manner.ruins` are ruin and recreate."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +39,8 @@ class Cycle:
     """Routes of `plan` that a cross keeps unchanged."""
     tour: Ints | None = None
     """Sequence of all customers that is split among the vehicles, instead of a cross."""
+    drawn: dict[str, int] = field(default_factory=dict)
+    """What was drawn for the manner."""
 
     def begin(self, lane: Lane) -> None:
         """Set the routes of a lane to the first plan of this cycle."""
@@ -73,141 +82,159 @@ class Schedule:
         self.tuning = tuning
         self.first = first
         self.away = away
-        self.members: list[tuple[float, Plan]] = []
         self.customers = customers
-        self.done = 0
+        self.members: list[tuple[float, Plan]] = []
+        self.best = np.inf
         self.made = 0
+        self.round = 0
         self.began = options.clock()
-        self.choices = np.random.Generator(np.random.PCG64(options.seed))
-        self.usual_rate = tuning.sparse_rate if customers > DENSE_SITES else tuning.rate
-        total = options.proposals or options.budget_s * self.usual_rate
-        self.share = total / customers
-        self.is_large = customers >= max(
-            tuning.large_customers, tuning.large_route * len(first[1])
+        self.random = np.random.Generator(np.random.PCG64(options.seed))
+        self.choices = AdaptiveChoices(
+            {
+                'kind': tuple(float(kind) for kind in (REHEAT, ROUTES, TOURS)),
+                'ruins': tuning.ruins,
+                'floor': tuning.floors,
+                'hot': tuning.crossed_hots,
+                'sharper': tuning.sharper,
+                'width': tuning.widths,
+                'long': tuning.longs,
+            },
+            tuning,
+            self.random,
         )
-        least = tuning.large_least_cycle if self.is_large else tuning.least_cycle
-        self.is_single = self.share < tuning.single_cycles * least
-        cycles = tuning.large_cycles if self.is_large else tuning.cycles
-        cycle = min(max(self.share / cycles, least), self._most_cycle())
-        self.full = total if self.is_single else customers * cycle
-
-    def _most_cycle(self) -> int:
-        """Return the largest number of proposals of a cycle, per customer."""
-        tuning = self.tuning
-        if self.is_large:
-            return tuning.large_most_cycle
-        longest = tuning.short_cycle + tuning.longer_cycle * self.customers
-        return min(tuning.middle_cycle, longest)
+        self.work = float(tuning.crossed)
+        self.idle_rounds = 0
+        self.stagnations = 0
+        self.is_restart = False
 
     def more(self) -> bool:
         """Return whether proposals or time are left for another round."""
         if self.options.proposals is not None:
             return self.made < self.options.proposals
-        return self._left_s() > 0.01 * self.options.budget_s
+        return self.is_in_time()
 
-    def _left_s(self) -> float:
-        """Return the rest of the time budget, seconds."""
-        return self.options.budget_s - (self.options.clock() - self.began)
-
-    def _left(self) -> float:
-        """Return the number of proposals that each lane can still make."""
-        if self.options.proposals is not None:
-            return self.options.proposals - self.made
-        return self._left_s() * self._rate()
-
-    def _rate(self) -> float:
-        """Return the number of proposals per second and lane."""
-        elapsed = self.options.clock() - self.began
-        return self.made / elapsed if self.made and elapsed > 0 else self.usual_rate
+    def is_in_time(self) -> bool:
+        """Return whether time is left, if the search has a time."""
+        spent_s = self.options.clock() - self.began
+        return self.options.proposals is not None or spent_s < self.options.budget_s
 
     def next_round(self) -> list[Cycle]:
-        """Return one cycle for each lane, all of the same length."""
-        crosses = self.done >= self.tuning.founders and len(self.members) >= 2
-        wanted = self.full / 2 if crosses else self.full
-        left = self._left()
-        proposals = left if left < 1.5 * wanted else wanted
-        return [self._cycle(int(proposals), crosses) for _ in range(self.options.lanes)]
+        """Return one cycle for each lane."""
+        ladder, lanes = self.tuning.ladder, range(self.options.lanes)
+        self.round += 1
+        if self.round <= len(ladder):
+            return [self._founder(ladder[self.round - 1]) for _ in lanes]
+        if self.is_restart or len(self.members) < 2:
+            self.is_restart = False
+            return [self._founder(2.0 * self.work) for _ in lanes]
+        return [self._crossed() for _ in lanes]
 
-    def _cycle(self, proposals: int, crosses: bool) -> Cycle:
-        """Return one cycle, with or without a cross of two plans."""
-        self.done += 1
-        tuning = self.tuning
-        hot = tuning.first_hot if self.share > tuning.hot_share else tuning.later_hot
-        if not crosses:
-            return Cycle(plan=self.first, manner=self._manner(hot), proposals=proposals)
+    def _founder(self, work: float) -> Cycle:
+        """Return a cycle that begins with the construction."""
+        tuning, drawn = self.tuning, self.choices.draw()
+        is_brief = work < tuning.brief
+        for name in ('hot', 'ruins', 'kind'):
+            del drawn[name]
+        manner = self._manner(
+            drawn, tuning.brief_hot if is_brief else tuning.first_hot, tuning.first_ruins
+        )
+        return Cycle(
+            plan=self.first, manner=manner, proposals=self._proposals(work, manner), drawn=drawn
+        )
+
+    def _crossed(self) -> Cycle:
+        """Return a cycle that begins with the best plan, or with a cross of two plans."""
+        drawn = self.choices.draw()
+        manner = self._manner(
+            drawn, self.choices.value('hot', drawn), int(self.choices.value('ruins', drawn))
+        )
+        proposals = self._proposals(self.work, manner)
+        if drawn['kind'] == REHEAT:
+            best = self.members[0][1]
+            return Cycle(plan=best, manner=manner, proposals=proposals, drawn=drawn)
         one, other = self._parents()
-        manner = self._manner(float(self.choices.choice(tuning.crossed_hots)))
-        if self.away is not None and self.choices.random() < tuning.tours:
-            tours = [tour_of(plan, self.away, self.choices) for plan in (one, other)]
-            tour = braid(tours[0], tours[1], self.choices)
-            return Cycle(plan=one, manner=manner, proposals=proposals, tour=tour)
+        if drawn['kind'] == TOURS and self.away is not None:
+            tours = [tour_of(plan, self.away, self.random) for plan in (one, other)]
+            tour = braid(tours[0], tours[1], self.random)
+            return Cycle(plan=one, manner=manner, proposals=proposals, tour=tour, drawn=drawn)
         vehicles = len(one[1])
-        count = int(self.choices.integers(1, max(2, vehicles)))
-        chosen = self.choices.permutation(vehicles)[:count]
+        count = int(self.random.integers(1, max(2, vehicles)))
+        chosen = self.random.permutation(vehicles)[:count]
         return Cycle(
             plan=one,
             other=other,
             chosen=tuple(int(r) for r in chosen),
             manner=manner,
             proposals=proposals,
+            drawn=drawn,
         )
 
     def _parents(self) -> tuple[Plan, Plan]:
         """Draw two different plans, the better ones more often."""
         size = len(self.members)
-        ranks = [int(self.choices.integers(size, size=2).min()) for _ in range(2)]
+        ranks = [int(self.random.integers(size, size=2).min()) for _ in range(2)]
         if ranks[0] == ranks[1]:
-            ranks[1] = (ranks[0] + 1 + int(self.choices.integers(size - 1))) % size
+            ranks[1] = (ranks[0] + 1 + int(self.random.integers(size - 1))) % size
         return self.members[ranks[0]][1], self.members[ranks[1]][1]
 
-    def _manner(self, hot: float) -> Manner:
+    def _manner(self, drawn: dict[str, int], hot: float, ruins: int) -> Manner:
         """Return the parameters of an annealing that starts at the temperature `hot`."""
-        tuning = self.tuning
-        is_long = self.share > tuning.long_share
+        value = self.choices.value
         return Manner(
             hot=hot,
-            cold=tuning.cold,
-            floor=float(self.choices.choice(tuning.long_floors if is_long else tuning.floors)),
-            width=float(self.choices.choice(tuning.widths)),
-            sharper=float(self.choices.choice(tuning.long_sharper if is_long else tuning.sharper)),
-            ruins=self._ruins(),
-            long=int(self.choices.choice(tuning.longs)),
+            cold=self.tuning.cold,
+            floor=value('floor', drawn),
+            width=value('width', drawn),
+            sharper=value('sharper', drawn),
+            ruins=ruins,
+            long=int(value('long', drawn)),
         )
 
-    def _ruins(self) -> int:
-        """Return the number of ruin-and-recreate moves in 4096 proposals.
+    def _proposals(self, work: float, manner: Manner) -> int:
+        """Return how many proposals of a manner take so much work a customer."""
+        return max(1, int(work * self.customers / self._effort(manner)))
 
-        These moves leave the local optima of small and clustered problems; in large problems the
-        other moves gain more at first.
-        """
-        tuning = self.tuning
-        if self.customers > DENSE_SITES:
-            return tuning.sparse_single_ruins if self.is_single else tuning.sparse_ruins
-        if self.is_large:
-            return int(self.choices.choice(tuning.large_ruins))
-        if self.share > tuning.hasty_share:
-            return int(self.choices.choice(tuning.ruins))
-        return tuning.hasty_ruins
+    def _effort(self, manner: Manner) -> float:
+        """Return the work of a mean proposal of a manner."""
+        route = self.customers / len(self.first[1])
+        ruin = self.tuning.ruin_cost + self.tuning.ruin_slot_cost * route
+        return 1.0 + ruin * manner.ruins / RUINS_OF
 
     def pacer(self, cycle: Cycle, keep_on: Callable[[Lane], bool]) -> Pacer:
         """Return the pacer of a cycle of the current round."""
-        counted = self.options.proposals is not None
+        left = cycle.proposals
+        if self.options.proposals is not None:
+            left = max(1, int((self.options.proposals - self.made) / self._effort(cycle.manner)))
         return Pacer(
-            chunk=min(self.tuning.chunk, cycle.proposals),
-            proposals=cycle.proposals if counted else None,
-            clock=self.options.clock,
-            duration_s=max(min(cycle.proposals / self._rate(), self._left_s()), 1e-3),
-            keep_on=keep_on,
+            chunk=self.tuning.chunk,
+            proposals=cycle.proposals,
+            most=left,
+            keep_on=lambda lane: keep_on(lane) and self.is_in_time(),
         )
 
-    def finished(self, value: float, plan: Plan) -> None:
-        """Add the best plan of a cycle to the members, unless one has the same value."""
-        if not np.isfinite(value) or any(abs(value - v) <= 1e-9 * v for v, _ in self.members):
+    def finished(self, cycle: Cycle, value: float, plan: Plan) -> None:
+        """Add the best plan of a cycle to the members, and score what was drawn for it."""
+        tuning = self.tuning
+        if not np.isfinite(value):
+            return
+        good = self.members[len(self.members) // 2][0] if self.members else np.inf
+        score = tuning.good_score if value < good else tuning.poor_score
+        if value < self.best * (1.0 - 1e-9):
+            self.best, score, self.idle_rounds = value, tuning.best_score, -1
+        self.choices.reward(cycle.drawn, score)
+        if any(abs(value - v) <= 1e-9 * v for v, _ in self.members):
             return
         self.members.append((value, plan))
         self.members.sort(key=lambda member: member[0])
-        del self.members[self.tuning.members :]
+        del self.members[tuning.members :]
 
-    def advance(self, proposals: int) -> None:
-        """Set the number of proposals that each lane has made so far."""
-        self.made = proposals
+    def advance(self, cycles: list[Cycle]) -> None:
+        """Count the work of a round, the same in each lane; grow if the search stagnates."""
+        self.made += max(int(c.proposals * self._effort(c.manner)) + 1 for c in cycles)
+        self.idle_rounds += 1
+        if self.idle_rounds < self.tuning.patience or self.round <= len(self.tuning.ladder):
+            return
+        self.idle_rounds = 0
+        self.stagnations += 1
+        self.work *= self.tuning.longer
+        self.is_restart = self.stagnations % self.tuning.restarts == 0
