@@ -91,6 +91,12 @@ def test_faults_are_found(plan, fault):
     assert fault in ' '.join(check_plan(plan))
 
 
+def test_a_bend_at_a_viewpoint_is_no_second_photograph():
+    """A viewpoint on the edge of an exclusion may be a corner of the way as well."""
+    bent = ((SORTIE.viewpoints[0].position,), *SORTIE.bends[1:])
+    assert check_plan(spoilt(bends=bent)) == []
+
+
 def test_an_exhausted_battery_is_found():
     """A flight longer than its battery lasts is named."""
     weak = dataclasses.replace(FLEET[0], endurance_s=100.0)

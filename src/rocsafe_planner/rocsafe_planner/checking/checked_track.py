@@ -80,11 +80,10 @@ def terrain_shift_m(plan: SurveyPlan) -> float:
 
 def motion_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -> RouteMotion:
     """Return the motion of a flight, from the kinematics of its track only."""
-    vehicle, sortie = route.vehicle, route.sorties[number]
+    vehicle = route.vehicle
     performance = vehicle.performance(plan.request.airspace.wind_mps)
     track = corners_of(plan, route, number, frame)
-    photographed = {view.position for view in sortie.viewpoints}
-    shots = [place in photographed for place in way(route, number)]
+    shots = _shots(route, number)
     height = route.flight_height_m
     from_air = number == 0 and vehicle.aloft is not None
     here = track[0]
@@ -97,6 +96,18 @@ def motion_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) ->
     ways.append(performance.way(track[-1], track[-1], vehicle.autopilot.home_wait_s))
     ways.extend(performance.descent(track[-1], track[-1][2] - height))
     return RouteMotion(start, ways, performance.corner_radius_m)
+
+
+def _shots(route: Route, number: int) -> list[bool]:
+    """Return at which corners of a flight's track a viewpoint is photographed.
+
+    By their order: a leg may bend at the place of a viewpoint on the edge of an exclusion.
+    """
+    sortie = route.sorties[number]
+    shots = [False]
+    for _, bends in zip(sortie.viewpoints, sortie.bends, strict=False):
+        shots += [*(False for _ in bends), True]
+    return shots + [False] * (len(way(route, number)) - len(shots))
 
 
 def corners_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -> list[Enu]:
