@@ -88,7 +88,7 @@ class Schedule:
         self.made = 0
         self.round = 0
         self.began = options.clock()
-        self.random = np.random.Generator(np.random.PCG64(options.seed))
+        self.draws = np.random.Generator(np.random.PCG64(options.seed))
         self.choices = AdaptiveChoices(
             {
                 'kind': tuple(float(kind) for kind in (REHEAT, ROUTES, TOURS)),
@@ -100,7 +100,7 @@ class Schedule:
                 'long': tuning.longs,
             },
             tuning,
-            self.random,
+            self.draws,
         )
         self.work = float(tuning.crossed)
         self.idle_rounds = 0
@@ -154,12 +154,12 @@ class Schedule:
             return Cycle(plan=best, manner=manner, proposals=proposals, drawn=drawn)
         one, other = self._parents()
         if drawn['kind'] == TOURS and self.away is not None:
-            tours = [tour_of(plan, self.away, self.random) for plan in (one, other)]
-            tour = braid(tours[0], tours[1], self.random)
+            tours = [tour_of(plan, self.away, self.draws) for plan in (one, other)]
+            tour = braid(tours[0], tours[1], self.draws)
             return Cycle(plan=one, manner=manner, proposals=proposals, tour=tour, drawn=drawn)
         vehicles = len(one[1])
-        count = int(self.random.integers(1, max(2, vehicles)))
-        chosen = self.random.permutation(vehicles)[:count]
+        count = int(self.draws.integers(1, max(2, vehicles)))
+        chosen = self.draws.permutation(vehicles)[:count]
         return Cycle(
             plan=one,
             other=other,
@@ -172,9 +172,9 @@ class Schedule:
     def _parents(self) -> tuple[Plan, Plan]:
         """Draw two different plans, the better ones more often."""
         size = len(self.members)
-        ranks = [int(self.random.integers(size, size=2).min()) for _ in range(2)]
+        ranks = [int(self.draws.integers(size, size=2).min()) for _ in range(2)]
         if ranks[0] == ranks[1]:
-            ranks[1] = (ranks[0] + 1 + int(self.random.integers(size - 1))) % size
+            ranks[1] = (ranks[0] + 1 + int(self.draws.integers(size - 1))) % size
         return self.members[ranks[0]][1], self.members[ranks[1]][1]
 
     def _manner(self, drawn: dict[str, int], hot: float, ruins: int) -> Manner:
