@@ -102,7 +102,8 @@ def _survey(generator: np.random.Generator, count: int) -> Floats:
 def _turned(generator: np.random.Generator, places: Floats) -> Floats:
     angle = generator.uniform(0.0, np.pi)
     cos, sin = np.cos(angle), np.sin(angle)
-    return places @ np.array([[cos, sin], [-sin, cos]])
+    turned: Floats = places @ np.array([[cos, sin], [-sin, cos]])
+    return turned
 
 
 FAMILIES: dict[str, Callable[[np.random.Generator, int], Floats]] = {
