@@ -29,7 +29,7 @@ mission: ## set up and fly the derailment mission
 # What the three tiers of tests leave out; the marks are explained in pyproject.toml.
 PYTEST = . ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
     python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
-    -p _hypothesis_pytestplugin -n 2 --dist loadscope
+    -p _hypothesis_pytestplugin -n 3 --dist loadscope
 
 .PHONY: test
 test: ## set up and pass the tests

@@ -53,6 +53,7 @@ def test_mission_goes_on_without_its_orchestrator(fly: Fly) -> None:
     assert 'simulated time goes on without' in log
 
 
+@pytest.mark.all
 def test_resumed_mission_is_joined_and_brought_to_its_end(fly: Fly) -> None:
     """The orchestrator is killed in the flight and comes back: no process but it was started anew.
 

@@ -66,6 +66,7 @@ def test_vehicle_that_stands_still_is_replaced_and_comes_back(fly: Fly) -> None:
     assert flight.living() == []
 
 
+@pytest.mark.all
 def test_announced_loss_is_the_same_in_every_run(fly: Fly) -> None:
     """From the same seed: the same plan for the rest, readings and photographs, bit by bit."""
     results = []

@@ -22,13 +22,11 @@ from .conftest import DEADLINE_S
 
 # 9 viewpoints, see small.yaml.
 IMAGES = 9
-# Every node is killed. Several die in one mission, one after another; alone in `make test-all`.
-KILLED_TOGETHER = (
-    ('planner', 'radiation_field', 'rav1', 'collector'),
-    ('localizer', 'mosaic', 'recorder', 'world'),
-)
+# One of each kind dies in one mission, one after another; the others, alone, in `make test-all`.
+KILLED_TOGETHER = ('planner', 'radiation_field', 'rav1', 'world')
 KILLED_ALONE = [
-    pytest.param((node,), marks=pytest.mark.all) for nodes in KILLED_TOGETHER for node in nodes
+    pytest.param((node,), marks=pytest.mark.all)
+    for node in (*KILLED_TOGETHER, 'collector', 'localizer', 'mosaic', 'recorder')
 ]
 # Slow enough to be caught in the air, fast enough for a test.
 SPEED = ('--speed', '12')
@@ -86,7 +84,7 @@ def test_speed_changes_nothing(complete: Any, fly: Fly) -> None:
     assert readings(slow.run.readings) == readings(complete.run.readings)
 
 
-@pytest.mark.parametrize('nodes', [*KILLED_TOGETHER, *KILLED_ALONE], ids='-'.join)
+@pytest.mark.parametrize('nodes', [KILLED_TOGETHER, *KILLED_ALONE], ids='-'.join)
 def test_killed_node_comes_back(nodes: tuple[str, ...], complete: Any, fly: Fly) -> None:
     """`kill -9` of any node in the air: it is started again, and the mission is completed."""
     flight = fly(*SPEED)
@@ -178,6 +176,7 @@ def test_interrupt_while_mapping_leaves_map_and_report(fly: Fly) -> None:
     assert flight.living() == []
 
 
+@pytest.mark.all
 def test_lost_output_ends_no_flight(complete: Any, fly: Fly) -> None:
     """As with `rocsafe run ... | head -1`: the mission is flown to its end."""
     flight = fly(has_reader=False)
@@ -218,6 +217,7 @@ def test_killed_orchestrator_leaves_no_orphan(fly: Fly) -> None:
         time.sleep(0.05)
 
 
+@pytest.mark.all
 def test_second_mission_in_a_domain_is_refused(fly: Fly) -> None:
     """Two missions in one ROS domain would fly each other's vehicles."""
     first = fly('--speed', '4')

@@ -14,6 +14,7 @@ pytestmark = pytest.mark.system
 SCENARIO = Path(__file__).with_name('turn_back.yaml')
 
 
+@pytest.mark.all
 def test_vehicles_turn_back_at_the_limit(fly: Callable[..., Flight]) -> None:
     """Each comes home by the way of least dose; what nobody can photograph fails the mission."""
     flight = fly('--speed', '12')

@@ -18,6 +18,10 @@ AssessmentT = TypeVar('AssessmentT')
 # Period of looks at a running fit, on the wall clock: simulated time may stand still.
 LOOK_PERIOD_S = 0.1
 
+# Fits that nobody asked for rest for so many times as long as the last one took: they get slower
+# with the number of readings, and would otherwise keep a core of the mission busy.
+REST = 3.0
+
 
 class ReadingLog(Protocol):
     """All readings so far."""
@@ -55,6 +59,8 @@ class FitSteps(Generic[AssessmentT]):
 class FitCycle(Generic[AssessmentT]):
     """Fits when the last fit is done, the period has passed and there are new readings.
 
+    A fit that nobody asked for also waits until three times the duration of the last has passed.
+
     The last fit covers all readings; which ones the others cover depends on the speed of the
     machine.
 
@@ -76,7 +82,7 @@ class FitCycle(Generic[AssessmentT]):
         self._request = PendingRequest()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._fitted = self._fitted_ns = self._evaluated = 0
-        self._next_ns = 0
+        self._began_ns = self._next_ns = 0
         node.create_timer(LOOK_PERIOD_S, self._on_look, clock=self._steady)
 
     def note_reading(self) -> None:
@@ -106,6 +112,8 @@ class FitCycle(Generic[AssessmentT]):
     def _on_look(self) -> None:
         if self._job is not None and self._job.is_done:
             ended, self._job = self._job, None
+            rest_ns = int(REST * (self._now_ns - self._began_ns))
+            self._next_ns = max(self._next_ns, self._now_ns + rest_ns)
             self._end(ended)
         if self._now_ns >= self._next_ns:
             self._begin()
@@ -113,7 +121,8 @@ class FitCycle(Generic[AssessmentT]):
     def _begin(self) -> None:
         if self._job is not None or len(self._log) <= self._fitted:
             return
-        self._next_ns = self._now_ns + int(self._steps.period_s * NS_PER_S)
+        self._began_ns = self._now_ns
+        self._next_ns = self._began_ns + int(self._steps.period_s * NS_PER_S)
         self._fitted, self._fitted_ns = len(self._log), self._log.newest_ns
         try:
             fit = self._steps.prepare()
