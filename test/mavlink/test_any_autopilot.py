@@ -225,7 +225,7 @@ def test_late_start_is_withdrawn_by_a_command(start, verb):
     assert ground.call(f'rav1/{verb}', Trigger).success
     answer = ended(ground, result)
     assert answer.outcome == FlyRoute.Result.REJECTED
-    assert 'withdrawn by a command' in answer.error_msg
+    assert f'its start was withdrawn: {verb.replace("_", " ")}' in answer.error_msg
     assert not ground.seen().shots_taken
 
 

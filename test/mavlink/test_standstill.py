@@ -140,7 +140,10 @@ def test_no_command_is_sent_on_what_was_heard_before(post):
 
 
 def test_take_off_that_was_ordered_before_is_none(ros, tmp_path):
-    """Who gave the order may stand beside the vehicle by now."""
+    """Who gave the order may stand beside the vehicle by now.
+
+    The bridge may take it before it sees that it stood still, or after.
+    """
     air = Airspace()
     ground = Ground(ros, air, tmp_path)
     clock = ground.bridge._standstill._clock = Clock(is_running=True)
@@ -148,7 +151,7 @@ def test_take_off_that_was_ordered_before_is_none(ros, tmp_path):
     ground.until(lambda: ground.heard['fix', 'rav1'])
     ground.lease()
     clock.ahead_s += 20.0
-    assert 'may be old' in ground.ended(ground.fly()).error_msg
+    assert 'the bridge stood still' in ground.ended(ground.fly()).error_msg
     assert not air.copters[1].is_armed
     ground.close()
     air.close()

@@ -57,7 +57,7 @@ class DriveRouteServer:
         early, self._early = self._early, []
         for goal, since_s, withdrawals in early:
             if withdrawals != self._drone.session.withdrawals:
-                self._refuse(goal, 'its start was withdrawn by a command')
+                self._refuse(goal, f'its start was withdrawn: {self._drone.session.withdrawn_by}')
             else:
                 self._begin(goal, now_s if since_s is None else since_s)
         self._watch_replacement()
@@ -123,7 +123,7 @@ class DriveRouteServer:
     def _on_cancel(self, goal: Any) -> CancelResponse:
         """Hold; the goal ends when the vehicle holds, or has refused to."""
         if any(goal is one for one, _since_s, _withdrawals in self._early):
-            self._drone.session.withdraw_start()
+            self._drone.session.withdraw_start('cancel')
             return CancelResponse.ACCEPT
         if goal is not self._driving:
             return CancelResponse.REJECT

@@ -85,8 +85,8 @@ class FlyRouteServer:
         early, self._early = self._early, []
         for goal, since_s, withdrawals in early:
             if withdrawals != self._drone.session.withdrawals:
-                why = 'its start was withdrawn by a command'
-                self._end(goal, refusal_message(f'{self._drone.spec.name}: {why}'))
+                why = f'{self._drone.spec.name}: {self._withdrawal()}'
+                self._end(goal, refusal_message(why))
             else:
                 self._begin(goal, since_s)
         self._watch_replacement()
@@ -129,13 +129,16 @@ class FlyRouteServer:
         """Let a goal begin at the next step, unless a command withdraws its start before."""
         self._early.append((goal, since_s, self._drone.session.withdrawals))
 
+    def _withdrawal(self) -> str:
+        return f'its start was withdrawn: {self._drone.session.withdrawn_by}'
+
     def _watch_late(self, *, is_supervised: bool) -> None:
         """Begin the goals with a delay when they are due, or give them up."""
         if self._late is None:
             return
         goals, due_s = self._late
         if not self._drone.is_waiting:
-            self._end_late('its start was withdrawn by a command')
+            self._end_late(self._withdrawal())
         elif not is_supervised:
             self._end_late('nobody supervises the mission')
         elif self._now_s >= due_s:
@@ -220,7 +223,7 @@ class FlyRouteServer:
         """Hold; the goal ends when the vehicle holds, or has refused to."""
         is_late = self._late is not None and goal in self._late[0]
         if is_late or any(goal is one for one, _since_s, _withdrawals in self._early):
-            self._drone.session.withdraw_start()
+            self._drone.session.withdraw_start('cancel')
             return CancelResponse.ACCEPT
         is_replacing = self._replacing is not None and goal is self._replacing[0]
         if goal not in self._flying and not is_replacing:

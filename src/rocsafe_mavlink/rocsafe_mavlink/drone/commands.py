@@ -186,7 +186,7 @@ class DroneCommands:
         """
         session = self._session
         was_waiting = session.starts_at_s is not None
-        session.withdraw_start()
+        session.withdraw_start(name)
         vehicle, flight = session.telemetry, session.flight
         if not vehicle.is_on_ground:
             return False

@@ -64,7 +64,9 @@ class VehicleSession:
     twin_s
         Steady time at which another station spoke with our own system last.
     withdrawals
-        How often a start that is to come was withdrawn by an order.
+        How often a start that is to come was withdrawn.
+    withdrawn_by
+        What withdrew it last: a command, or what happened.
     """
 
     us: Target
@@ -80,6 +82,7 @@ class VehicleSession:
     starts_at_s: float | None = None
     twin_s: float = -math.inf
     withdrawals: int = 0
+    withdrawn_by: str = ''
     _outgoing: list[Message] = field(default_factory=list)
 
     @classmethod
@@ -214,7 +217,7 @@ class VehicleSession:
 
         It is in contact again with its next heartbeat.
         """
-        self.withdraw_start()
+        self.withdraw_start(reason)
         if self.flight is not None:
             self.flight = self.flight.withdrawn(reason)
         if self.sequence is not None:
@@ -222,9 +225,9 @@ class VehicleSession:
         last_s = min(self.telemetry.heartbeat_s, now_s - LOST_AFTER_S)
         self.telemetry = replace(self.telemetry, heartbeat_s=last_s)
 
-    def withdraw_start(self) -> None:
+    def withdraw_start(self, cause: str) -> None:
         """Let a start that is to come be given up, if there is one."""
-        self.starts_at_s = None
+        self.starts_at_s, self.withdrawn_by = None, cause
         self.withdrawals += 1
 
     def mission_condition(self) -> MissionCondition:
