@@ -459,3 +459,19 @@ def test_fence_that_another_station_changed_is_seen():
     air.wait(40.0)
     with pytest.raises(ValueError, match='outside'):
         air.fly()
+
+
+def test_fence_is_read_again_at_once_after_an_order_that_broke_its_reading_off():
+    """Rally points are pushed while the new fence is being read: a route need not wait for it."""
+    air = Air()
+    air.wait(46.0)
+    drone = air.drones[1]
+    drone.commands.push_fence(Fence(inclusions=(ring(100.0),)), air.now_s)
+    assert done(air, drone.commands) == ''
+    air.until(lambda: drone.session.readout._download is not None, 5.0)
+    assert drone.session.readout.settings.fence is None
+    drone.commands.push_rally([offset(PLACE, 20.0, 20.0)], 20.0, air.now_s)
+    assert done(air, drone.commands) == ''
+    air.wait(5.0)
+    with pytest.raises(ValueError, match='outside'):
+        air.fly()

@@ -134,7 +134,8 @@ def test_host_gets_identity_plan_and_end(server: HostServer, tmp_path: Path) -> 
     lines, welcome = join('van', head_of(server), '127.0.0.1')
     assert welcome == WELCOME
     lines.send(text='rav2 started again', restarted='rav2')
-    (tmp_path / 'plan.json').write_text('{"id": 1}')
+    (tmp_path / 'plan').write_text('{"id": 1}')
+    (tmp_path / 'plan').rename(tmp_path / 'plan.json')
     found: list[dict[str, Any]] = []
     end_s = time.monotonic() + DEADLINE_S
     while not any('plan' in one for one in found):

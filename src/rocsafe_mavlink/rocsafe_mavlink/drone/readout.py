@@ -16,7 +16,6 @@ from rocsafe_mavlink.plan.fence import fence_of, rally_of
 from rocsafe_mavlink.plan.flight_limits import VehicleSettings
 from rocsafe_mavlink.protocols.command_call import set_interval
 from rocsafe_mavlink.protocols.mission_download import Download, DownloadStage
-from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import OnboardMission
 from rocsafe_mavlink.protocols.stream_rates import StreamRates
@@ -64,7 +63,7 @@ class Readout:
         if self._download is None:
             return []
         self._download, sent = self._download.on_message(message, now_s)
-        self._keep_if_read()
+        self._keep_if_read(now_s)
         return sent
 
     def on_tick(
@@ -144,7 +143,7 @@ class Readout:
         """Read one thing after the other: mission in the air, fence, settings, rally points."""
         if self._download is not None:
             self._download, sent = self._download.on_tick(now_s)
-            self._keep_if_read()
+            self._keep_if_read(now_s)
             return sent
         if not vehicle.is_armed:
             self.mission = self.mission.unread()
@@ -153,13 +152,11 @@ class Readout:
         if vehicle.is_armed and self.mission.items is None:
             return self._begin(MissionType.MISSION, now_s)
         if now_s - self._fence_read_s > READ_AGAIN_S:
-            self._fence_read_s = now_s
             return self._begin(MissionType.FENCE, now_s)
         asked = self._read_parameters(kind, now_s)
         parameters = self.settings.parameters
         is_next = parameters is not None and parameters.is_over
         if is_next and now_s - self._rally_read_s > READ_AGAIN_S:
-            self._rally_read_s = now_s
             return self._begin(MissionType.RALLY, now_s)
         return asked
 
@@ -168,7 +165,8 @@ class Readout:
         self._download, sent = download.begin(now_s)
         return sent
 
-    def _keep_if_read(self) -> None:
+    def _keep_if_read(self, now_s: float) -> None:
+        """Note what was read, and when: a reading that was thrown away is begun again at once."""
         done = self._download
         if done is None or done.stage not in (DownloadStage.DONE, DownloadStage.FAILED):
             return
@@ -176,18 +174,21 @@ class Readout:
         if done.mission_type == MissionType.MISSION:
             self.mission = self.mission.read(done.items)
         elif done.mission_type == MissionType.RALLY:
+            self._rally_read_s = now_s
             is_read = done.stage is DownloadStage.DONE
             self._note(rally=rally_of(done.items) if is_read else None, rally_error=done.error)
-        elif done.stage is DownloadStage.DONE:
-            self._keep_fence(done.items)
         else:
-            self._note(fence=None, fence_error=done.error)
+            self._fence_read_s = now_s
+            self._keep_fence(done)
 
-    def _keep_fence(self, items: tuple[MissionItem, ...]) -> None:
-        try:
-            self._note(fence=fence_of(items), fence_error='')
-        except ValueError as error:
-            self._note(fence=None, fence_error=str(error))
+    def _keep_fence(self, done: Download) -> None:
+        fence, error = None, done.error
+        if done.stage is DownloadStage.DONE:
+            try:
+                fence = fence_of(done.items)
+            except ValueError as fault:
+                error = str(fault)
+        self._note(fence=fence, fence_error=error)
 
     def _read_parameters(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         if kind is None:
