@@ -484,7 +484,8 @@ class FakeCopter:
         return {'flags': EKF_GOOD if self.has_ekf else EKF_LOST}
 
     def _mission_current(self):
-        return {'seq': self.current, 'mission_state': self.mission_state}
+        total = max(0, len(self.missions.stored[0]) - 1)
+        return {'seq': self.current, 'mission_state': self.mission_state, 'total': total}
 
     def _extended_sys_state(self):
         if not self.is_flying:

@@ -69,7 +69,8 @@ class HostileVehicle:
         self.is_armed = self.is_flying = self.is_paused = False
         self.current, self.phase, self.reached = 0, 1, 0
         self.since_s = self.next_s = now_s
-        self.home = HOME_E7
+        self.home, self.home_mm = HOME_E7, 488_000
+        self.is_stuck = False
         self._taking = None
         self._beat_s = self._fast_s = now_s
         self.is_breached = False
@@ -104,8 +105,10 @@ class HostileVehicle:
         self.status = 1
 
     def overwrite(self):
-        """Another station writes another mission or fence."""
-        self.stored[0] = [(3, 16, 0.0, 0.0, 0.0, 0.0, 1, 2, 3.0)] * self.rng.randrange(1, 6)
+        """Another station writes another mission, often one of the same length."""
+        is_alike = self.stored[0] and self.rng.random() < 0.5
+        count = len(self.stored[0]) if is_alike else self.rng.randrange(1, 6)
+        self.stored[0] = [(3, 16, 0.0, 0.0, 0.0, 0.0, 1, 2, 3.0)] * count
 
     # What it is told.
 
@@ -213,24 +216,45 @@ class HostileVehicle:
     def step(self, now_s):
         """Fly on; return what it said."""
         self._fly(now_s)
-        if now_s - self._fast_s >= 0.5:
+        if now_s - self._fast_s >= 0.5 and not self.is_stuck:
             self._fast_s = now_s
             self._tell(now_s)
         if now_s - self._beat_s >= 1.0:
             self._beat_s = now_s
             if self._taking is not None and self.rng.random() < 0.7:
                 self._ask()
-            beat = self.say(
-                'HEARTBEAT',
-                type=2,
-                autopilot=self.kind.number,
-                base_mode=0x80 if self.is_armed else 0,
-                custom_mode=self.mode,
-                system_status=self.status,
-            )
-            self.owners[id(beat)] = (beat, self.owner)
+            self._beat()
         said, self.said = self.said, []
         return said
+
+    def _beat(self, **odd):
+        beat = self.say(
+            'HEARTBEAT',
+            **{
+                'type': 2,
+                'autopilot': self.kind.number,
+                'base_mode': 0x80 if self.is_armed else 0,
+                'custom_mode': self.mode,
+                'system_status': self.status,
+                **odd,
+            },
+        )
+        self.owners[id(beat)] = (beat, self.owner)
+
+    def beat_oddly(self):
+        """Say once in a heartbeat what is not so."""
+        rng = self.rng
+        self._beat(
+            **rng.choice(
+                (
+                    {'type': rng.choice((1, 6, 10, 20))},
+                    {'autopilot': rng.choice((0, 8, 3, 12))},
+                    {'base_mode': rng.choice((0, 0x80))},
+                    {'custom_mode': rng.choice((0, 99, 2**31))},
+                    {'system_status': rng.choice((0, 2, 6, 7, 8, 200))},
+                )
+            )
+        )
 
     def _fly(self, now_s):
         if self.status == 1 and now_s - self.boot_s > 3.0:
@@ -294,9 +318,10 @@ class HostileVehicle:
         )
         self.say('EXTENDED_SYS_STATE', landed_state=2 if self.is_flying else 1)
         phase = 4 if self.is_paused else 3 if self.is_flying else 2
-        self.say('MISSION_CURRENT', seq=self.current, mission_state=phase)
+        total = max(0, len(self.stored[0]) - self.kind.first_own_item)
+        self.say('MISSION_CURRENT', seq=self.current, mission_state=phase, total=total)
         latitude, longitude = self.home
-        self.say('HOME_POSITION', latitude=latitude, longitude=longitude, altitude=488_000)
+        self.say('HOME_POSITION', latitude=latitude, longitude=longitude, altitude=self.home_mm)
 
 
 _KEPT = (

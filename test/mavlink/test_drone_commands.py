@@ -52,7 +52,7 @@ def flying(air, visited=1):
 
 def done(air, commands):
     """Let an order come to its end; return its error."""
-    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    air.until(lambda: commands.outcome(commands.count) is not None, 150.0)
     return commands.outcome(commands.count)
 
 

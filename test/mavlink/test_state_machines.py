@@ -70,12 +70,15 @@ class Watch:
         self.is_heard = self.has_failed = False
         self.asked_s = {}
         self.tainted = None
+        self.total = 0
 
     def hear(self, message):
         """Note a message that reaches the bridge."""
         run = self.run
         said = message['text'].lower() if message.name == 'STATUSTEXT' else ''
         self.has_failed |= self.is_armed and any(word in said for word in FAILSAFE_WORDS)
+        if message.name == 'MISSION_CURRENT':
+            self.total = message.fields.get('total', 0)
         if message.name != 'HEARTBEAT':
             return
         _, owner = run.vehicle.owners[id(message)]
@@ -124,11 +127,14 @@ class Watch:
         modes = self.run.vehicle.modes
         number = message.fields.get('command')
         starts = modes['mission'] in self._leads_to(message) or number in (224, 300)
-        is_mine = not self.run.vehicle_changed
-        if not starts or not is_mine:
+        run = self.run
+        if not starts:
             return
-        stored = self.run.vehicle.stored[0]
-        assert self.run.is_planned(stored), f'{what}: not verified, {len(stored)} items'
+        counts = {len(items) - run.first for items in run.plans}
+        assert self.total in {0, *counts}, f'{what}: {self.total} items were told'
+        if not run.was_just_changed:
+            stored = run.vehicle.stored[0]
+            assert run.is_planned(stored), f'{what}: not verified, {len(stored)} items'
 
     def _was_asked(self, mode):
         return self.run.now_s - self.asked_s.get(mode, -1e9) < ASKED_S
@@ -169,13 +175,21 @@ class Run:
         late_s = rng.choice((0.0, 0.0, 0.4, 2.5))
         self.down, self.up = (Channel(rng, bad, bad / 2.0, late_s) for _ in range(2))
         self.now_s = 0.0
-        self.vehicle_changed = False
+        # When somebody else changed the mission, and when the last order came.
+        self.changed_s, self.ordered_s = -1.0, 0.0
         self.watch = Watch(self)
         self.begun = {}
         self.plans = [mission_of(flown, kind).items for flown in PLANS.values()]
         self.first = kind.first_own_item
         self.ids = count()
         self.busy, self.wild = rng.choice((0.03, 0.15)), rng.choice((0.01, 0.01, 0.06))
+
+    @property
+    def was_just_changed(self):
+        """Whether the mission was changed after the order came that is carried out."""
+        flight = self.drone.session.flight
+        is_starting = flight is not None and flight.is_beginning
+        return self.changed_s >= 0.0 and (is_starting or self.changed_s >= self.ordered_s)
 
     def is_planned(self, stored):
         """Whether the items of one of the plans lie on the vehicle."""
@@ -238,7 +252,7 @@ class Run:
         """Send what the session wants sent."""
         for message in self.drone.session.outgoing():
             if message.name == 'MISSION_COUNT' and not message['mission_type']:
-                self.vehicle_changed = False
+                self.changed_s = -1.0
             self.watch.judge(message)
             self.up.put(self.now_s, message)
 
@@ -246,6 +260,7 @@ class Run:
         """Give an order; it may be refused in words."""
         with contextlib.suppress(CommandRefusedError, WaitError, ValueError):
             give()
+            self.ordered_s = self.now_s
         self.send()
 
     def _start(self):
@@ -317,12 +332,12 @@ def _failsafe(run):
 
 def _reboot(run):
     run.vehicle.reboot(run.now_s)
-    run.vehicle_changed = True
+    run.changed_s = run.now_s
 
 
 def _overwrite(run):
     run.vehicle.overwrite()
-    run.vehicle_changed = True
+    run.changed_s = run.now_s
 
 
 def _motors_stop(run):
@@ -344,6 +359,22 @@ def _home_moves(run):
     run.vehicle.home = (HOME_E7[0] + 9000, HOME_E7[1])
 
 
+def _home_rises(run):
+    run.vehicle.home_mm = run.rng.choice((480_000, 488_000, 530_000))
+
+
+def _odd_heartbeat(run):
+    run.vehicle.beat_oddly()
+
+
+def _odd_clock(run):
+    run.vehicle.boot_s += run.rng.choice((-500.0, -3.0, 1.0, 3.0))
+
+
+def _stuck(run):
+    run.vehicle.is_stuck = not run.vehicle.is_stuck
+
+
 def _noise(run):
     vehicle, rng = run.vehicle, run.rng
     kind = rng.randrange(3)
@@ -354,7 +385,9 @@ def _noise(run):
             lambda: vehicle.say('MISSION_REQUEST_INT', seq=rng.randrange(9), mission_type=kind),
             lambda: vehicle.say('MISSION_COUNT', count=rng.randrange(70000), mission_type=kind),
             lambda: vehicle.say('MISSION_ITEM_REACHED', seq=rng.randrange(70)),
-            lambda: vehicle.say('MISSION_CURRENT', seq=rng.randrange(70), mission_state=9),
+            lambda: vehicle.say(
+                'MISSION_CURRENT', seq=rng.randrange(70), mission_state=9, total=rng.randrange(9)
+            ),
             lambda: vehicle.say('FENCE_STATUS', breach_status=0),
             lambda: vehicle.say('WIND', speed=30.0 * rng.random()),
             lambda: vehicle.say('ADSB_VEHICLE', **adsb(0.0, 900.0 * rng.random()).fields),
@@ -366,6 +399,7 @@ def _noise(run):
 MISFORTUNES = (
     *(_pilot, _pilot, _pilot_presses_return, _other_station, _failsafe, _failsafe, _reboot),
     *(_overwrite, _motors_stop, _pilot_arms, _cut, _cut, _home_moves, _noise, _noise, _noise),
+    *(_overwrite, _home_rises, _odd_heartbeat, _odd_heartbeat, _odd_clock, _stuck),
 )
 
 

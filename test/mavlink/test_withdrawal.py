@@ -2,6 +2,7 @@
 """Commands are withdrawn where pilot or failsafe has the vehicle; only verified missions fly."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -211,7 +212,89 @@ def test_own_mission_is_resumed_as_soon_as_it_is_read_again():
     # Read, and no time has passed since.
     session.readout.mission = session.readout.mission.read(session.flight.mission.items)
     commands.resume(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    assert commands.outcome(commands.count) == ''
     assert session.readout.mission.condition is MissionCondition.VERIFIED
+
+
+def held():
+    """Return an air with a vehicle that holds in BRAKE, its mission verified."""
+    air = flying()
+    air.copters[1].missions.stored[0] = list(air.copters[1].missions.stored[0])
+    commands = air.drones[1].commands
+    commands.hold(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    return air
+
+
+def test_mission_of_the_same_length_by_another_station_is_not_resumed():
+    """Nothing tells of it but reading it again, which every resume does."""
+    air = held()
+    commands, stored = air.drones[1].commands, air.copters[1].missions.stored[0]
+    stored[-2] = replace(stored[-2], x_e7=stored[-2].x_e7 + 9000)
+    before = changes(air)
+    commands.resume(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert 'mission not that of its plan: item' in commands.outcome(commands.count)
+    assert changes(air) == before
+    # It is read again, and known to be another one.
+    air.wait(10.0)
+    with pytest.raises(CommandRefusedError, match='another mission lies on it'):
+        commands.resume(air.now_s)
+
+
+def test_mission_that_is_changed_while_it_is_resumed_is_not_flown():
+    """After it was read again, before the order: the vehicle tells another number of items."""
+    air = held()
+    commands, copter = air.drones[1].commands, air.copters[1]
+    before = changes(air)
+    commands.resume(air.now_s)
+    air.until(lambda: air.drones[1].session.sequence.verified_mission is not None, 60.0)
+    del copter.missions.stored[0][-2:]
+    air.until(lambda: commands.outcome(commands.count) is not None, 60.0)
+    assert 'another station has changed it' in commands.outcome(commands.count)
+    assert changes(air) == before
+
+
+def test_mission_that_is_changed_before_its_start_starts_no_motors():
+    """Between its verification and the order to arm."""
+    air = Air()
+    air.wait(46.0)
+    air.fly()
+    air.until(lambda: air.flight().sequence.verified_mission is not None)
+    del air.copters[1].missions.stored[0][-2:]
+    air.until(lambda: air.flight().is_over, 120.0)
+    assert 'another station has changed it' in air.flight().reason
+    assert 400 not in air.copters[1].commands
+
+
+@pytest.mark.parametrize('is_shorter', [True, False])
+def test_mission_that_another_station_changes_in_flight_is_told(is_shorter):
+    """At once where its length changes, else with the next reading; a hold is offered."""
+    air = flying(count=40)
+    stored = air.copters[1].missions.stored[0]
+    if is_shorter:
+        del stored[-2:]
+    else:
+        stored[-2] = replace(stored[-2], x_e7=stored[-2].x_e7 + 9000)
+
+    def status():
+        return air.drones[1].status(air.now_s)
+
+    air.until(lambda: status().advice == 'hold', 10.0 if is_shorter else 100.0)
+    assert 'it flies another mission than that of its plan' in status().text
+
+
+def test_mission_whose_reading_fails_stays_as_it_was_known():
+    """A part of a list is no other mission."""
+    air = flying(count=40)
+    session = air.drones[1].session
+    missions = air.copters[1].missions
+    air.until(lambda: session.mission_condition() is MissionCondition.VERIFIED)
+    answer, missions._on_request = missions._on_request, lambda *_: []
+    air.wait(90.0)
+    assert session.mission_condition() is MissionCondition.VERIFIED
+    missions._on_request = answer
 
 
 def test_flight_whose_autopilot_restarts_during_the_upload_is_refused():

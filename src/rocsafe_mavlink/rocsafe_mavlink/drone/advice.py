@@ -16,6 +16,7 @@ from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan
 
 HOLD, RETURN_HOME = 'hold', 'return_home'
+OTHER_MISSION = 'it flies another mission than that of its plan: another station has changed it'
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +41,7 @@ def advice_of(session: VehicleSession, limits: FlightLimits, now_s: float) -> tu
     found += [Advice(HOLD, fence)] if fence else []
     home = _home_fault(session)
     found += [Advice(HOLD, home)] if home else []
+    found += [Advice(HOLD, OTHER_MISSION)] if session.flies_another() else []
     wind = wind_fault(vehicle.wind, limits, now_s)
     return (*found, *([Advice(RETURN_HOME, wind)] if wind else []))
 

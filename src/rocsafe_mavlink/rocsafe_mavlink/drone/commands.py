@@ -80,11 +80,17 @@ class DroneCommands:
             is_read = None not in needed
             reason = 'no route is being flown' if is_read else 'it is still being read'
             raise CommandRefusedError(reason)
-        if session.flight is not None and session.flight.is_given_up:
+        flight = session.flight
+        if flight is None or flight.is_given_up:
             raise CommandRefusedError('its route was given up: send a route')
         self._require_verified()
         _refuse(self._fault_ahead(session.telemetry, now_s))
-        self._begin(lambda commands: commands.resume(session.telemetry, self._fault_ahead), now_s)
+        self._begin(
+            lambda commands: commands.resume(session.telemetry, flight.mission, self._fault_ahead),
+            now_s,
+        )
+        # The command reads it again: until that is done it is not known.
+        session.readout.forget_mission()
 
     def return_home(self, now_s: float) -> None:
         """Give up the route, fly home and land: straight, or around exclusions.

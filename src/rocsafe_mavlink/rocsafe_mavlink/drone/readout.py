@@ -2,7 +2,7 @@
 """Background reads of a vehicle: message rates, settings, fence, mission.
 
 Reading changes nothing of what a vehicle does: message rates that are missing are asked for,
-settings and fence are read on the ground, the mission of a vehicle that is found in the air.
+settings are read on the ground, fence and rally points always, the mission in the air.
 """
 
 import math
@@ -22,8 +22,8 @@ from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
 
 Target = tuple[int, int]
-# Another station may change fence and rally points at any time: they are read again so often, in
-# the air too.
+# Another station may change mission, fence and rally points at any time: they are read again so
+# often, in the air too.
 READ_AGAIN_S = 30.0
 # A PX4 that waits for an upload of a bridge that is gone asks for its items four times a second. A
 # reading begun meanwhile would leave it refusing every upload, so it is listened to first.
@@ -52,6 +52,7 @@ class Readout:
     mission: OnboardMission = field(default_factory=OnboardMission)
     _download: Download | None = None
     _was_lost: bool = False
+    _mission_read_s: float = -math.inf
     _fence_read_s: float = -math.inf
     _rally_read_s: float = -math.inf
     _quiet_until_s: float = -math.inf
@@ -94,8 +95,7 @@ class Readout:
 
     def forget(self) -> None:
         """Forget all that a vehicle that was started again may have changed."""
-        self.mission = self.mission.forgotten()
-        self._download = None
+        self.forget_mission()
         self._note(parameters=None)
         self.forget_fence()
         self._forget_rally()
@@ -116,6 +116,11 @@ class Readout:
             self.forget_fence()
         else:
             self._forget_rally()
+
+    def forget_mission(self) -> None:
+        """Forget the mission, which may be another by now; a reading under way is thrown away."""
+        self.mission = self.mission.forgotten()
+        self._download = None
 
     def forget_fence(self) -> None:
         """Forget the fence, which may be another by now, and what was read of it so far."""
@@ -149,7 +154,7 @@ class Readout:
             self.mission = self.mission.unread()
         if is_commanded or now_s < self._quiet_until_s:
             return []
-        if vehicle.is_armed and self.mission.items is None:
+        if vehicle.is_armed and now_s - self._mission_read_s > self._mission_lasts_s:
             return self._begin(MissionType.MISSION, now_s)
         if now_s - self._fence_read_s > READ_AGAIN_S:
             return self._begin(MissionType.FENCE, now_s)
@@ -159,6 +164,12 @@ class Readout:
         if is_next and now_s - self._rally_read_s > READ_AGAIN_S:
             return self._begin(MissionType.RALLY, now_s)
         return asked
+
+    @property
+    def _mission_lasts_s(self) -> float:
+        """For how long the mission that was read counts: one item a second is no load."""
+        items = self.mission.items
+        return -math.inf if items is None else max(READ_AGAIN_S, float(len(items)))
 
     def _begin(self, kind: MissionType, now_s: float) -> list[Message]:
         download = Download(target=self.target, mission_type=kind)
@@ -172,7 +183,9 @@ class Readout:
             return
         self._download = None
         if done.mission_type == MissionType.MISSION:
-            self.mission = self.mission.read(done.items)
+            self._mission_read_s = now_s
+            if done.stage is DownloadStage.DONE:
+                self.mission = self.mission.read(done.items)
         elif done.mission_type == MissionType.RALLY:
             self._rally_read_s = now_s
             is_read = done.stage is DownloadStage.DONE

@@ -8,12 +8,13 @@ sequences of its flight and of its operator, all else only reads.
 import math
 from dataclasses import dataclass, field, replace
 
-from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
 from rocsafe_mavlink.autopilots.registry import autopilot_of
 from rocsafe_mavlink.drone.readout import Readout, Target
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.custody import Custody
 from rocsafe_mavlink.flight.flight import FlightStage, MissionFlight
+from rocsafe_mavlink.flight.flight_signs import mission_changed
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.events import Event, EventKind
 from rocsafe_mavlink.knowledge.px4_events import text_of_event
@@ -230,6 +231,15 @@ class VehicleSession:
         self.starts_at_s, self.withdrawn_by = None, cause
         self.withdrawals += 1
 
+    def flies_another(self) -> bool:
+        """Whether it flies a mission that was read, and is not that of its plan."""
+        flight, kind = self.flight, self.known_autopilot()
+        if kind is None or flight is None or flight.stage is not FlightStage.FLYING:
+            return False
+        is_unknown = self.mission_condition() is MissionCondition.UNKNOWN
+        is_read = self.readout.mission.items is not None
+        return is_unknown and is_read and kind.is_in(self.telemetry, Verb.MISSION)
+
     def mission_condition(self) -> MissionCondition:
         """Return how well the mission is known; one read in the air is compared with the plan."""
         mission, flight = self.readout.mission, self.flight
@@ -268,9 +278,19 @@ class VehicleSession:
             self.sequence, sent = self.sequence.on_message(message, now_s)
             self.send(sent)
         self.send(self.readout.on_message(message, now_s))
+        if message.name == 'MISSION_CURRENT':
+            self._compare_count()
         if message.name in REQUESTS and not self.is_commanded:
             self._cancel(message, now_s)
         return events
+
+    def _compare_count(self) -> None:
+        """Forget the mission that was read if the vehicle tells another number of items."""
+        items, kind = self.readout.mission.items, self.known_autopilot()
+        if items is None or kind is None or self.is_commanded:
+            return
+        if mission_changed(len(items) - kind.first_own_item, self.telemetry):
+            self.readout.forget_mission()
 
     def _cancel(self, request: Message, now_s: float) -> None:
         """End an upload of ours, or of a bridge before us, that the autopilot still waits for."""

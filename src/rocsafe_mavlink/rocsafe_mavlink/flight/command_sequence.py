@@ -184,7 +184,8 @@ class TransferStep:
         """Return why the transfer failed; empty if it has not."""
         if self.moving.stage is not TransferStage.FAILED:
             return ''
-        return f'{self.moving.mission_type.word} not taken: {self.moving.error}'
+        what = 'not that of its plan' if self.moving.reads_only else 'not taken'
+        return f'{self.moving.mission_type.word} {what}: {self.moving.error}'
 
     def is_done(self, _vehicle: VehicleTelemetry) -> bool:
         """Whether the items lie on the vehicle as they were sent."""

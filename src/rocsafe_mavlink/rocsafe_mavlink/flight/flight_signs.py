@@ -8,6 +8,8 @@ from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.telemetry import EkfFlag, Home, SystemStatus, VehicleTelemetry
 
 HOME_MOVED_M, HOME_ROSE_M = 10.0, 3.0
+# MISSION_CURRENT tells this number of items where there is no mission.
+NO_MISSION = 65_535
 # A ground vehicle that came back on its own tracks stands within the error of its receiver.
 AT_HOME_M, STANDS_MPS = 5.0, 0.2
 
@@ -32,6 +34,18 @@ def home_moved(planned: Home, now: Home | None, when: str = 'at arming') -> str:
         return ''
     limits = f'at most {HOME_MOVED_M:g} m and {HOME_ROSE_M:g} m'
     return f'home moved {level_m:.1f} m and {rise_m:.1f} m in height {when}: {limits} allowed'
+
+
+def mission_changed(count: int, vehicle: VehicleTelemetry) -> str:
+    """Return that a vehicle tells another number of mission items than `count`; empty: it agrees.
+
+    `count` leaves out home, as the vehicle's own number does.
+    """
+    told = vehicle.mission.total
+    if told in (0, count):
+        return ''
+    items = 'no items' if told == NO_MISSION else f'{told} items'
+    return f'its mission has {items}, sent were {count}: another station has changed it'
 
 
 def is_at_home(vehicle: VehicleTelemetry) -> bool:

@@ -19,7 +19,7 @@ from rocsafe_mavlink.flight.command_sequence import (
     Step,
     TransferStep,
 )
-from rocsafe_mavlink.flight.flight_signs import home_moved
+from rocsafe_mavlink.flight.flight_signs import home_moved, mission_changed
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, fence_items
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
@@ -73,9 +73,7 @@ class VehicleCommands:
             Repeats the pre-flight checks before the motors are started; None: there are none.
         """
         autopilot = self.autopilot
-        return self._sequence(
-            'flight',
-            self._upload(mission),
+        steps = (
             self._mode(autopilot.arms_in),
             replace(
                 self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
@@ -92,6 +90,8 @@ class VehicleCommands:
                 modes=frozenset({autopilot.modes[Verb.MISSION]}),
             ),
         )
+        start = (self._unless_changed(mission, step) for step in steps)
+        return self._sequence('flight', self._upload(mission), *start)
 
     def disarm(self) -> CommandSequence:
         """Return the sequence that stops the motors, which autopilots refuse in flight."""
@@ -113,11 +113,23 @@ class VehicleCommands:
             return self._urgent('hold', self._pause())
         return self._urgent('hold', self._mode(Verb.HOLD))
 
-    def resume(self, vehicle: VehicleTelemetry, may_not_go: Refusal) -> CommandSequence:
-        """Return the sequence that continues the mission, unless `may_not_go` names a reason."""
+    def resume(
+        self, vehicle: VehicleTelemetry, mission: Mission, may_not_go: Refusal
+    ) -> CommandSequence:
+        """Return the sequence that reads the mission again and continues it.
+
+        Another station may have changed it. It is not continued if `may_not_go` names a reason.
+        """
         is_paused = self.autopilot.is_in(vehicle, Verb.MISSION)
         step = self._continue() if is_paused else self._mode(Verb.MISSION)
-        return self._sequence('resume', _unless(may_not_go, step))
+        reading = transfer(
+            mission.items,
+            self.target,
+            first_compared=self.autopilot.first_own_item,
+            reads_only=True,
+        )
+        go_on = self._unless_changed(mission, _unless(may_not_go, step))
+        return self._sequence('resume', TransferStep(moving=reading), go_on)
 
     def return_home(self) -> CommandSequence:
         """Return the sequence that flies home and lands there."""
@@ -168,7 +180,10 @@ class VehicleCommands:
         itself as soon as it has another one, before that was read back. It does not start if
         `may_not_go` then names a reason.
         """
-        start = [_unless(may_not_go, step) for step in self._start_in_air(mission)]
+        start = [
+            self._unless_changed(mission, _unless(may_not_go, step))
+            for step in self._start_in_air(mission)
+        ]
         return self._sequence(
             'new route',
             self._mode(Verb.HOLD),
@@ -202,6 +217,16 @@ class VehicleCommands:
 
         step = self._do(self.autopilot.mode_command(verb, self.target), is_shown)
         return replace(step, modes=frozenset({self.autopilot.modes[verb]}))
+
+    def _unless_changed(self, mission: Mission, step: CommandStep) -> CommandStep:
+        """Return a step, and its alternative, that waits while another mission lies there."""
+        count = len(mission.items) - self.autopilot.first_own_item
+
+        def obstacle(vehicle: VehicleTelemetry, now_s: float) -> str:
+            return mission_changed(count, vehicle) or step.obstacle(vehicle, now_s)
+
+        otherwise = step.otherwise and self._unless_changed(mission, step.otherwise)
+        return replace(step, obstacle=obstacle, otherwise=otherwise)
 
     def _not_in(self, verb: Verb) -> Refusal:
         def refusal(vehicle: VehicleTelemetry, _now_s: float) -> str:

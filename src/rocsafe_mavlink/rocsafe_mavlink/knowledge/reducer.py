@@ -20,7 +20,6 @@ from rocsafe_mavlink.knowledge.telemetry import (
     Home,
     Landed,
     MissionPhase,
-    MissionStatus,
     Motion,
     SystemStatus,
     VehicleTelemetry,
@@ -213,7 +212,9 @@ def _landed(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> Vehic
 def _mission(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     value = message['mission_state']
     phase = MissionPhase(value) if value in set(MissionPhase) else MissionPhase.UNKNOWN
-    mission = MissionStatus(current=message['seq'], reached=vehicle.mission.reached, phase=phase)
+    # Older autopilots do not tell the number of items.
+    total = message.fields.get('total', 0)
+    mission = replace(vehicle.mission, current=message['seq'], phase=phase, total=total)
     return replace(vehicle, mission=mission)
 
 

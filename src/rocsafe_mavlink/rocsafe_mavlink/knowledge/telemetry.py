@@ -178,11 +178,14 @@ class MissionStatus:
         Highest item that it reported reached since it was armed; -1 if none.
     phase
         Phase of its mission.
+    total
+        Number of items that lie on it, without its home; 0 if it does not tell.
     """
 
     current: int = -1
     reached: int = -1
     phase: MissionPhase = MissionPhase.UNKNOWN
+    total: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -53,6 +53,8 @@ class Transfer:
         Whether the autopilot confirmed, after a failure, that its mission is empty.
     clears_after_failure
         Whether a partial mission is cleared; not while it may be flown.
+    reads_only
+        Whether nothing is sent: what lies on the autopilot is read once and compared.
     """
 
     upload: Upload
@@ -66,6 +68,7 @@ class Transfer:
     clears: int = 0
     is_cleared: bool = False
     clears_after_failure: bool = True
+    reads_only: bool = False
 
     @property
     def is_over(self) -> bool:
@@ -78,7 +81,13 @@ class Transfer:
         return MissionType(self.upload.mission_type)
 
     def begin(self, now_s: float) -> tuple['Transfer', list[Message]]:
-        """Start the upload."""
+        """Start the upload, or the reading where nothing is sent."""
+        timing = self.upload.timing
+        longest_s = timing.longest_s + timing.longest_item_s * len(self.upload.items)
+        bounded = replace(self, until_s=min(self.until_s, now_s + longest_s))
+        return bounded._read(now_s) if self.reads_only else bounded._send(now_s)
+
+    def _send(self, now_s: float) -> tuple['Transfer', list[Message]]:
         fresh = replace(
             self.upload,
             stage=UploadStage.OFFERED,
@@ -89,16 +98,13 @@ class Transfer:
             heard_s=now_s,
         )
         upload, sent = fresh.begin(now_s)
-        timing = self.upload.timing
-        longest_s = timing.longest_s + timing.longest_item_s * len(self.upload.items)
-        begun = replace(
-            self,
-            stage=TransferStage.UPLOADING,
-            upload=upload,
-            tries=self.tries + 1,
-            until_s=min(self.until_s, now_s + longest_s),
-        )
-        return begun, sent
+        stage, tries = TransferStage.UPLOADING, self.tries + 1
+        return replace(self, stage=stage, upload=upload, tries=tries), sent
+
+    def _read(self, now_s: float) -> tuple['Transfer', list[Message]]:
+        fresh = replace(self.download, stage=DownloadStage.LISTING, items=(), asks=0, error='')
+        download, asked = fresh.begin(now_s)
+        return replace(self, stage=TransferStage.READING_BACK, download=download), asked
 
     def on_message(self, message: Message, now_s: float) -> tuple['Transfer', list[Message]]:
         """Take a message of the autopilot; those of others change nothing."""
@@ -143,10 +149,8 @@ class Transfer:
         if self.upload.stage is UploadStage.FAILED:
             return self._try_again(now_s, self.upload.error, is_passing=self.upload.is_passing)
         if self.upload.stage is UploadStage.DONE:
-            fresh = replace(self.download, stage=DownloadStage.LISTING, items=(), asks=0, error='')
-            download, asked = fresh.begin(now_s)
-            stage = TransferStage.READING_BACK
-            return replace(self, stage=stage, download=download), sent + asked
+            reading, asked = self._read(now_s)
+            return reading, sent + asked
         return self, sent
 
     def _after_download(
@@ -166,6 +170,8 @@ class Transfer:
         self, now_s: float, error: str, *, is_passing: bool
     ) -> tuple['Transfer', list[Message]]:
         noted = replace(self, error=error)
+        if self.reads_only:
+            return replace(noted, stage=TransferStage.FAILED), []
         if is_passing and self.tries < self.upload.timing.largest_try_count:
             return noted._release(now_s) if self.upload.is_stuck else noted.begin(now_s)
         if not self.clears_after_failure:
@@ -199,6 +205,7 @@ def transfer(
     first_compared: int,
     mission_type: int = 0,
     clears_after_failure: bool = True,
+    reads_only: bool = False,
 ) -> Transfer:
     """Return a transfer that has not begun.
 
@@ -210,12 +217,15 @@ def transfer(
         (system, component) of the autopilot.
     first_compared
         1 where item 0 is the autopilot's home, else 0.
+    clears_after_failure, reads_only
+        As in `Transfer`.
     """
     return Transfer(
         upload=Upload(items=tuple(items), target=target, mission_type=mission_type),
         download=Download(target=target, mission_type=mission_type),
         first_compared=first_compared,
         clears_after_failure=clears_after_failure,
+        reads_only=reads_only,
     )
 
 
