@@ -182,6 +182,11 @@ class FakeCopter:
         self._text(4, 'Battery Failsafe')
         self.status, self.mode = 5, RTL
 
+    def lose_remote(self):
+        """The remote control falls silent."""
+        self._text(4, 'Radio Failsafe')
+        self.status, self.mode = 5, RTL
+
     def breach_fence(self):
         """Fly out of the circle."""
         self._say('FENCE_STATUS', breach_status=1, breach_type=3, breach_count=1)

@@ -104,8 +104,9 @@ def test_lost_reached_events_are_made_up_for():
         (lambda copter: copter.lose_battery(), FlightOutcome.FAILSAFE_BATTERY),
         (lambda copter: copter.breach_fence(), FlightOutcome.FAILSAFE_FENCE),
         (lambda copter: setattr(copter, 'has_gps', False), FlightOutcome.FAILSAFE_GPS),
+        (lambda copter: copter.lose_remote(), FlightOutcome.FAILSAFE_OTHER),
     ],
-    ids=['battery', 'fence', 'receiver'],
+    ids=['battery', 'fence', 'receiver', 'remote control'],
 )
 def test_failsafe_ends_by_its_name(fault, outcome):
     """The autopilot's words say why, and nothing is sent against it."""
@@ -495,3 +496,15 @@ def test_words_of_failsafes():
     assert failsafe_of('GCS Failsafe Cleared') is None
     assert failsafe_of('GCS Failsafe') is FlightOutcome.FAILSAFE_LINK
     assert failsafe_of('Mission: 1 Takeoff') is None
+    for words in (
+        'Radio Failsafe',
+        'Failsafe: Terrain data missing',
+        'Some new failsafe: landing',
+    ):
+        assert failsafe_of(words) is FlightOutcome.FAILSAFE_OTHER
+    for words in (
+        'PreArm: Radio failsafe on',
+        'Arm: Battery failsafe',
+        'Failsafe warning triggered',
+    ):
+        assert failsafe_of(words) is None

@@ -33,6 +33,11 @@ def test_numbers_are_those_of_a_real_one():
         ),
         ('commander_failsafe_enter', (1, 0, 0, 0, 6, 6), FlightOutcome.FAILSAFE_BATTERY),
         ('check_gf_violation_custom_gf', (255, 3), FlightOutcome.FAILSAFE_FENCE),
+        # Whatever its cause: a PX4 that holds in a failsafe is in a mode that obeys, too.
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 1), FlightOutcome.FAILSAFE_OTHER),
+        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 99), FlightOutcome.FAILSAFE_OTHER),
+        ('commander_failsafe_enter_generic', (1, 0, 0, 0, 6), FlightOutcome.FAILSAFE_OTHER),
+        ('commander_failsafe_enter_generic_hold', (1,), FlightOutcome.FAILSAFE_OTHER),
     ],
 )
 def test_failsafe_is_named(name, arguments, outcome):
@@ -44,11 +49,10 @@ def test_failsafe_is_named(name, arguments, outcome):
 @pytest.mark.parametrize(
     ('name', 'arguments'),
     [
-        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 0)),
-        ('commander_failsafe_enter', (1, 0, 0, 0, 6, 99)),
+        ('commander_failsafe_enter_generic_warn', (1,)),
         ('commander_takeoff_detected', ()),
     ],
-    ids=['no cause', 'unknown cause', 'another event'],
+    ids=['a warning', 'another event'],
 )
 def test_other_events_say_nothing(name, arguments):
     """What is not known is not guessed."""

@@ -13,6 +13,7 @@ OUTCOMES = {
     FlightOutcome.FAILSAFE_LINK: FlyRoute.Result.FAILSAFE_LINK,
     FlightOutcome.FAILSAFE_FENCE: FlyRoute.Result.FAILSAFE_FENCE,
     FlightOutcome.FAILSAFE_GPS: FlyRoute.Result.FAILSAFE_POSITION,
+    FlightOutcome.FAILSAFE_OTHER: FlyRoute.Result.ABORTED,
     FlightOutcome.REJECTED: FlyRoute.Result.REJECTED,
     FlightOutcome.RESTARTED: FlyRoute.Result.ABORTED,
     FlightOutcome.LOST: FlyRoute.Result.LOST,

@@ -13,6 +13,7 @@ class FlightOutcome(Enum):
     FAILSAFE_LINK = 'failsafe: link'
     FAILSAFE_FENCE = 'failsafe: fence'
     FAILSAFE_GPS = 'failsafe: position'
+    FAILSAFE_OTHER = 'failsafe'
     REJECTED = 'rejected'
     RESTARTED = 'autopilot started again'
     LOST = 'lost'
@@ -30,12 +31,17 @@ _WORDS = (
     ('failsafe: emergency battery', FlightOutcome.FAILSAFE_BATTERY),
     ('failsafe: remaining flight time', FlightOutcome.FAILSAFE_BATTERY),
     ('geofence violation: ', FlightOutcome.FAILSAFE_FENCE),
+    # Remote control, terrain, and what nobody here has heard of yet.
+    ('failsafe', FlightOutcome.FAILSAFE_OTHER),
 )
+# Such a text says that there is none, or not yet: before arming, a warning, one that is over.
+_BEFORE_ARMING = ('prearm:', 'arm:')
+_HARMLESS = ('cleared', 'failsafe warning', 'deactivated')
 
 
 def failsafe_of(text: str) -> FlightOutcome | None:
     """Return the failsafe that a text of an autopilot announces; None if it announces none."""
     said = text.lower()
-    if 'cleared' in said:
+    if said.startswith(_BEFORE_ARMING) or any(words in said for words in _HARMLESS):
         return None
     return next((outcome for words, outcome in _WORDS if words in said), None)

@@ -12,7 +12,7 @@ from rocsafe_mavlink.wire.dialect import Message
 
 _FNV_OFFSET, _FNV_PRIME = 0x811C9DC5, 0x01000193
 _AUTOPILOT = 1 << 24
-# failsafe_cause_t of events/enums.json; 0 names no cause.
+# failsafe_cause_t of events/enums.json.
 _CAUSES: Mapping[int, str] = {
     1: 'manual control loss',
     2: 'GCS connection loss',
@@ -36,10 +36,14 @@ _FAILSAFES = {
     event_number('commander_failsafe_enter'): 5,
     event_number('commander_failsafe_enter_hold'): 7,
 }
+_UNTOLD = 'Failsafe: cause not told'
+_FENCE = 'Geofence violation:'
 _TEXTS = {
-    event_number('check_gf_violation_max_hor_dist'): 'exceeding maximum distance to home',
-    event_number('check_gf_violation_max_alt'): 'exceeding maximum altitude above home',
-    event_number('check_gf_violation_custom_gf'): 'approaching or outside geofence',
+    event_number('commander_failsafe_enter_generic'): _UNTOLD,
+    event_number('commander_failsafe_enter_generic_hold'): _UNTOLD,
+    event_number('check_gf_violation_max_hor_dist'): f'{_FENCE} beyond maximum distance to home',
+    event_number('check_gf_violation_max_alt'): f'{_FENCE} beyond maximum altitude above home',
+    event_number('check_gf_violation_custom_gf'): f'{_FENCE} approaching or outside geofence',
 }
 
 
@@ -47,9 +51,11 @@ def text_of_event(event: Message) -> Message:
     """Return the STATUSTEXT with the meaning of an EVENT; the event itself if it is not known."""
     number = int(event['id'])
     if number in _TEXTS:
-        return _text(event, f'Geofence violation: {_TEXTS[number]}')
-    cause = _CAUSES.get(event['arguments'][_FAILSAFES[number]]) if number in _FAILSAFES else None
-    return event if cause is None else _text(event, f'Failsafe: {cause}')
+        return _text(event, _TEXTS[number])
+    if number not in _FAILSAFES:
+        return event
+    cause = _CAUSES.get(event['arguments'][_FAILSAFES[number]])
+    return _text(event, f'Failsafe: {cause}' if cause else _UNTOLD)
 
 
 def _text(event: Message, text: str) -> Message:
