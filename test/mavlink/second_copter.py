@@ -40,6 +40,11 @@ def habits():
     parser.add_argument('--kind', type=int, default=mavlink.MAV_TYPE_QUADROTOR)
     parser.add_argument('--maker', type=int, default=mavlink.MAV_AUTOPILOT_ARDUPILOTMEGA)
     parser.add_argument('--odd-mode-at', type=int, default=0, help='item at which a mode comes')
+    parser.add_argument('--for-ever', type=int, default=0, help='this command is in progress')
+    parser.add_argument('--restart-armed', action='store_true', help='as soon as it is armed')
+    parser.add_argument('--shape-shift', action='store_true', help='another type now and then')
+    parser.add_argument('--junk', action='store_true', help='bytes and impossible numbers')
+    parser.add_argument('--swap', default='', help='another station changes its mission: when')
     parser.add_argument('--deaf-after-offer', action='store_true', help='never asks for an item')
     return parser.parse_args()
 
@@ -57,7 +62,8 @@ class Copter:
         self.mode, self.armed, self.running = STABILIZE, False, False
         self.place, self.current = [0.0, 0.0, 0.0], 0
         self.items, self.incoming, self.asked = {0: [None], 1: [], 2: []}, None, 0.0
-        self.refused, self.later = set(), []
+        self.refused, self.later, self.never_done = set(), [], 0
+        self.is_swapped, self.swap_at = False, math.inf
 
     def _socket(self):
         made = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -124,6 +130,7 @@ class Copter:
             return
         self.items[kind], self.incoming = taken, None
         self.log('STORED', len(taken), 'of kind', kind)
+        self.swap_at = time.monotonic() + 1.0 if kind == 0 else math.inf
         self.send(mavlink.MAVLink_mission_ack_message(255, 190, 0, kind))
 
     def on_mission_request_list(self, message):
@@ -164,6 +171,9 @@ class Copter:
         number, wanted = message.command, self.wanted
         if number != mavlink.MAV_CMD_SET_MESSAGE_INTERVAL:
             self.log('CMD', number, message.param1, message.param2)
+        if wanted.for_ever == number:
+            self.never_done = number
+            return
         if wanted.reject_first and number not in self.refused:
             self.refused.add(number)
             self.answer(number, mavlink.MAV_RESULT_TEMPORARILY_REJECTED)
@@ -191,6 +201,10 @@ class Copter:
                 return mavlink.MAV_RESULT_FAILED
             self.armed = bool(message.param1)
             self.log('ARMED', self.armed)
+            if self.armed and self.wanted.restart_armed:
+                self.wanted.restart_armed = False
+                self.begin, self.armed, self.mode = time.monotonic(), False, STABILIZE
+                self.log('RESTART')
         elif number == mavlink.MAV_CMD_MISSION_START:
             self.mode, self.running = AUTO, True
         elif number == mavlink.MAV_CMD_DO_SET_MISSION_CURRENT:
@@ -222,6 +236,13 @@ class Copter:
             self.mode = 77
             self.log('MODE 77')
         self.current = min(self.current + 1, len(self.items[0]) - 1)
+
+    def swap(self):
+        """Let another station store a mission, once."""
+        if not self.is_swapped:
+            self.is_swapped = True
+            self.items[0] = self.items[0][:-1]
+            self.log('SWAPPED')
 
     def is_done(self, item, step_s):
         """Fly an item for a while; return whether it is done."""
@@ -258,6 +279,10 @@ class Copter:
         if tick % 10 == 0:
             base, status = 0x51 | (0x80 if self.armed else 0), 4 if landed == 2 else 3
             kind, maker = self.wanted.kind, self.wanted.maker
+            if self.wanted.shape_shift and tick % 70 == 60:
+                kind = mavlink.MAV_TYPE_FIXED_WING
+            if self.never_done:
+                self.answer(self.never_done, mavlink.MAV_RESULT_IN_PROGRESS)
             self.send(mavlink.MAVLink_heartbeat_message(kind, maker, base, self.mode, status, 3))
             home = (int(HOME[0] * 1e7), int(HOME[1] * 1e7), int(HOME[2] * 1e3))
             self.send(mavlink.MAVLink_home_position_message(*home, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0))
@@ -270,6 +295,8 @@ class Copter:
             self.send(mavlink.MAVLink_attitude_message(up_ms, 0, 0, 0, 0, 0, 0))
         if tick % 5 == 0:
             self.health(where, landed)
+        if self.wanted.junk:
+            self.spit(up_ms)
 
     def health(self, where, landed):
         """Tell receiver, battery, filter, landing and mission."""
@@ -279,9 +306,28 @@ class Copter:
         self.send(mavlink.MAVLink_sys_status_message(*power))
         self.send(mavlink.MAVLink_ekf_status_report_message(831, 0.1, 0.1, 0.1, 0.1, 0.1))
         self.send(mavlink.MAVLink_extended_sys_state_message(0, landed))
+        if self.wanted.swap == 'before' and time.monotonic() > self.swap_at:
+            self.swap()
         count = len(self.items[0]) - 1
         state = 3 if self.running else 2
         self.send(mavlink.MAVLink_mission_current_message(self.current, count, state, 0))
+
+    def spit(self, up_ms):
+        """Send what no copter means: numbers that are none, places beyond, bytes."""
+        nan, far = math.nan, 2**31 - 1
+        self.send(mavlink.MAVLink_attitude_message(up_ms, nan, math.inf, nan, nan, nan, nan))
+        self.send(
+            mavlink.MAVLink_global_position_int_message(
+                up_ms, far, far, far, far, 32767, 32767, 32767, 65535
+            )
+        )
+        self.send(mavlink.MAVLink_mission_current_message(65535, 65535, 200, 200))
+        self.send(mavlink.MAVLink_command_ack_message(65535, 200))
+        self.send(mavlink.MAVLink_mission_ack_message(255, 190, 200, 200))
+        self.send(mavlink.MAVLink_mission_request_int_message(255, 190, 65535, 200))
+        self.send(mavlink.MAVLink_statustext_message(255, b'\xff' * 50))
+        for _ in range(20):
+            self.later.append((0.0, 0, os.urandom(300)))
 
     def twin(self, kind, maker, up_ms):
         """Let the second one of the same number say that it is elsewhere, in a failsafe."""

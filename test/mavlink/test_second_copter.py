@@ -75,6 +75,8 @@ def start(ros, tmp_path):
         pytest.param(['--late-ack', '1.5', '--echo'], marks=pytest.mark.all),
         pytest.param(['--foreign-answers'], marks=pytest.mark.all),
         pytest.param(['--twin'], marks=pytest.mark.all),
+        pytest.param(['--junk'], marks=pytest.mark.all),
+        pytest.param(['--shape-shift'], marks=pytest.mark.all),
     ],
     ids=lambda habit: ' '.join(habit) or 'well-behaved',
 )
@@ -111,6 +113,28 @@ def test_nothing_unverified_and_nothing_unknown_is_flown(start, habit, words):
     assert result.outcome == FlyRoute.Result.REJECTED
     assert re.search(words, result.error_msg), result.error_msg
     assert not any(line.startswith(ARM) for line in ground.air.lines())
+
+
+@pytest.mark.all
+@pytest.mark.parametrize(
+    ('habit', 'words'),
+    [
+        (['--for-ever', '400'], 'no answer to command 400'),
+        (['--restart-armed'], 'started again|motors were stopped'),
+        (['--swap', 'before'], 'another station has changed it|is not that of its plan'),
+    ],
+    ids=lambda habit: ' '.join(habit) if isinstance(habit, list) else '',
+)
+def test_start_that_goes_wrong_ends_on_the_ground(start, habit, words):
+    """Nothing takes off after a restart, for ever in progress, or with another mission."""
+    ground = start(*habit)
+    result = ground.ended(ground.fly(), DEADLINE_S)
+    assert result.outcome == FlyRoute.Result.REJECTED
+    assert re.search(words, result.error_msg), result.error_msg
+    ground.listen_for(5.0)
+    lines = ground.air.lines()
+    assert not any(line.startswith('CMD 300') for line in lines)
+    assert 'ARMED True' not in lines or lines[-1] != 'ARMED True'
 
 
 @pytest.mark.all
