@@ -17,7 +17,7 @@ from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
 from rocsafe_mavlink.autopilots.parameters import Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
 from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
-from rocsafe_mavlink.checks.check import CheckVerdict
+from rocsafe_mavlink.checks.check import CheckVerdict, failures
 from rocsafe_mavlink.checks.preflight import preflight
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.errors import CommandRefusedError
@@ -459,6 +459,18 @@ def test_fence_that_another_station_changed_is_seen():
     air.wait(40.0)
     with pytest.raises(ValueError, match='outside'):
         air.fly()
+
+
+def test_parameter_that_another_station_changed_is_seen():
+    """An autopilot that does not tell it to all is asked again; a return was required."""
+    air = Air(limits=FlightLimits(must_return_on_link_loss=True))
+    settings = air.copters[1].parameters
+    settings.update(FS_GCS_ENABLE=1.0, BATT_FS_LOW_ACT=2.0)
+    air.wait(46.0)
+    assert failures(air.drones[1].checks(plan(3), air.now_s)) == ''
+    settings['FS_GCS_ENABLE'] = 0.0
+    air.wait(40.0)
+    assert 'FS_GCS_ENABLE' in failures(air.drones[1].checks(plan(3), air.now_s))
 
 
 def test_fence_is_read_again_at_once_after_an_order_that_broke_its_reading_off():

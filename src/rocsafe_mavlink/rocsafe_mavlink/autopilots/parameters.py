@@ -16,6 +16,8 @@ from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
 ASK_AGAIN_S = 1.0
+# Another station may change a parameter; not every autopilot tells it to all.
+REFRESH_S = 30.0
 LARGEST_ASK_COUNT = 5
 # MAV_PARAM_TYPE of integers, whose bits PX4 copies into the float of its message.
 _INTEGER_FORMATS: Mapping[int, str] = {1: '<B', 2: '<b', 3: '<H', 4: '<h', 5: '<I', 6: '<i'}
@@ -141,11 +143,12 @@ class ParameterReader:
         return replace(self, found={**self.found, message['param_id']: value})
 
     def on_tick(self, now_s: float) -> tuple['ParameterReader', list[Message]]:
-        """Ask for what is missing, once in a while."""
-        if self.is_over or now_s - self.asked_s < ASK_AGAIN_S:
+        """Ask for what is missing, once in a while, and later for what may have changed."""
+        names = (*(self.found if self.is_over else ()), *self._missing())
+        if now_s - self.asked_s < (REFRESH_S if self.is_over else ASK_AGAIN_S):
             return self, []
         asked = replace(self, asks=self.asks + 1, asked_s=now_s)
-        return asked, [self._question(name) for name in self._missing()]
+        return asked, [self._question(name) for name in names]
 
     def _names(self) -> set[str]:
         spellings = SPELLINGS[self.autopilot].values()
