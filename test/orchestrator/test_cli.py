@@ -172,6 +172,14 @@ def test_check_finds_what_will_fail(
     assert 'valid' not in told.out
 
 
+def test_check_names_who_flies_nothing(
+    small: Callable[..., Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A vehicle that reaches no viewpoint stays at home: the others fly all."""
+    assert main(['check', str(small({'vehicles.0.endurance_s': 5.0}))]) == errors.EXIT_COMPLETE
+    assert re.search('without a flight +rav1', capsys.readouterr().out)
+
+
 @pytest.mark.slow
 def test_check_shows_other_cameras(capsys: pytest.CaptureFixture[str]) -> None:
     """Each with its name and how it hangs."""

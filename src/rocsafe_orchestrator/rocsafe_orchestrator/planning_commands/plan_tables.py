@@ -43,6 +43,9 @@ def quality_table(path: Path, plan: SurveyPlan) -> Table:
         'flown in all',
         f'{plan.total_length_m / 1000.0:.2f} km with {plan.total_energy_wh:.0f} Wh',
     )
+    idle = [route.vehicle.name for route in plan.routes if not route.viewpoints]
+    if idle:
+        table.add_row('without a flight', ', '.join(idle))
     nearest = plan.minimum_separation_m
     if math.isfinite(nearest):
         text = f'{nearest:.1f} m between two vehicles in the air'
