@@ -85,7 +85,8 @@ class Watch:
         mode, is_armed = message['custom_mode'], bool(message['base_mode'] & 0x80)
         is_new = mode != self.mode and owner != OURS and is_armed and self.is_armed
         self.is_heard, self.owner, self.mode, self.is_armed = True, owner, mode, is_armed
-        if message['system_status'] >= 5 and is_armed:
+        # One odd status in flight is no failsafe: nothing has switched it.
+        if message['system_status'] >= 5 and is_armed and owner == FAILSAFE:
             self.has_failed = True
         if not is_armed:
             self.has_failed, self.tainted = False, None
