@@ -254,7 +254,11 @@ class Drone:
         commands = self.session.commands()
 
         def may_not_arm(_vehicle: VehicleTelemetry, at_s: float) -> str:
-            return failures(self.checks(assignment.plan, at_s))
+            try:
+                return failures(self.checks(assignment.plan, at_s))
+            except ValueError as error:
+                # A heartbeat named another kind of vehicle meanwhile.
+                return str(error)
 
         flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
