@@ -247,7 +247,7 @@ def path_to(tables: Tables, state: State, measure: int, slot: int, is_back: int)
     return state.ahead[before] + leg(tables, measure, here, there)
 
 
-@inner
+@inlined
 def add_paths(
     tables: Tables, state: State, slots: tuple[int, int, int], source: int, is_back: int
 ) -> None:
@@ -277,7 +277,7 @@ def add_paths(
             state.ahead[np.uint64(base + k)] = start + state.spare_ahead[np.uint64(source + k)]
 
 
-@inner
+@inlined
 def move_paths(tables: Tables, state: State, slots: tuple[int, int, int], is_back: int) -> None:
     """Set the partial costs of slots that follow on changed ones; `slots` as for `add_paths`."""
     measure, slot, size = slots
