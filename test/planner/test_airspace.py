@@ -84,10 +84,12 @@ def test_a_concave_zone_shuts_its_bay():
     assert shapely.distance(line, bay) > 0.5e-3
 
 
-def test_a_place_shut_off_is_refused():
-    """A courtyard cannot be reached."""
+def test_a_yard_is_open_to_who_stands_in_it():
+    """No viewpoint lies in a yard of nobody; who stands there cannot leave it."""
     ring = shapely.box(0, 0, 50, 50).difference(shapely.box(10, 10, 40, 40))
-    airspace = Airspace([ring], 0.0)
+    assert not Airspace([ring], 0.0, np.array([(100.0, 25.0)])).holds(np.array([(25.0, 25.0)]))
+    airspace = Airspace([ring], 0.0, np.array([(25.0, 20.0)]))
+    assert airspace.holds(np.array([(25.0, 25.0)])).all()
     with pytest.raises(NoWayError, match='exclusions shut off the place 25 m east, 25 m north'):
         airspace.detours(np.array([(25.0, 25.0), (100.0, 25.0)]))
 

@@ -314,6 +314,31 @@ def test_ground_too_deep_between_exclusions_is_named_as_unseen():
     assert region.area - ring.area - found.sight.covered_area_m2 == pytest.approx(400.0, abs=0.1)
 
 
+def test_an_unreachable_yard_is_named_as_unseen():
+    """Viewpoints that exclusions shut off are left out as those inside: the rest is planned."""
+    region = shapely.box(0.0, 0.0, 300.0, 300.0)
+    yard = shapely.box(100.0, 100.0, 200.0, 200.0)
+    ring = shapely.box(80.0, 80.0, 220.0, 220.0).difference(yard)
+    air = Airspace([ring], 2.0, np.array([(-10.0, -10.0)]))
+    found = cover([region], FOOTPRINTS, air)
+    assert not shapely.intersects_xy(yard, *found.centres.T).any()
+    assert found.sight.forbidden_area_m2 == pytest.approx(ring.area)
+    missed_m2 = region.area - ring.area - found.sight.covered_area_m2
+    assert missed_m2 == pytest.approx(yard.area, abs=0.1)
+    air.detours(found.centres)
+
+
+def test_photographs_beside_a_concave_exclusion_are_few():
+    """All that can be seen is, from few places: each shows most, and more than the others do."""
+    region = shapely.box(0.0, 0.0, 200.0, 200.0)
+    turn = np.arange(10) * np.pi / 5
+    far = np.where(np.arange(10) % 2, 12.0, 80.0)
+    star = shapely.Polygon(100.0 + np.column_stack([far * np.cos(turn), far * np.sin(turn)]))
+    found = cover([region], FOOTPRINTS, Airspace([star], 2.0))
+    assert region.area - star.area - found.sight.covered_area_m2 < 0.1
+    assert len(found.centres) <= 95
+
+
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(
@@ -344,4 +369,4 @@ def test_no_ground_that_can_be_seen_is_left(boxes, turn):
             continue
         spot = np.asarray(part.representative_point().coords)[0]
         around = shapely.Polygon(spot + 0.99 * frame)
-        assert around.difference(air.shut()).area < 1e-6
+        assert around.difference(air.shut).area < 1e-6

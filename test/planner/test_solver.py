@@ -30,7 +30,9 @@ from rocsafe_planner.solver.model.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.precompile import compile_kernels
 from rocsafe_planner.solver.search.choosing import AdaptiveChoices
 from rocsafe_planner.solver.search.giant_tour import braid, cut, tour_of
+from rocsafe_planner.solver.search.population import Lane, Manner
 from rocsafe_planner.solver.search.starts import first_plans, sector_plan
+from rocsafe_planner.solver.search.state import empty_state, load
 from rocsafe_planner.solver.search.tuning import USUAL
 
 from . import tiny_routing
@@ -96,6 +98,38 @@ def test_wind_decides_the_way_round():
     found = solve(problem, QUICK)
     assert found.routes == ((2, 1, 0),)
     assert found.value == 4.0
+
+
+@pytest.mark.parametrize('is_symmetric', [True, False])
+def test_partial_costs_are_those_of_the_legs(is_symmetric):
+    """After thousands of moves the routes have the costs that they have when they are set anew."""
+    matrices = np.random.default_rng(5).integers(1, 1000, (2, 31, 31)).astype(np.float64)
+    if is_symmetric:
+        matrices += matrices.transpose(0, 2, 1)
+    problem = RoutingProblem(
+        customers=30,
+        vehicles=tuple(Vehicle(start=30, end=30, legs=k % 2, limit=1e5) for k in range(3)),
+        legs=tuple(MatrixLegs(matrix=matrix) for matrix in matrices),
+    )
+    tables = tables_of(problem)
+    lane = Lane(tables, 1.0, 7, 0, 0.0)
+    lane.begin(next(iter(first_plans(problem, tables))))
+    manner = Manner(hot=3.0, cold=2.0, floor=0.2, width=0.02, sharper=0.0, ruins=100, long=3)
+    fresh = empty_state(tables)
+    for _ in range(20):
+        lane.anneal(manner, 0.0, 250, 1e-4)
+        found = lane.state
+        stride = len(found.node) // 3
+        ends = [r * stride + 1 + int(found.length[r]) for r in range(3)]
+        order = np.concatenate([found.node[r * stride + 1 : ends[r]] for r in range(3)])
+        load(tables, fresh, order, found.length)
+        for name in ('place', 'route', 'cost', 'load'):
+            assert getattr(found, name).tolist() == getattr(fresh, name).tolist()
+        for name in ('ahead', 'back'):
+            ours, theirs = (getattr(one, name).reshape(2, -1) for one in (found, fresh))
+            for r in range(3):
+                used = slice(r * stride, ends[r] + 1)
+                assert ours[:, used].tolist() == theirs[:, used].tolist()
 
 
 def test_a_slower_vehicle_serves_fewer():

@@ -149,7 +149,7 @@ def leaving_exclusions_m(plan: SurveyPlan) -> dict[str, float]:
     frame = frame_of(request)
     zones = [zone.polygon(frame) for zone in request.exclusions]
     starts = places_of(frame, [route.vehicle.start for route in aloft])
-    free = Airspace(zones, request.airspace.clearance_m).holds(starts).tolist()
+    free = Airspace(zones, request.airspace.clearance_m, starts).holds(starts).tolist()
     return {
         route.vehicle.name: distance_m(route.vehicle.start, route.sorties[0].bends[0][0])
         for route, is_free in zip(aloft, free, strict=True)

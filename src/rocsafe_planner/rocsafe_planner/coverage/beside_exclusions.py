@@ -2,10 +2,12 @@
 """Viewpoints beside exclusions, for ground that only viewpoints inside them would show.
 
 Ground outside an exclusion, or within the clearance of one, is seen from a place outside if the
-footprint about that place reaches it. Places are added where the largest unseen part is, each as
-near to that part as it may be, until nothing is left that can be seen from outside.
+footprint about that place reaches it. Of places along the edges of the exclusions, the one that
+shows most unseen ground is added each time. What such places miss is photographed from as near as
+may be, until nothing is left that can be seen from outside.
 """
 
+import heapq
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,8 +21,8 @@ from rocsafe_planner.problem.airspace import Airspace
 
 _LEAST_PART_M2 = 0.01
 """Smaller unseen parts get no viewpoint."""
-_MOST_A_DROPPED = 6
-"""Most viewpoints that are added for each one in an exclusion."""
+_STEP = 0.25
+"""Distance of the places that are tried, in shorter sides of a footprint."""
 _HAIR = 1.0 - 1e-6
 """Share of a footprint that is used, so that rounding leaves no ground at its edge."""
 
@@ -62,50 +64,116 @@ def with_views_beside(
         return kept
     ground = accessible(shapely.union_all(polygons), airspace.zones)
     missing = unseen(ground, kept.footprints)
-    sources, places = _places_beside(missing, dropped, airspace.shut())
-    moved = dropped.chosen(np.array(sources, dtype=np.intp))
-    shift = np.reshape(places, (-1, 2)) - moved.centres
+    beside = _views_beside(missing, dropped, airspace.shut)
+    views = [kept, *_needed(beside, missing)]
     return Views(
-        centres=np.vstack([kept.centres, moved.centres + shift]),
-        yaw_rad=np.concatenate([kept.yaw_rad, moved.yaw_rad]),
-        footprints=np.vstack([kept.footprints, moved.footprints + shift[:, None]]),
-        polygon=np.concatenate([kept.polygon, moved.polygon]),
+        centres=np.vstack([view.centres for view in views]),
+        yaw_rad=np.concatenate([view.yaw_rad for view in views]),
+        footprints=np.vstack([view.footprints for view in views]),
+        polygon=np.concatenate([view.polygon for view in views]),
     )
 
 
-def _places_beside(
+def _views_beside(
     missing: shapely.Geometry, dropped: Views, shut: shapely.Geometry
-) -> tuple[list[int], list[FloatArray]]:
-    """Return places from which missing ground is seen, and the dropped viewpoint of each.
+) -> list[Views]:
+    """Return viewpoints outside that show missing ground, one each.
 
-    A place takes the direction of the dropped viewpoint that is nearest to the missing ground.
+    Each takes the direction of the dropped viewpoint that is nearest to it.
     """
-    sources: list[int] = []
-    places: list[FloatArray] = []
+    side = np.linalg.norm(np.diff(dropped.footprints[0, :3], axis=0), axis=1).min()
+    edge = shapely.segmentize(shapely.boundary(shut), _STEP * float(side))
+    tried = _moved(dropped, shapely.get_coordinates(edge))
+    views, missing = _showing_most(missing, tried)
     parts = list(shapely.get_parts(missing))
-    while parts and len(places) < _MOST_A_DROPPED * len(dropped.centres):
+    while parts and len(views) < len(tried.centres):
         part = max(parts, key=shapely.area)
         parts.remove(part)
         if part.area < _LEAST_PART_M2:
             break
-        near = np.asarray(part.representative_point().coords)[0]
-        source = int(np.argmin(((dropped.centres - near) ** 2).sum(axis=1)))
-        frame = dropped.footprints[source] - dropped.centres[source]
-        seen_from = shapely.intersection(part, _visible(shut, frame))
-        spots = [p for p in shapely.get_parts(seen_from) if p.area >= _LEAST_PART_M2]
-        if not spots:
+        view = _view_of(part, dropped, shut)
+        if view is None:
             continue  # nothing of it is seen from any place outside
-        spot = max(spots, key=shapely.area).representative_point()
-        place = _nearest_place(spot, frame, shut)
-        footprint = shapely.Polygon(place + frame)
-        sources.append(source)
-        places.append(place)
+        views.append(view)
         parts = [
             piece
             for one in (*parts, part)
-            for piece in shapely.get_parts(shapely.difference(one, footprint))
+            for piece in shapely.get_parts(
+                shapely.difference(one, shapely.Polygon(view.footprints[0]))
+            )
         ]
-    return sources, places
+    return views
+
+
+def _showing_most(missing: shapely.Geometry, tried: Views) -> tuple[list[Views], shapely.Geometry]:
+    """Return the viewpoints that show most of the missing ground, and what they leave.
+
+    What a viewpoint shows in addition only gets less, so that few are looked at again each time
+    (Minoux, 1978).
+    """
+    boxes = shapely.polygons(tried.footprints)
+    near, part = shapely.STRtree(shapely.get_parts(missing)).query(boxes, 'intersects')
+    shown = shapely.area(shapely.intersection(boxes[near], shapely.get_parts(missing)[part]))
+    gains = np.bincount(near, shown, len(boxes))
+    queue = [(-gain, k) for k, gain in enumerate(gains.tolist()) if gain >= _LEAST_PART_M2]
+    heapq.heapify(queue)
+    views: list[Views] = []
+    while queue:
+        _, k = queue[0]
+        gain = float(shapely.area(shapely.intersection(boxes[k], missing)))
+        heapq.heapreplace(queue, (-gain, k))
+        if queue[0][1] != k:
+            continue
+        heapq.heappop(queue)
+        if gain < _LEAST_PART_M2:
+            break
+        views.append(tried.chosen(np.array([k])))
+        missing = shapely.difference(missing, boxes[k])
+    return views, missing
+
+
+def _needed(views: list[Views], missing: shapely.Geometry) -> list[Views]:
+    """Return the viewpoints without those that show no more than the others together."""
+    boxes = [shapely.Polygon(view.footprints[0]) for view in views]
+    kept = dict(enumerate(boxes))
+    for k, box in enumerate(boxes):
+        others = [other for i, other in kept.items() if i != k and other.intersects(box)]
+        alone = shapely.difference(shapely.intersection(missing, box), shapely.union_all(others))
+        if alone.area < _LEAST_PART_M2:
+            del kept[k]
+    return [views[k] for k in kept]
+
+
+def _moved(views: Views, places: FloatArray) -> Views:
+    """Return viewpoints at places, each like the one that is nearest."""
+    nearest = shapely.STRtree(shapely.points(views.centres)).nearest(shapely.points(places))
+    like = views.chosen(nearest)
+    return Views(
+        centres=places,
+        yaw_rad=like.yaw_rad,
+        footprints=like.footprints + (places - like.centres)[:, None],
+        polygon=like.polygon,
+    )
+
+
+def _view_of(part: shapely.Polygon, dropped: Views, shut: shapely.Geometry) -> Views | None:
+    """Return the viewpoint outside that is nearest to a part of which something is seen there."""
+    near = shapely.get_coordinates(part.representative_point())[0]
+    source = int(np.argmin(((dropped.centres - near) ** 2).sum(axis=1)))
+    frame = dropped.footprints[source] - dropped.centres[source]
+    seen_from = shapely.intersection(part, _visible(shut, frame))
+    spots = [p for p in shapely.get_parts(seen_from) if p.area >= _LEAST_PART_M2]
+    if not spots:
+        return None
+    spot = max(spots, key=shapely.area).representative_point()
+    like = dropped.chosen(np.array([source]))
+    place = _nearest_place(spot, frame, shut)
+    return Views(
+        centres=place[None],
+        yaw_rad=like.yaw_rad,
+        footprints=(place + frame)[None],
+        polygon=like.polygon,
+    )
 
 
 def _visible(shut: shapely.Geometry, frame: FloatArray) -> shapely.Geometry:

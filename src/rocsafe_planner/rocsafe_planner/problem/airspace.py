@@ -26,6 +26,7 @@ MAX_SITES = 5000
 # Distance of the corners of paths from the zones beyond the clearance.
 _MARGIN_M = 1e-3
 _BLOCK = 256
+NOBODY: FloatArray = np.zeros((0, 2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -46,20 +47,20 @@ class Airspace:
         Polygons (east, north; metres) that no leg may cross.
     clearance_m
         Distance from them that legs and sites must keep.
+    stands : (n, 2)
+        Places of vehicles. Ground that zones enclose is closed, too, unless one of them is there.
     """
 
-    def __init__(self, zones: list[shapely.Polygon], clearance_m: float) -> None:
+    def __init__(
+        self, zones: list[shapely.Polygon], clearance_m: float, stands: FloatArray = NOBODY
+    ) -> None:
         union = self.zones = shapely.union_all(zones)
-        self.closed: shapely.Geometry = _widened(union, clearance_m)
-        self._outline = shapely.boundary(_widened(union, clearance_m + _MARGIN_M))
-        self._corners = _vertices(_widened(union, clearance_m + _MARGIN_M))
+        self.closed: shapely.Geometry = _filled(_widened(union, clearance_m), stands)
+        self.shut: shapely.Geometry = _filled(_widened(union, clearance_m + _MARGIN_M), stands)
+        """What no viewpoint may lie in; on its edge one may."""
+        self._outline = shapely.boundary(self.shut)
+        self._corners = _vertices(self.shut)
         self._edges = _edges(self.closed)
-
-    def shut(self) -> shapely.Geometry:
-        """Return what no viewpoint may lie in, on its edge nothing is: zones without pockets."""
-        parts = shapely.get_parts(shapely.polygonize([self._outline]))
-        rings = shapely.get_exterior_ring(parts)
-        return shapely.union_all(shapely.polygons(rings))
 
     def holds(self, places: FloatArray) -> BoolArray:
         """Return which of the places (n, 2) lie outside all zones, shape (n,)."""
@@ -182,6 +183,17 @@ class Detours:
 
 def _widened(union: shapely.Geometry, distance_m: float) -> shapely.Geometry:
     return shapely.buffer(union, distance_m, join_style='mitre') if distance_m else union
+
+
+def _filled(closed: shapely.Geometry, stands: FloatArray) -> shapely.Geometry:
+    """Return what is closed, and the yards in it that have no stand."""
+    spots = shapely.points(stands)
+    parts = []
+    for part in shapely.get_parts(closed):
+        yards = [shapely.Polygon(ring) for ring in part.interiors]
+        kept = [yard.exterior for yard in yards if shapely.intersects(yard, spots).any()]
+        parts.append(shapely.Polygon(part.exterior, kept))
+    return shapely.union_all(parts)
 
 
 def _rings(geometry: shapely.Geometry) -> list[FloatArray]:

@@ -99,7 +99,10 @@ def survey_site(request: SurveyRequest, left_out: tuple[int, ...] = ()) -> Surve
     frame = frame_of(request)
     polygons = tuple(region.area.polygon(frame) for region in request.regions)
     zones = [zone.polygon(frame) for zone in request.exclusions]
-    airspace = Airspace(zones, request.airspace.clearance_m) if zones else None
+    airspace = None
+    if zones:
+        stands = np.vstack(_stands(request, frame))
+        airspace = Airspace(zones, request.airspace.clearance_m, stands)
     spec = coverage_spec(request.camera, request.coverage)
     if request.continuation.viewpoints:
         coverage = given_coverage(request, frame, polygons, airspace, left_out)
@@ -143,9 +146,7 @@ def _problem_of(
     request: SurveyRequest, coverage: Coverage, frame: LocalFrame, airspace: Airspace | None
 ) -> FleetProblem:
     vehicles = request.vehicles
-    starts = places_of(frame, [vehicle.start for vehicle in vehicles])
-    homes = places_of(frame, [vehicle.home for vehicle in vehicles])
-    ends = places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles])
+    starts, homes, ends = _stands(request, frame)
     sites = np.vstack([coverage.centres, starts, ends, homes])
     start_ups = _start_ups_m(request, frame)
     detours = insides = None
@@ -185,6 +186,18 @@ def _problem_of(
         may_visit=_may_visit(request, coverage),
         grid_rad=float(coverage.yaw_rad[0]) - 0.5 * math.pi,
         name_of=lambda point: _name(request, coverage, frame, point),
+    )
+
+
+def _stands(
+    request: SurveyRequest, frame: LocalFrame
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return starts, homes and ends of the vehicles (east, north), (m, 2) each."""
+    vehicles = request.vehicles
+    return (
+        places_of(frame, [vehicle.start for vehicle in vehicles]),
+        places_of(frame, [vehicle.home for vehicle in vehicles]),
+        places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles]),
     )
 
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rocsafe_planner.solver.model.compiled import Long, inlined, inner
-from rocsafe_planner.solver.model.tables import Tables, leg
-from rocsafe_planner.solver.search.state import State, path_cost, refill, settle, slide
+from rocsafe_planner.solver.model.tables import Floats, Tables, leg
+from rocsafe_planner.solver.search.state import State, path_cost, settle
 
 
 class Piece(NamedTuple):
@@ -153,36 +153,151 @@ def allowed(tables: Tables, state: State, change: Change) -> bool:
     )
 
 
-@inner
-def gather(state: State, change: Change, taken: int) -> int:
-    """Copy the nodes of a change's pieces to `spare` from `taken` on; return where they end."""
-    for piece in (change.first, change.second):
-        row = row_of(state, piece.route)
-        for k in range(size_of(piece)):
-            slot = piece.high - k if piece.turned else piece.low + k
-            state.spare[taken + k] = state.node[row + slot]
-        taken += size_of(piece)
-    return taken
+@inlined
+def tail(state: State, change: Change) -> Piece:
+    """Return the slots after a change's window, with the end, that it moves; empty: none."""
+    size = size_of(change.first) + size_of(change.second)
+    stays = size == change.high - change.low + 1
+    end = change.high if stays else Long(state.length[change.route]) + 1
+    return Piece(change.route, change.high + 1, end, False)
 
 
 @inner
-def place(tables: Tables, state: State, change: Change, source: int, size: int) -> None:
-    """Replace a change's window by `size` nodes of `spare` from `source` on."""
-    by = size - (change.high - change.low + 1)
-    if by != 0:
-        slide(tables, state, change.route, change.high + 1, by)
-    row = row_of(state, change.route)
+def gather(tables: Tables, state: State, piece: Piece, taken: int) -> int:
+    """Copy the nodes of a piece to `spare` from `taken` on; return where they end.
+
+    Partial costs are copied, too, from its first node on: the legs within it stay the same.
+    """
+    size = size_of(piece)
+    if size == 0:
+        return taken
+    row = row_of(state, piece.route)
+    low, high = row + piece.low, row + piece.high
+    if piece.turned:
+        for k in range(size):
+            state.spare[np.uint64(taken + k)] = state.node[np.uint64(high - k)]
+    else:
+        for k in range(size):
+            state.spare[np.uint64(taken + k)] = state.node[np.uint64(low + k)]
+    for c in range(tables.stay.shape[0]):
+        base, to = c * len(state.node), c * len(state.spare) + taken
+        if piece.turned:
+            copy_turned(state.back, base + high, state.spare_ahead, to, size)
+            if not tables.symmetric:
+                copy_turned(state.ahead, base + high, state.spare_back, to, size)
+        else:
+            copy_paths(state.ahead, base + low, state.spare_ahead, to, size)
+            if not tables.symmetric:
+                copy_paths(state.back, base + low, state.spare_back, to, size)
+    return taken + size
+
+
+@inlined
+def copy_paths(paths: Floats, base: int, spare: Floats, to: int, size: int) -> None:
+    """Copy partial costs, less that of the first."""
+    start = paths[np.uint64(base)]
     for k in range(size):
-        state.node[row + change.low + k] = state.spare[source + k]
-    refill(tables, state, change.route, change.low, change.low + size)
-    settle(tables, state, change.route)
+        spare[np.uint64(to + k)] = paths[np.uint64(base + k)] - start
+
+
+@inlined
+def copy_turned(paths: Floats, base: int, spare: Floats, to: int, size: int) -> None:
+    """Copy the partial costs that slots before one have on the way from it."""
+    start = paths[np.uint64(base)]
+    for k in range(size):
+        spare[np.uint64(to + k)] = start - paths[np.uint64(base - k)]
+
+
+@inner
+def place(tables: Tables, state: State, change: Change, source: int) -> int:
+    """Replace a change's window by its pieces in `spare` from `source` on; return their end."""
+    route = change.route
+    one, two = size_of(change.first), size_of(change.second)
+    moved = size_of(tail(state, change))
+    customers = one + two + max(0, moved - 1)
+    first = row_of(state, route) + change.low
+    state.length[route] += one + two - (change.high - change.low + 1)
+    for k in range(one + two + moved):
+        state.node[np.uint64(first + k)] = state.spare[np.uint64(source + k)]
+    for k in range(customers):
+        state.place[np.uint64(state.spare[np.uint64(source + k)])] = change.low + k
+    for k in range(one + two):
+        state.route[np.uint64(state.spare[np.uint64(source + k)])] = route
+    state.unlinked[route] = 1
+    behind = Long(state.length[route]) + 2 - change.low - one - two
+    for c in range(tables.stay.shape[0]):
+        at = c * len(state.spare) + source
+        for is_back in range(1 if tables.symmetric else 2):
+            add_paths(tables, state, (c, first, one), at, is_back)
+            add_paths(tables, state, (c, first + one, two), at + one, is_back)
+            add_paths(tables, state, (c, first + one + two, moved), at + one + two, is_back)
+            if moved == 0:
+                move_paths(tables, state, (c, first + one + two, behind), is_back)
+    settle(tables, state, route)
+    return source + one + two + moved
+
+
+@inlined
+def path_to(tables: Tables, state: State, measure: int, slot: int, is_back: int) -> float:
+    """Return the partial cost of a slot from that of the slot before it."""
+    here, there = Long(state.node[slot - 1]), Long(state.node[slot])
+    before = measure * len(state.node) + slot - 1
+    if is_back:
+        return state.back[before] + leg(tables, measure, there, here)
+    return state.ahead[before] + leg(tables, measure, here, there)
+
+
+@inlined
+def add_paths(
+    tables: Tables, state: State, slots: tuple[int, int, int], source: int, is_back: int
+) -> None:
+    """Set the partial costs of a piece, of which the spare room has those from its first node on.
+
+    Parameters
+    ----------
+    tables, state
+        The problem, and its routes with the new nodes.
+    slots
+        A measure, the index of the first slot, the number of slots.
+    source
+        Index of the first slot in the spare room.
+    is_back
+        Whether the costs are those of `back`.
+    """
+    measure, slot, size = slots
+    if size == 0:
+        return
+    start = path_to(tables, state, measure, slot, is_back)
+    base = measure * len(state.node) + slot
+    if is_back:
+        for k in range(size):
+            state.back[np.uint64(base + k)] = start + state.spare_back[np.uint64(source + k)]
+    else:
+        for k in range(size):
+            state.ahead[np.uint64(base + k)] = start + state.spare_ahead[np.uint64(source + k)]
+
+
+@inlined
+def move_paths(tables: Tables, state: State, slots: tuple[int, int, int], is_back: int) -> None:
+    """Set the partial costs of slots that follow on changed ones; `slots` as for `add_paths`."""
+    measure, slot, size = slots
+    base = measure * len(state.node) + slot
+    paths = state.back if is_back else state.ahead
+    rise = path_to(tables, state, measure, slot, is_back) - paths[base]
+    for k in range(size):
+        paths[np.uint64(base + k)] += rise
 
 
 @inner
 def make(tables: Tables, state: State, one: Change, other: Change) -> None:
     """Make two changes by which routes exchange pieces; the second may change nothing."""
-    middle = gather(state, one, Long(0))
-    total = gather(state, other, middle)
-    for change, source, beyond in ((one, 0, middle), (other, middle, total)):
+    taken = Long(0)
+    for change in (one, other):
         if change.route >= 0:
-            place(tables, state, change, source, beyond - source)
+            taken = gather(tables, state, change.first, taken)
+            taken = gather(tables, state, change.second, taken)
+            taken = gather(tables, state, tail(state, change), taken)
+    taken = Long(0)
+    for change in (one, other):
+        if change.route >= 0:
+            taken = place(tables, state, change, taken)

@@ -11,7 +11,7 @@ from rocsafe_planner.solver.model.compiled import Long, Word, inlined, inner
 from rocsafe_planner.solver.model.randomness import GOLDEN, below, draw, scramble
 from rocsafe_planner.solver.model.tables import Tables, Words, leg
 from rocsafe_planner.solver.search.moves import Goal, energy
-from rocsafe_planner.solver.search.state import State, refill, settle
+from rocsafe_planner.solver.search.state import State, refill, relink, settle
 
 LONGEST_STRING = 10
 MOST_STRINGS = 6
@@ -167,22 +167,6 @@ def insert_at_end(tables: Tables, state: State, goal: Goal, customer: int) -> No
 
 
 @inner
-def restore(tables: Tables, state: State, route: int) -> None:
-    """Set the links of a route from its slots."""
-    n = len(tables.needs)
-    row = route * (len(state.node) // len(state.length))
-    previous = n + route
-    for k in range(1, state.length[route] + 1):
-        customer = Long(state.node[row + k])
-        state.route[customer] = route
-        state.before[customer] = previous
-        state.after[previous] = customer
-        previous = customer
-    state.after[previous] = n + route
-    state.before[n + route] = previous
-
-
-@inner
 def adopt(tables: Tables, state: State, route: int) -> None:
     """Set the slots of a route from its links."""
     n = len(tables.needs)
@@ -195,14 +179,16 @@ def adopt(tables: Tables, state: State, route: int) -> None:
         customer = Long(state.after[customer])
     state.length[route] = k
     state.node[row + k + 1] = Long(tables.last[route])
-    refill(tables, state, route, Long(1), k + 1)
+    refill(tables, state, route)
     settle(tables, state, route)
 
 
 @inlined
 def begin_trial(state: State) -> None:
-    """Copy all routes to trial routes."""
+    """Copy all routes to trial routes, and bring their links up to date."""
     for r in range(len(state.length)):
+        if state.unlinked[r] != 0:
+            relink(state, r)
         state.trial[0, r] = state.cost[r]
         state.trial[1, r] = state.load[r]
         state.trial[2, r] = 0.0
@@ -249,11 +235,11 @@ def adopt_trial(tables: Tables, state: State) -> None:
 
 
 @inlined
-def forget_trial(tables: Tables, state: State) -> None:
+def forget_trial(state: State) -> None:
     """Discard the trial routes."""
     for r in range(len(state.length)):
         if state.trial[2, r] != 0.0:
-            restore(tables, state, r)
+            relink(state, r)
 
 
 @inner
@@ -271,7 +257,7 @@ def ruin(tables: Tables, state: State, goal: Goal, random: Words, bar: float) ->
     if keep:
         adopt_trial(tables, state)
     else:
-        forget_trial(tables, state)
+        forget_trial(state)
     return keep
 
 

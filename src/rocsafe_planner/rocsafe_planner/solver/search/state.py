@@ -42,10 +42,16 @@ class State(NamedTuple):
     """(n + m,) what follows each customer, and each route's start n + r; n + r means its end."""
     before: Ints
     """(n + m,) what precedes each customer, and each route's end n + r; n + r means its start."""
+    unlinked: Ints
+    """(m,) 1 for routes whose `after` and `before` are those of earlier slots; see `relink`."""
     trial: Floats
     """(3, m) cost and load of routes on trial, and 1 for those that differ from the slots."""
     spare: Ints
     """Room for nodes on the move."""
+    spare_ahead: Floats
+    """Room for their partial costs, for every measure."""
+    spare_back: Floats
+    """The same of `back`; `spare_ahead` itself when symmetric."""
 
 
 def empty_state(tables: Tables) -> State:
@@ -54,6 +60,7 @@ def empty_state(tables: Tables) -> State:
     stride, measures = n + 2, len(tables.stay)
     ahead = np.zeros(measures * m * stride)
     masks = m * stride if tables.restricted else 1
+    spare_ahead = np.zeros(measures * 2 * stride)
     return State(
         node=np.zeros(m * stride, np.int32),
         length=np.zeros(m, np.int32),
@@ -67,8 +74,11 @@ def empty_state(tables: Tables) -> State:
         load=np.zeros(m),
         after=np.zeros(n + m, np.int32),
         before=np.zeros(n + m, np.int32),
+        unlinked=np.zeros(m, np.int32),
         trial=np.zeros((3, m)),
         spare=np.zeros(2 * stride, np.int32),
+        spare_ahead=spare_ahead,
+        spare_back=spare_ahead if tables.symmetric else np.zeros_like(spare_ahead),
     )
 
 
@@ -81,64 +91,41 @@ def path_cost(tables: Tables, route: int, customers: int, path: float) -> float:
 
 
 @inner
-def refill(tables: Tables, state: State, route: int, low: int, high: int) -> None:
-    """Compute the partial costs of slots low .. high (low >= 1), and shift those after them."""
+def refill(tables: Tables, state: State, route: int) -> None:
+    """Set places, links and partial costs of a route from its slots."""
     stride = len(state.node) // len(state.length)
     row = route * stride
-    end = state.length[route] + 1
-    anchor = len(state.route) + route
-    previous = anchor if low == 1 else Long(state.node[row + low - 1])
-    for k in range(low, min(high, end - 1) + 1):
-        customer = Long(state.node[row + k])
-        state.route[customer] = route
-        state.place[customer] = k
-        state.before[customer] = previous
-        state.after[previous] = customer
-        previous = customer
-    following = anchor if high >= end - 1 else Long(state.node[row + high + 1])
-    state.after[previous] = following
-    state.before[following] = previous
+    end = Long(state.length[route]) + 1
+    for k in range(1, end):
+        state.place[state.node[row + k]] = k
+    relink(state, route)
     for c in range(tables.stay.shape[0]):
         base = c * len(state.node) + row
-        before = state.ahead[base + high]
-        total = state.ahead[base + low - 1]
-        for k in range(low, high + 1):
-            total += leg(tables, c, Long(state.node[row + k - 1]), Long(state.node[row + k]))
-            state.ahead[base + k] = total
-        rise = total - before
-        for k in range(high + 1, end + 1):
-            state.ahead[base + k] += rise
+        for k in range(1, end + 1):
+            way = leg(tables, c, Long(state.node[row + k - 1]), Long(state.node[row + k]))
+            state.ahead[base + k] = state.ahead[base + k - 1] + way
         if tables.symmetric:
             continue
-        before = state.back[base + high]
-        total = state.back[base + low - 1]
-        for k in range(low, high + 1):
-            total += leg(tables, c, Long(state.node[row + k]), Long(state.node[row + k - 1]))
-            state.back[base + k] = total
-        rise = total - before
-        for k in range(high + 1, end + 1):
-            state.back[base + k] += rise
+        for k in range(1, end + 1):
+            way = leg(tables, c, Long(state.node[row + k]), Long(state.node[row + k - 1]))
+            state.back[base + k] = state.back[base + k - 1] + way
 
 
 @inner
-def slide(tables: Tables, state: State, route: int, low: int, by: int) -> None:
-    """Move slots low .. end of a route by `by` slots, with their partial costs, and its length."""
-    stride = len(state.node) // len(state.length)
-    row = route * stride
-    end = state.length[route] + 1
-    state.length[route] += by
-    step = -1 if by > 0 else 1
-    first, beyond = (end, low - 1) if by > 0 else (low, end + 1)
-    for k in range(first, beyond, step):
-        state.node[row + k + by] = state.node[row + k]
-    for k in range(low + by, end + by):
-        state.place[state.node[row + k]] = k
-    for base in range(row, len(state.ahead), len(state.node)):
-        for k in range(first, beyond, step):
-            state.ahead[base + k + by] = state.ahead[base + k]
-        if not tables.symmetric:
-            for k in range(first, beyond, step):
-                state.back[base + k + by] = state.back[base + k]
+def relink(state: State, route: int) -> None:
+    """Set the links of a route, and which route its customers have, from its slots."""
+    n = len(state.route)
+    row = route * (len(state.node) // len(state.length))
+    previous = n + route
+    for k in range(1, state.length[route] + 1):
+        customer = Long(state.node[row + k])
+        state.route[customer] = route
+        state.before[customer] = previous
+        state.after[previous] = customer
+        previous = customer
+    state.after[previous] = n + route
+    state.before[n + route] = previous
+    state.unlinked[route] = 0
 
 
 @inner
@@ -192,7 +179,7 @@ def load(tables: Tables, state: State, order: Ints, lengths: Ints) -> None:
             state.node[row + 1 + k] = order[taken + k]
         state.node[row + size + 1] = Long(tables.last[r])
         taken += size
-        refill(tables, state, r, Long(1), size + 1)
+        refill(tables, state, r)
         settle(tables, state, r)
 
 
