@@ -139,6 +139,27 @@ def test_readings_within_a_plume_tell_no_more_than_their_shared_error_allows():
     assert plume_share(survey, LocateOptions(), 2) == pytest.approx(1 / 12.7)
 
 
+def test_plumes_wider_and_higher_than_any_that_is_tried_first_are_found():
+    """Sizes go on by the same factor where the readings ask for it; a rate needs its height."""
+    options = replace(QUICK, spread_y=(0.35, 0.5), spread_z=(0.25, 0.35), most_releases=1)
+    found = locate_releases(readings([(-22.0, 13.0, 2.0)], 3), AREA, LAYER, options=options)
+    assert found.shape.spread_y > 0.6
+    assert found.shape.spread_z > 0.45
+
+
+def test_many_readings_within_a_plume_are_no_error():
+    """The share of their information that counts is then below one in a hundred."""
+    one = readings([(-22.0, 13.0, 2.0)], 3)
+    survey = point_survey(
+        np.tile(one.places_m[:, 0], (12, 1)),
+        np.tile(one.wind_towards_mps, (12, 1)),
+        np.tile(one.values_g_m3, 12),
+        np.tile(one.std_g_m3, 12),
+    )
+    options = replace(QUICK, most_releases=1)
+    assert len(locate_releases(survey, AREA, LAYER, options=options).releases) == 1
+
+
 @pytest.mark.slow
 def test_background_alone_is_no_release():
     """In 30 surveys of clean or evenly polluted air at most one is found."""

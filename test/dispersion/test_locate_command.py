@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from rocsafe_dispersion.command_line.locate_command import main
+from rocsafe_dispersion.detection.open_path import Beam
 from rocsafe_dispersion.estimation.gas_csv import read_gas
+from rocsafe_dispersion.estimation.locate import locate_releases
+from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
@@ -59,6 +62,43 @@ def test_ppm_and_places_on_the_globe(tmp_path: Path):
     assert np.ptp(survey.places_m[:, 0, 1]) == pytest.approx(11.1, abs=0.1)
 
 
+def test_places_on_both_sides_of_180_degrees_are_neighbours(tmp_path: Path):
+    """2.2 m apart at the equator."""
+    path = tmp_path / 'a.csv'
+    path.write_text(
+        'latitude_deg,longitude_deg,height_m,value_g_m3,wind_speed_mps,wind_from_deg\n'
+        '0,179.99999,2,1,4,0\n0,-179.99999,2,1,4,0\n0,-179.99999,2,1,4,0\n',
+        encoding='utf-8',
+    )
+    assert np.ptp(read_gas(path).survey.places_m[:, 0, 0]) == pytest.approx(2.226, abs=0.01)
+
+
+def test_beams_are_means_along_their_way(tmp_path: Path):
+    """A release is found by five beams across its plume that share one background."""
+    release = Release(place_m=(-20.0, 5.0), height_m=0.5, rate_g_s=2.0)
+    plume = SteadyPlume(release=release, travel=similarity_travel(LAYER, 0.5), wind=EASTWARDS)
+    lines = [HEAD + ',to_east_m,to_north_m,to_height_m']
+    for east, low, high in [
+        (-5.0, -40.0, 5.0), (-5.0, 5.0, 40.0), (20.0, -40.0, 7.0), (20.0, 7.0, 40.0),
+        (40.0, -10.0, 10.0), (-40.0, -30.0, 30.0),
+    ]:  # fmt: skip
+        beam = Beam(start_m=(east, low, 2.0), end_m=(east, high, 2.0))
+        value = beam.mean(plume.concentrations_g_m3) + 1e-3
+        lines.append(f'{east},{low},2,{value:.6g},{SPEED_MPS:.4g},270,{east},{high},2')
+    path = tmp_path / 'beams.csv'
+    path.write_text('\n'.join(lines) + '\n', encoding='utf-8')
+    survey = read_gas(path).survey
+    means = plume.concentrations_g_m3(survey.places_m.reshape(-1, 3)).reshape(6, -1)
+    assert means @ survey.weights + 1e-3 == pytest.approx(survey.values_g_m3, rel=0.02)
+    area = SearchArea(west_m=-38.0, south_m=-40.0, east_m=42.0, north_m=40.0, cell_m=8.0)
+    quick = LocateOptions(
+        spread_y=(1.0,), spread_z=(1.0,), turns_deg=(0.0,), fluctuations=((0.0, 0.4),),
+        most_releases=1, information_share=1.0, least_gain=0.0,
+    )  # fmt: skip
+    (found,) = locate_releases(survey, area, LAYER, options=quick).releases
+    assert found.holds(-20.0, 5.0)
+
+
 @pytest.mark.parametrize(
     ('text', 'named'),
     [
@@ -68,13 +108,22 @@ def test_ppm_and_places_on_the_globe(tmp_path: Path):
         (HEAD.replace('value_g_m3', 'value_ppm') + '\n1,2,3,4,5,6\n', 'name the agent'),
         (HEAD.replace('wind_from_deg', 'wind_direction') + '\n1,2,3,4,5,6\n', 'does not say'),
         (HEAD.replace('height_m', 'h') + '\n1,2,3,4,5,6\n', 'height_m is missing'),
-        (HEAD.replace('north_m', 'n') + '\n1,2,3,4,5,6\n', 'needs latitude_deg'),
+        (HEAD.replace('north_m', 'n') + '\n1,2,3,4,5,6\n', 'needs either latitude_deg'),
         (HEAD + '\n1,2,3,x,5,6\n', "line 2: value_g_m3 is 'x'"),
         (HEAD + '\n1,2,3,inf,5,6\n', 'must be finite'),
         (HEAD + '\n1,2,3,4,5,999\n', 'from_deg is 999'),
         (HEAD + '\n1,2,3,4,0,270\n9,9,3,4,0,270\n', 'speed_mps'),
         (HEAD + '\n1,2,3,4,5,270\n1e9,2,3,4,5,270\n', 'apart'),
         ('\x00\xff', 'column'),
+        (HEAD.replace(',', ';') + '\n1;2;3;4;5;6\n', 'semicolons'),
+        (HEAD + ',value_g_m3\n1,2,3,4,5,6,7\n', "'value_g_m3' is there 2 times"),
+        (HEAD + ',latitude_deg,longitude_deg\n1,2,3,4,5,6,53,-9\n', 'needs either'),
+        (HEAD + '\n1,2,3,0,5,270\n', 'std_g_m3 must tell the noise'),
+        (HEAD + '\n1,2,3,1e300,5,270\n', 'line 2: value_g_m3'),
+        (HEAD + ',std_g_m3\n1,2,3,4,5,270,0\n', 'line 2: std_g_m3 is 0'),
+        (HEAD + ',std_g_m3\n1,2,3,4,5,270,1e-300\n', 'line 2: std_g_m3'),
+        (HEAD + ',to_east_m,to_north_m\n1,2,3,4,5,270,9,9\n', 'to_height_m is missing'),
+        (HEAD + ',to_east_m,to_north_m,to_height_m\n1,2,3,4,5,270,900,9,2\n', 'longest beam'),
     ],
 )
 def test_bad_files_are_refused_in_one_line(tmp_path: Path, capsys, text: str, named: str):

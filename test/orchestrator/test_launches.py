@@ -125,6 +125,23 @@ def test_every_parameter_is_an_option_of_its_node(
             assert [vehicle.name for vehicle in options.vehicles()] == ['rav1', 'rav2']
 
 
+def test_one_wind_with_its_gusts_pushes_vehicles_and_carries_gas(
+    small: Callable[..., Path], run: RunDirectory
+) -> None:
+    """Mean, gusts, their seed and the time from which they count are the same."""
+    gusts = {'survey.airspace.wind_mps': [2.0, 1.0], 'air.wind': {'gust_std_mps': 0.7}}
+    scenario = read_scenario(small({**GAS, **gusts}))
+    table = {spec.name: spec.parameters for spec in process_table(scenario, run)}
+    air, wind = table['air'], table['air']['air_file']['wind']
+    flown = table['rav1']
+    assert (flown['wind_east_mps'], flown['wind_north_mps']) == (2.0, 1.0)
+    assert (wind['towards_east_mps'], wind['towards_north_mps']) == (2.0, 1.0)
+    for key in ('gust_std_mps', 'gust_scale_s'):
+        assert flown[key] == wind[key]
+    assert flown['seed'] == air['seed']
+    assert flown['scene_start_s'] == air['start_time_s']
+
+
 def test_a_ground_vehicle_smells_as_drones_do(
     small: Callable[..., Path], run: RunDirectory
 ) -> None:

@@ -173,6 +173,14 @@ def test_mistake_is_named_in_one_line(
     assert '\n' not in str(caught.value)
 
 
+def test_gusts_that_vehicles_cannot_hold_are_refused(small: Callable[..., Path]) -> None:
+    """Two standard deviations on top of the wind, for each vehicle."""
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(small({'air.wind': {'gust_std_mps': 6.0}}))
+    for number, line in enumerate(str(caught.value).splitlines()):
+        assert f'vehicles[{number}] in survey.airspace.wind_mps with gusts of air.wind' in line
+
+
 def test_every_mistake_gets_its_line(small: Callable[..., Path]) -> None:
     """Two mistakes are named in two lines."""
     with pytest.raises(ScenarioError) as caught:

@@ -61,7 +61,7 @@ class AirWindBlock(Block):
     """How the wind of `survey.airspace.wind_mps`, measured at `height_m`, changes.
 
     It grows with height by the roughness of the ground and the stability (Pasquill class), and
-    has gusts, which move gas but not yet the vehicles.
+    has gusts, which move gas and vehicles.
     """
 
     height_m: float = Field(default=10.0, ge=1.0, le=200.0)

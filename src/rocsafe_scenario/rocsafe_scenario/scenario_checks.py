@@ -171,10 +171,18 @@ def _too_much_wind(scenario: Scenario) -> Iterator[str]:
             Performance(
                 **vehicle.model_dump(include=set(rates)),
                 autopilot=Autopilot(**vehicle.autopilot.model_dump()),
-                wind_mps=scenario.survey.airspace.wind_mps,
+                wind_mps=_strongest_wind(scenario),
             )
         except ValueError as error:
-            yield f'vehicles[{index}] in survey.airspace.wind_mps: {error}'
+            gusts = ' with gusts of air.wind' if scenario.air.wind.gust_std_mps else ''
+            yield f'vehicles[{index}] in survey.airspace.wind_mps{gusts}: {error}'
+
+
+def _strongest_wind(scenario: Scenario) -> tuple[float, float]:
+    """Return the wind with gusts of two standard deviations along it, which vehicles must hold."""
+    east, north = scenario.survey.airspace.wind_mps
+    speed, gust = math.hypot(east, north), 2.0 * scenario.air.wind.gust_std_mps
+    return (east * (1.0 + gust / speed), north * (1.0 + gust / speed)) if speed else (gust, 0.0)
 
 
 def _unclear_releases(scenario: Scenario) -> Iterator[str]:

@@ -5,7 +5,10 @@ Columns: a place (``latitude_deg`` and ``longitude_deg``, or ``east_m`` and ``no
 ``height_m`` above the ground, a concentration (``value_g_m3``, or ``value_ppm`` of a named agent),
 and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or ``wind_speed_mps`` and
 ``wind_from_deg``). If given: ``time_s``, ``std_g_m3`` or ``std_ppm``, ``limit`` (``below`` or
-``above``: the value is only a bound) and ``instrument``. Other columns are not read.
+``above``: the value is only a bound) and ``instrument``, whose readings share a background.
+Readings that are means along beams have the other end of each, as well: ``to_height_m`` and
+``to_latitude_deg`` and ``to_longitude_deg``, or ``to_east_m`` and ``to_north_m``. Other columns
+are not read.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,17 +20,24 @@ import numpy as np
 from rocsafe_dispersion.estimation.gas_survey import LARGEST_READINGS, GasSurvey
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.limits import require_between, require_positive
+from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.csv_rows import Row, column, read_table
 from rocsafe_geo.wind.anemometer_file import FROM, VECTOR, is_vector_record
 from rocsafe_geo.wind.wind_vector import wind_from
 
 GEODETIC, LOCAL = ('latitude_deg', 'longitude_deg'), ('east_m', 'north_m')
+# Columns of the other end of a beam begin with it.
+TO = 'to_'
+# A beam is a sum over so many places along it, those of Gauss.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 LIMITS = ('', 'below', 'above')
 # Without a column: noise as this share of the largest reading.
 DEFAULT_NOISE_SHARE = 0.01
 LARGEST_EXTENT_M = 20_000.0
+LONGEST_BEAM_M = 500.0
+# Readings and their noise, in the unit of the file: beyond, they are no concentrations.
+LEAST_NOISE, LARGEST_VALUE = 1e-15, 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -62,13 +72,13 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
     names = set(rows[0])
     factor = _factor(names, g_m3_of_ppm)
     unit = 'g_m3' if 'value_g_m3' in names else 'ppm'
-    places, frame = _places(rows, names)
+    places, weights, frame = _places(rows, names)
     limits = [_limit(number, row) for number, row in enumerate(rows, 2)]
-    values = factor * column(rows, f'value_{unit}')
+    values = factor * _numbers(rows, f'value_{unit}', LARGEST_VALUE)
     return GasFile(
         survey=GasSurvey(
-            places_m=places[:, None],
-            weights=np.ones(1),
+            places_m=places,
+            weights=weights,
             wind_towards_mps=_winds(rows, names),
             values_g_m3=values,
             std_g_m3=_stds(rows, names, unit, factor, values),
@@ -94,29 +104,57 @@ def _factor(names: set[str], g_m3_of_ppm: Callable[[float], float] | None) -> fl
     return g_m3_of_ppm(1.0)
 
 
-def _places(rows: Sequence[Row], names: set[str]) -> tuple[FloatArray, LocalFrame | None]:
-    heights = np.array(
-        [
-            require_between(f'line {number}: height_m', height, -5.0, 500.0, 'm')
-            for number, height in enumerate(column(rows, 'height_m').tolist(), 2)
-        ]
-    )
-    if names >= set(LOCAL):
-        east, north = (column(rows, name) for name in LOCAL)
-        frame = None
-    elif names >= set(GEODETIC):
-        latitudes, longitudes = (column(rows, name) for name in GEODETIC)
-        for number, (latitude, longitude) in enumerate(zip(latitudes, longitudes, strict=True), 2):
-            require_between(f'line {number}: latitude_deg', latitude, -90.0, 90.0, 'degrees')
-            require_between(f'line {number}: longitude_deg', longitude, -180.0, 180.0, 'degrees')
-        middle = GeoPosition(float(np.median(latitudes)), float(np.median(longitudes)), 0.0)
-        frame = LocalFrame(middle)
-        east, north, _ = frame.to_enu(latitudes, longitudes, np.zeros(len(rows))).T
-    else:
-        raise ValueError(f'needs {" and ".join(GEODETIC)}, or {" and ".join(LOCAL)}')
-    if max(np.ptp(east), np.ptp(north)) > LARGEST_EXTENT_M:
+def _places(
+    rows: Sequence[Row], names: set[str]
+) -> tuple[FloatArray, FloatArray, LocalFrame | None]:
+    """Return the points of readings (n, k, 3), their weights (k,), and the frame of a globe."""
+    is_local = names >= set(LOCAL)
+    if is_local == (names >= set(GEODETIC)):
+        raise ValueError(f'needs either {" and ".join(GEODETIC)}, or {" and ".join(LOCAL)}')
+    frame = None if is_local else LocalFrame(_middle(rows))
+    starts = _ends(rows, frame, '')
+    if max(np.ptp(starts[:, 0]), np.ptp(starts[:, 1])) > LARGEST_EXTENT_M:
         raise ValueError(f'the places are more than {LARGEST_EXTENT_M:g} m apart')
-    return np.column_stack([east, north, np.maximum(heights, 0.0)]), frame
+    if not any(name.startswith(TO) for name in names if name):
+        return starts[:, None], np.ones(1), frame
+    along = _ends(rows, frame, TO) - starts
+    longest = float(np.hypot(along[:, 0], along[:, 1]).max())
+    require_between('the longest beam', longest, 0.0, LONGEST_BEAM_M, 'm')
+    shares = (_NODES + 1.0) / 2.0
+    return starts[:, None] + shares[:, None] * along[:, None], _WEIGHTS / 2.0, frame
+
+
+def _middle(rows: Sequence[Row]) -> GeoPosition:
+    """Return a place amidst all, also where they lie on both sides of 180 degrees."""
+    latitudes = _numbers(rows, 'latitude_deg', 90.0, 'degrees')
+    longitudes = _numbers(rows, 'longitude_deg', 180.0, 'degrees')
+    first = longitudes[0]
+    offset = float(np.median((longitudes - first + 180.0) % 360.0 - 180.0))
+    middle = (first + offset + 180.0) % 360.0 - 180.0
+    return GeoPosition(float(np.median(latitudes)), float(middle), 0.0)
+
+
+def _ends(rows: Sequence[Row], frame: LocalFrame | None, which: str) -> FloatArray:
+    """Return the places of readings, or of the other ends of their beams, (n, 3)."""
+    heights = [
+        require_between(f'line {number}: {which}height_m', height, -5.0, 500.0, 'm')
+        for number, height in enumerate(column(rows, f'{which}height_m').tolist(), 2)
+    ]
+    if frame is None:
+        east, north = (column(rows, which + name) for name in LOCAL)
+    else:
+        latitudes = _numbers(rows, f'{which}latitude_deg', 90.0, 'degrees')
+        longitudes = _numbers(rows, f'{which}longitude_deg', 180.0, 'degrees')
+        east, north, _ = frame.to_enu(latitudes, longitudes, np.zeros(len(rows))).T
+    return np.column_stack([east, north, np.maximum(heights, 0.0)])
+
+
+def _numbers(rows: Sequence[Row], name: str, limit: float, unit: str = '') -> FloatArray:
+    """Return a column whose numbers lie between minus `limit` and `limit`."""
+    found = column(rows, name)
+    for number, value in enumerate(found.tolist(), 2):
+        require_between(f'line {number}: {name}', value, -limit, limit, unit)
+    return found
 
 
 def _winds(rows: Sequence[Row], names: set[str]) -> FloatArray:
@@ -131,10 +169,15 @@ def _winds(rows: Sequence[Row], names: set[str]) -> FloatArray:
 def _stds(
     rows: Sequence[Row], names: set[str], unit: str, factor: float, values: FloatArray
 ) -> FloatArray:
-    if f'std_{unit}' not in names:
-        largest = require_positive('largest value', float(np.abs(values).max()))
+    name, largest = f'std_{unit}', float(np.abs(values).max())
+    if name not in names:
+        if not largest:
+            raise ValueError(f'all values are 0: a column {name} must tell the noise')
         return np.full(len(rows), DEFAULT_NOISE_SHARE * largest)
-    return factor * column(rows, f'std_{unit}')
+    found = column(rows, name)
+    for number, value in enumerate(found.tolist(), 2):
+        require_between(f'line {number}: {name}', value, LEAST_NOISE, LARGEST_VALUE)
+    return factor * found
 
 
 def _instruments(rows: Sequence[Row], names: set[str]) -> np.ndarray:  # type: ignore[type-arg]

@@ -2,11 +2,11 @@
 """Estimation of releases of gas: number, places, rates, and regions that hold the places."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 
 import numpy as np
+from scipy.special import logsumexp
 
 from rocsafe_dispersion.estimation.evidence import (
     RATE_PRIOR_SHARE,
@@ -20,7 +20,6 @@ from rocsafe_dispersion.estimation.hidden import HIDDEN_MULTIPLES, HiddenRelease
 from rocsafe_dispersion.estimation.plume_kernel import (
     LEAST_SPEED_MPS,
     PlumeShape,
-    unit_readings,
 )
 from rocsafe_dispersion.estimation.rate_fit import (
     MULTIPLE_WEIGHTS,
@@ -30,6 +29,7 @@ from rocsafe_dispersion.estimation.rate_fit import (
     log_likelihoods,
 )
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.estimation.shape_cases import CaseMaker, ShapeCase
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
@@ -66,14 +66,26 @@ class LocatedReleases:
     hidden: HiddenReleases | None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Case:
-    """One shape of the plume and one scatter, with its prior."""
+class _Fits:
+    """Fits of all places for one release beside others, each made once."""
 
-    shape: PlumeShape
-    scatter: float
-    log_prior: float
-    units: FloatArray
+    def __init__(self, survey: GasSurvey, options: LocateOptions) -> None:
+        self._survey, self._options = survey, options
+        self._made: dict[tuple[ShapeCase, tuple[int, ...]], RateFits] = {}
+
+    def of(self, case: ShapeCase, fixed: Sequence[int]) -> RateFits:
+        """Return the fits of all places for one release beside `fixed` ones, which come first."""
+        key = (case, tuple(fixed))
+        if key not in self._made:
+            size = (*case.units.shape, len(fixed))
+            others = np.broadcast_to(case.units[:, :, None, list(fixed)], size)
+            units = np.concatenate([others, case.units[..., None]], axis=3)
+            self._made[key] = fit_rates(self._survey, units, case.scatter, self._options)
+        return self._made[key]
+
+    def log_weights(self, case: ShapeCase, fixed: Sequence[int]) -> FloatArray:
+        """Return the logarithms of the posterior of all places, up to a constant, (m,)."""
+        return self.of(case, fixed).averaged(self._options.information_share) + case.log_prior
 
 
 def locate_releases(
@@ -114,7 +126,11 @@ def locate_releases(
             'without a wind no plume tells where it comes from'
         )
     places = _places(area)
-    cases = list(_cases(survey, area, places, layer, sigma_theta_rad, anemometer_m, options))
+    travel = similarity_travel(layer, area.height_m, sigma_theta_rad=sigma_theta_rad)
+    reference = float(layer.speed_mps(anemometer_m))
+    maker = CaseMaker(survey, places, area.height_m, travel, reference, options)
+    fits = _Fits(survey, options)
+    cases = maker.cases(lambda case: float(logsumexp(fits.log_weights(case, ()))))
     empty = [_without(survey, case.scatter, options) for case in cases]
     gains: list[float] = []
     chosen: list[int] = []
@@ -123,7 +139,7 @@ def locate_releases(
     share = independent_share(survey, background, options.information_share)
     for _ in range(options.most_releases):
         before = _evidence_of(survey, cases, chosen, share, options)
-        found, own, evidence = _one_more(survey, cases, chosen, share, options)
+        found, own, evidence = _one_more(fits, cases, chosen, share)
         gains.append(evidence + math.log(RATE_PRIOR_SHARE) - before - options.least_gain)
         if gains[-1] <= 0.0:
             break
@@ -131,7 +147,7 @@ def locate_releases(
         background = _at(survey, case, chosen, options).backgrounds_g_m3[0]
     within = plume_share(survey, options, len(chosen))
     of_places = replace(options, information_share=within)
-    releases = _regions(survey, cases, case, chosen, places, area, of_places)
+    releases = _regions(fits, cases, case, chosen, places, area, of_places)
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         gains=tuple(gains),
@@ -149,89 +165,60 @@ def _places(area: SearchArea) -> FloatArray:
     return np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
 
 
-def _cases(
-    survey: GasSurvey,
-    area: SearchArea,
-    places: FloatArray,
-    layer: SurfaceLayer,
-    sigma_theta_rad: float | None,
-    anemometer_m: float,
-    options: LocateOptions,
-) -> Iterator[_Case]:
-    """Yield all combinations of shape and scatter."""
-    travel = similarity_travel(layer, area.height_m, sigma_theta_rad=sigma_theta_rad)
-    reference = float(layer.speed_mps(anemometer_m))
-    tried = product(options.turns_deg, options.spread_y, options.spread_z, options.fluctuations)
-    for turn, wide, high, (meander, scatter) in tried:
-        shape = PlumeShape(
-            spread_y=wide, spread_z=high, turn_rad=math.radians(turn), meander=meander
-        )
-        units = unit_readings(survey, places, area.height_m, travel, reference, shape)
-        prior = -0.5 * (turn / options.turn_std_deg) ** 2
-        yield _Case(shape=shape, scatter=scatter, log_prior=prior, units=units)
-
-
 def _without(survey: GasSurvey, scatter: float, options: LocateOptions) -> RateFits:
     units = np.zeros((1, len(survey.values_g_m3), 1, 0))
     return fit_rates(survey, units, scatter, options)
 
 
-def _at(survey: GasSurvey, case: _Case, chosen: list[int], options: LocateOptions) -> RateFits:
+def _at(survey: GasSurvey, case: ShapeCase, chosen: list[int], options: LocateOptions) -> RateFits:
     """Return the fit for releases at chosen places."""
     return fit_rates(survey, case.units[:, :, None, chosen], case.scatter, options)
 
 
 def _evidence_of(
-    survey: GasSurvey, cases: list[_Case], chosen: list[int], share: float, options: LocateOptions
+    survey: GasSurvey,
+    cases: list[ShapeCase],
+    chosen: list[int],
+    share: float,
+    options: LocateOptions,
 ) -> float:
     """Return the logarithm of the evidence of releases at chosen places."""
+    if not chosen:  # then all shapes say the same
+        return log_evidence([_without(survey, cases[0].scatter, options)], [0.0], share)
     fits = [_at(survey, case, chosen, options) for case in cases]
     return log_evidence(fits, [case.log_prior for case in cases], share)
 
 
-def _fits(survey: GasSurvey, case: _Case, fixed: list[int], options: LocateOptions) -> RateFits:
-    """Return the fits of all places for one release beside `fixed` ones, which come first."""
-    offsets, count, places = case.units.shape
-    size = (offsets, count, places, len(fixed))
-    others = np.broadcast_to(case.units[:, :, None, fixed], size)
-    units = np.concatenate([others, case.units[..., None]], axis=3)
-    return fit_rates(survey, units, case.scatter, options)
-
-
 def _one_more(
-    survey: GasSurvey,
-    cases: list[_Case],
+    fits: _Fits,
+    cases: list[ShapeCase],
     chosen: list[int],
     share: float,
-    options: LocateOptions,
-) -> tuple[list[int], _Case, float]:
+) -> tuple[list[int], ShapeCase, float]:
     """Return the best places with one release more, their case, and the evidence of one more.
 
     The new one is tried everywhere beside the others; then each in turn is tried everywhere
     again until none moves. `share` of the information counts for the evidence.
     """
-    fits = [_fits(survey, case, chosen, options) for case in cases]
-    priors = [case.log_prior for case in cases]
-    likely = np.array([fit.averaged(options.information_share) for fit in fits])
-    likely += np.array(priors)[:, None]
+    likely = np.array([fits.log_weights(case, chosen) for case in cases])
     best, index = np.unravel_index(int(likely.argmax()), likely.shape)
     found, case = [*chosen, int(index)], cases[int(best)]
     for _ in range(_EXCHANGES if len(found) > 1 else 0):
         before = list(found)
         for number in range(len(found)):
             others = found[:number] + found[number + 1 :]
-            own = _fits(survey, case, others, options)
-            place = int(own.averaged(options.information_share).argmax())
+            place = int(fits.log_weights(case, others).argmax())
             found = [*found[:number], place, *found[number + 1 :]]
         if found == before:
             break
-    return found, case, log_evidence(fits, priors, share)
+    made = [fits.of(case, chosen) for case in cases]
+    return found, case, log_evidence(made, [case.log_prior for case in cases], share)
 
 
 def _regions(
-    survey: GasSurvey,
-    cases: list[_Case],
-    best: _Case,
+    fits: _Fits,
+    cases: list[ShapeCase],
+    best: ShapeCase,
     chosen: list[int],
     places: FloatArray,
     area: SearchArea,
@@ -243,14 +230,14 @@ def _regions(
         others = chosen[:number] + chosen[number + 1 :]
         # Beside others only the best case is looked at: they were placed in it.
         own = cases if not others else [case for case in cases if case.shape == best.shape]
-        fits = [_fits(survey, case, others, options) for case in own]
+        made = [fits.of(case, others) for case in own]
         logs = np.array(
             [
                 options.information_share * fit.log_likelihoods + case.log_prior
-                for fit, case in zip(fits, own, strict=True)
+                for fit, case in zip(made, own, strict=True)
             ]
         )
-        rates = np.array([fit.rates_g_s[:, -1:] * MULTIPLES for fit in fits])
+        rates = np.array([fit.rates_g_s[:, -1:] * MULTIPLES for fit in made])
         weights = np.exp(logs - logs.max()) * MULTIPLE_WEIGHTS
         shapes = [case.shape for case in own]
         found.append(found_release(weights, rates, places, shapes, area.cell_m))
@@ -259,7 +246,7 @@ def _regions(
 
 def _hidden(
     survey: GasSurvey,
-    cases: list[_Case],
+    cases: list[ShapeCase],
     empty: list[RateFits],
     places: FloatArray,
     options: LocateOptions,

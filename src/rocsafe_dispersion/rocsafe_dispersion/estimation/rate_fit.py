@@ -72,32 +72,29 @@ def fit_rates(
     options
         Tails, missed readings.
     """
-    mean_units = np.einsum('o,onmp->nmp', offset_weights(units), units)
-    count, hypotheses, releases = mean_units.shape
-    members = np.eye(survey.instruments.max() + 1)[survey.instruments]
-    design = np.concatenate(
-        [mean_units, np.broadcast_to(members[:, None], (count, hypotheses, members.shape[1]))],
-        axis=2,
-    )
+    design = np.einsum('o,onmp->nmp', offset_weights(units), units)
+    releases = design.shape[2]
     # Columns of like size keep the equations well conditioned.
     scale = np.maximum(np.abs(design).max(axis=0), 1e-30)
     design = design / scale
+    members = np.eye(survey.instruments.max() + 1)[survey.instruments]
     values = survey.values_g_m3[:, None]
-    found = np.zeros((hypotheses, design.shape[2]))
-    spread = np.full((count, hypotheses), float(np.std(values)) + survey.std_g_m3.max())
+    found = np.zeros((design.shape[1], releases + members.shape[1]))
+    spread = np.full(design.shape[:2], float(np.std(values)) + survey.std_g_m3.max())
+    gas: FloatArray = np.zeros(design.shape[:2])
     for _ in range(ROUNDS):
-        predicted = np.einsum('nmp,mp->nm', design, found)
+        predicted = gas + members @ found[:, releases:].T
         wanted = _aimed_at(survey, predicted)
         ratio = ((wanted - predicted) / spread) ** 2
         weights = (FREEDOM + 1.0) / (FREEDOM + ratio) / spread**2
-        found = _solved(design, weights, wanted)
-        gas = np.einsum('nmp,mp->nm', design[:, :, :releases], found[:, :releases])
+        found = _solved(design, members, weights, wanted)
+        gas = np.einsum('nmp,mp->nm', design, found[:, :releases])
         spread = np.hypot(survey.std_g_m3[:, None], scatter * gas)
-    background = np.einsum('nmp,mp->nm', design[:, :, releases:], found[:, releases:])
-    rates = found[:, :releases] / scale[:, :releases]
+    background = members @ found[:, releases:].T
+    rates = found[:, :releases] / scale
     return RateFits(
         rates_g_s=rates,
-        backgrounds_g_m3=found[:, releases:] / scale[:, releases:],
+        backgrounds_g_m3=found[:, releases:],
         log_likelihoods=log_likelihoods(survey, units, rates, background, scatter, options),
     )
 
@@ -110,12 +107,28 @@ def _aimed_at(survey: GasSurvey, predicted: FloatArray) -> FloatArray:
     return np.where(below | above, predicted, values)
 
 
-def _solved(design: FloatArray, weights: FloatArray, values: FloatArray) -> FloatArray:
-    """Return the weighted least squares of each hypothesis, none below 0, (m, parameters)."""
-    weighted = (design * weights[:, :, None]).transpose(1, 2, 0)
-    normal = weighted @ design.transpose(1, 0, 2)
-    right = (weighted @ values.T[:, :, None])[:, :, 0]
-    size = normal.shape[1]
+def _solved(
+    design: FloatArray, members: FloatArray, weights: FloatArray, values: FloatArray
+) -> FloatArray:
+    """Return the weighted least squares of each hypothesis, none below 0, (m, parameters).
+
+    `design` (n, m, releases) is that of the rates, `members` (n, instruments) tells whose
+    background each reading has.
+    """
+    releases = design.shape[2]
+    size = releases + members.shape[1]
+    normal, right = np.zeros((design.shape[1], size, size)), np.zeros((design.shape[1], size))
+    for first in range(releases):
+        weighted = weights * design[:, :, first]
+        right[:, first] = (weighted * values).sum(axis=0)
+        for second in range(first, releases):
+            normal[:, first, second] = (weighted * design[:, :, second]).sum(axis=0)
+            normal[:, second, first] = normal[:, first, second]
+        normal[:, first, releases:] = weighted.T @ members
+        normal[:, releases:, first] = normal[:, first, releases:]
+    right[:, releases:] = (weights * values).T @ members
+    own = np.arange(releases, size)
+    normal[:, own, own] = weights.T @ members
     ridge = 1e-9 * np.trace(normal, axis1=1, axis2=2)[:, None, None] + _TINY
     normal = normal + ridge * np.eye(size)
     found = np.linalg.solve(normal, right[:, :, None])[:, :, 0]

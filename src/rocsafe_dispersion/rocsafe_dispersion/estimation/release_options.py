@@ -43,7 +43,10 @@ class LocateOptions:
     Attributes
     ----------
     spread_y, spread_z
-        Factors of the crosswind and the vertical size of the plume that are tried.
+        Factors of the crosswind and the vertical size of the plume that are tried first; where
+        the readings ask for others, the row goes on by the same factor.
+    spread_std
+        Standard deviation of the logarithm of these factors before readings.
     turns_deg, turn_std_deg
         Errors of the wind direction that are tried, degrees, and their standard deviation.
     fluctuations
@@ -74,6 +77,7 @@ class LocateOptions:
 
     spread_y: tuple[float, ...] = (0.7, 1.4)
     spread_z: tuple[float, ...] = (0.7, 1.4)
+    spread_std: float = 0.7
     turns_deg: tuple[float, ...] = (-8.0, 0.0, 8.0)
     turn_std_deg: float = 6.0
     fluctuations: tuple[tuple[float, float], ...] = ((0.0, 0.4), (0.6, 0.6))
@@ -91,9 +95,10 @@ class LocateOptions:
         for meander, scatter in self.fluctuations:
             require_between('meander of fluctuations', meander, 0.0, 0.95)
             require_between('scatter of fluctuations', scatter, 0.05, 5.0)
+        require_positive('spread_std', self.spread_std)
         require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
         require_between('missed_probability', self.missed_probability, 0.0, 0.9)
-        require_between('information_share', self.information_share, 0.01, 1.0)
+        require_between('information_share', self.information_share, 0.0, 1.0)
         require_between('shared_error', self.shared_error, 0.0, 1.0)
         require_between('smallest_g_s', self.smallest_g_s, 1e-9, 1e9, 'g/s')
         require_count('most_releases', self.most_releases, 0, 3)

@@ -25,9 +25,21 @@ def read_table(path: Path, made: Callable[[Sequence[Row]], T]) -> T:
     """
     try:
         with path.open(encoding='utf-8-sig', newline='') as stream:
-            return made(list(csv.DictReader(stream, strict=True)))
+            reader = csv.DictReader(stream, strict=True)
+            _check_names(reader.fieldnames or ())
+            return made(list(reader))
     except (OSError, ValueError, csv.Error) as error:
         raise ValueError(f'{path}: {error}') from error
+
+
+def _check_names(names: Sequence[str]) -> None:
+    """Refuse a header whose columns no program could tell apart."""
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise ValueError(f'column {twice[0]!r} is there {names.count(twice[0])} times: once')
+    for mark, word in ((';', 'semicolons'), ('\t', 'tabs')):
+        if len(names) == 1 and mark in names[0]:
+            raise ValueError(f'line 1: {word} stand between the columns: must be commas')
 
 
 def column(rows: Sequence[Row], name: str) -> FloatArray:

@@ -288,6 +288,8 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         'hover_power_w': vehicle.hover_power_w,
         'wind_east_mps': scenario.survey.airspace.wind_mps[0],
         'wind_north_mps': scenario.survey.airspace.wind_mps[1],
+        'gust_std_mps': scenario.air.wind.gust_std_mps,
+        'gust_scale_s': scenario.air.wind.gust_scale_s,
         **simulation,
         **sensor_parameters(scenario.simulation.sensors),
         **camera_parameters(scenario.camera, scenario.other_cameras),

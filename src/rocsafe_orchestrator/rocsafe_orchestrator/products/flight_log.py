@@ -19,6 +19,7 @@ from rocsafe_orchestrator.products.run_record import (
     GasSample,
     MissionSample,
     Notice,
+    ParticleSample,
     Reading,
     RecordingFacts,
     Track,
@@ -27,6 +28,7 @@ from rocsafe_orchestrator.products.run_record import (
 
 _READING = 'rocsafe_interfaces/msg/RadiationReading'
 _GAS = 'rocsafe_interfaces/msg/GasReading'
+_PARTICLES = 'rocsafe_interfaces/msg/ParticleReading'
 _FIX = 'sensor_msgs/msg/NavSatFix'
 _STATE = 'rocsafe_interfaces/msg/VehicleState'
 _MISSION = 'rocsafe_interfaces/msg/MissionState'
@@ -63,6 +65,7 @@ class _Log:
         self._reader = reader
         self._readings: dict[tuple[int, str], Reading] = {}
         self._gases: dict[tuple[int, str, str], GasSample] = {}
+        self._particles: dict[tuple[int, str], ParticleSample] = {}
         self._fixes: dict[str, dict[int, tuple[float, float, float]]] = {}
         self._samples: dict[str, list[VehicleSample]] = {}
         self._mission: list[MissionSample] = []
@@ -75,6 +78,7 @@ class _Log:
         handlers: dict[str, Callable[[str, Any], None]] = {
             _READING: self._on_reading,
             _GAS: self._on_gas,
+            _PARTICLES: self._on_particles,
             _FIX: self._on_fix,
             _STATE: self._on_state,
             _MISSION: self._on_mission,
@@ -89,6 +93,7 @@ class _Log:
             facts=self._facts(),
             readings=tuple(self._readings[key] for key in sorted(self._readings)),
             gases=tuple(self._gases[key] for key in sorted(self._gases)),
+            particles=tuple(self._particles[key] for key in sorted(self._particles)),
             tracks=dict(self._tracks()),
             samples={name: tuple(samples) for name, samples in sorted(self._samples.items())},
             mission=tuple(self._mission),
@@ -149,6 +154,18 @@ class _Log:
             saturated=message.saturated,
         )
         self._gases[sample.time_ns, sample.vehicle, sample.sensor] = sample
+
+    def _on_particles(self, topic: str, message: Any) -> None:
+        sample = ParticleSample(
+            time_ns=_stamp_ns(message),
+            vehicle=_vehicle_of(topic),
+            fluorescent=message.fluorescent,
+            particles_per_l=message.particles_per_l,
+            triggered=message.triggered,
+            latitude_deg=message.position.latitude,
+            longitude_deg=message.position.longitude,
+        )
+        self._particles[sample.time_ns, sample.vehicle] = sample
 
     def _on_fix(self, topic: str, message: Any) -> None:
         if message.status.status >= 0:

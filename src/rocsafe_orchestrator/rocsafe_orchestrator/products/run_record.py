@@ -58,6 +58,22 @@ class GasSample:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ParticleSample:
+    """One window of a particle counter; the fields mean what those of ``ParticleReading.msg`` do.
+
+    The position is NaN where the vehicle did not know it.
+    """
+
+    time_ns: int
+    vehicle: str
+    fluorescent: int
+    particles_per_l: float
+    triggered: bool
+    latitude_deg: float
+    longitude_deg: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Track:
     """Places of a vehicle over time.
 
@@ -204,6 +220,7 @@ class FlightLog:
     facts: RecordingFacts
     readings: tuple[Reading, ...] = ()
     gases: tuple[GasSample, ...] = ()
+    particles: tuple[ParticleSample, ...] = ()
     tracks: Mapping[str, Track] = field(default_factory=dict)
     samples: Mapping[str, tuple[VehicleSample, ...]] = field(default_factory=dict)
     mission: tuple[MissionSample, ...] = ()

@@ -21,6 +21,7 @@ from rocsafe_orchestrator.report.sections.advice_view import advice_view
 from rocsafe_orchestrator.report.sections.drive_view import drive_view
 from rocsafe_orchestrator.report.sections.fleet_view import fleet_view
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
+from rocsafe_orchestrator.report.sections.particle_view import particle_view
 from rocsafe_orchestrator.report.sections.people_view import people_rows
 from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, strongest
 from rocsafe_orchestrator.report.timeline import deviations
@@ -69,6 +70,7 @@ def report_page(record: RunRecord, summary: RunSummary, frame: LocalFrame | None
         highest_colour=scale.colour(top.dose_rate_usvh) if top else None,
         dose=dose,
         gas=gas_view(record.releases, view.zones if view else ()),
+        particles=particle_view(record.log.particles if record.log else (), begin_ns),
         advice=advice_view(record.advice),
         drive=drive_view(record, frame),
         fleet=fleet_view(record.log.agents if record.log else (), begin_ns),

@@ -9,7 +9,9 @@ from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.option import option
 from rocsafe_geo.storage.value_file import read_values
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
+from rocsafe_sim.flight.gust_drift import GustDrift
 from rocsafe_sim.flight.sensing_options import SensingOptions
 
 
@@ -40,6 +42,10 @@ class FlightOptions(SensingOptions):
     )
     wind_east_mps: float = option(0.0, 'velocity of the air to the east, m/s', -100.0, 100.0)
     wind_north_mps: float = option(0.0, 'velocity of the air to the north, m/s', -100.0, 100.0)
+    gust_std_mps: float = option(
+        0.0, 'standard deviation of gusts to east and north each, m/s; 0: none', 0.0, 20.0
+    )
+    gust_scale_s: float = option(20.0, 'how long gusts last, s', 1.0, 3600.0)
 
     def airframe(self) -> Airframe:
         """Return what the vehicles can do.
@@ -73,6 +79,23 @@ class FlightOptions(SensingOptions):
             climb_rate_mps=self.climb_rate_mps,
             descent_rate_mps=self.descent_rate_mps,
             autopilot=self.autopilot(),
+            wind_mps=(self.wind_east_mps, self.wind_north_mps),
+        )
+
+    def gusts(self) -> GustDrift:
+        """Return how gusts push the vehicles, with the gusts of the air of the same seed.
+
+        Raises
+        ------
+        ValueError
+            As `airframe`.
+        """
+        return GustDrift(
+            std_mps=self.gust_std_mps,
+            scale_s=self.gust_scale_s,
+            seed=self.seed,
+            start_ns=round(self.scene_start_s * NS_PER_S),
+            drag_per_m=self.autopilot().drag_per_m,
             wind_mps=(self.wind_east_mps, self.wind_north_mps),
         )
 

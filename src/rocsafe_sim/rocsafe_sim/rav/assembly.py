@@ -155,6 +155,7 @@ def make_rav(
         name=name,
         frame=frame,
         noise=noise,
+        gusts=options.gusts(),
         cameras=tuple(map(MountedCamera, shared.cameras)),
         sensors=make_suite(
             options.sensors(),

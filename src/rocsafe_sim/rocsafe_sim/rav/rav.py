@@ -25,7 +25,8 @@ from rocsafe_sim.cameras.mounted_camera import (
     VehiclePose,
 )
 from rocsafe_sim.clock.step_times import StepTimes
-from rocsafe_sim.flight.segment import Mode
+from rocsafe_sim.flight.gust_drift import GustDrift
+from rocsafe_sim.flight.segment import FlightPose, Mode
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.sensors.body_motion import BodyState
 from rocsafe_sim.sensors.readings import Reading
@@ -78,6 +79,8 @@ class RavParts:
         Cameras; the first takes the photographs of the survey.
     sensors
         Sensors of motion, air, field and distance.
+    gusts
+        How gusts push it off its way; None: there are none.
     """
 
     name: str
@@ -85,6 +88,7 @@ class RavParts:
     noise: SensorNoise
     cameras: tuple[MountedCamera, ...]
     sensors: SensorSuite = NO_SENSORS
+    gusts: GustDrift | None = None
 
 
 class Rav:
@@ -184,11 +188,32 @@ class Rav:
             shots += self.vehicle.step(sample_ns).shots
             self.readings += sensors.read(sample_ns, self._body_at)
         snapshot = self.vehicle.step(time_ns)
-        return replace(snapshot, shots=(*shots, *snapshot.shots))
+        return replace(
+            snapshot,
+            pose=self._blown(snapshot.pose, time_ns),
+            shots=(*shots, *snapshot.shots),
+        )
+
+    def _blown(self, pose: FlightPose, time_ns: int) -> FlightPose:
+        """Return a pose on its way with what gusts add to it, which grows with the height."""
+        if self.parts.gusts is None:
+            return pose
+        (east, north, up), (east_mps, north_mps, up_mps) = pose.position_enu, pose.velocity_enu
+        offset, rate = self.parts.gusts.at(time_ns, (east_mps, north_mps))
+        share = min(1.0, max(0.0, self._height_m(pose.position_enu) / FULL_SWAY_M))
+        return replace(
+            pose,
+            position_enu=(east + share * offset[0], north + share * offset[1], up),
+            velocity_enu=(east_mps + share * rate[0], north_mps + share * rate[1], up_mps),
+        )
+
+    def _pose_at(self, time_ns: int) -> FlightPose:
+        """Return the true pose at a time."""
+        return self._blown(self.vehicle.pose_at(time_ns), time_ns)
 
     def _body_at(self, time_ns: int) -> BodyState:
         """Return the true motion of the body: it sways as the cameras of a stream see it."""
-        pose = self.vehicle.pose_at(time_ns)
+        pose = self._pose_at(time_ns)
         share = min(1.0, max(0.0, self._height_m(pose.position_enu) / FULL_SWAY_M))
         roll, pitch = self.parts.noise.sway_at_rad(time_ns)
         return BodyState(
@@ -219,7 +244,7 @@ class Rav:
         """
 
         def stand(time_ns: int) -> VehiclePose:
-            pose, sway = self.vehicle.pose_at(time_ns), self.parts.noise.sway_at_rad(time_ns)
+            pose, sway = self._pose_at(time_ns), self.parts.noise.sway_at_rad(time_ns)
             east, north, up = pose.position_enu
             on_legs = LANDED_CAMERA_M - self._height_m(pose.position_enu)
             return VehiclePose(
@@ -264,11 +289,12 @@ class Rav:
         )
 
     def _photograph(self, due: ShotDue) -> Shot:
-        parts, place = self.parts, due.pose.position_enu
+        parts, own = self.parts, self._blown(due.pose, due.time_ns)
+        place = own.position_enu
         sway = parts.noise.sway_rad(due.sequence)
 
         def stand(time_ns: int) -> VehiclePose:
-            pose = due.pose if time_ns == due.time_ns else self.vehicle.pose_at(time_ns)
+            pose = own if time_ns == due.time_ns else self._pose_at(time_ns)
             attitude = _attitude(pose.yaw_rad, sway)
             return VehiclePose(position_enu=pose.position_enu, attitude=attitude)
 
