@@ -192,7 +192,7 @@ class Equations:
     def rows(self, state: State) -> tuple[csr_matrix, FloatArray]:
         """Return Jacobian and residuals, weighted so that plain least squares is right.
 
-        Rows: ties, priors of poses, lenses and lifts, sightings of marks, surveyed places of marks.
+        Rows: ties, priors of poses, lenses and lifts, sightings and surveyed places of marks.
         """
         blocks = [self._seen_rows(self.ties.derivatives(state), self._tie_columns, state.noise)]
         values, residuals = self._prior_rows(state)
