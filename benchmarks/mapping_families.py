@@ -261,7 +261,8 @@ def _lit(picture: FloatArray, dark_corners: float, gain: float) -> FloatArray:
     height, width = picture.shape[:2]
     down, right = np.mgrid[-1.0 : 1.0 : height * 1j, -1.0 : 1.0 : width * 1j]
     light = gain * (1.0 - dark_corners * (down**2 + right**2) / 2.0)
-    return np.clip(picture * light[..., np.newaxis], 0, 255).astype(np.uint8)
+    lit: FloatArray = np.clip(picture * light[..., np.newaxis], 0, 255).astype(np.uint8)
+    return lit
 
 
 def _shot(
