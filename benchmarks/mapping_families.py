@@ -4,15 +4,17 @@
 Each survey is drawn from its seed: size, overlap, flying height, altitude of the ground, whether
 tags tell the height above the ground, scatter and drift of the fixes, what they claim, tilt, and
 the error of the focal length. Seeds are in three parts: develop (0 to 999), validate (1000 to
-1999), unopened (2000 up).
+1999), unopened (2000 up). ``--hard`` draws what else goes wrong as well, each in a part of the
+surveys: take-off above or below the ground, a rolling shutter, strips flown back and forth without
+a yaw, a camera that looks ahead, dark corners, exposures that jump.
 """
 
 import argparse
 import dataclasses
 import math
 import time
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -38,6 +40,36 @@ CLAIMED_M = 2.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Hardship:
+    """What goes wrong beside noise; all of it is off by default.
+
+    Attributes
+    ----------
+    take_off
+        Height of the place of take-off above the surveyed ground, over the flying height: told
+        heights are too low by it.
+    rolling
+        Way flown while a photograph is read, over the footprint's width.
+    is_turning, ahead_rad
+        Whether strips are flown back and forth, without a yaw told; by how much the camera looks
+        ahead.
+    is_ahead_told
+        Whether the tags tell that.
+    dark_corners, exposure
+        Share of the light that is missing in the corners; standard deviation of the logarithm of
+        the exposures.
+    """
+
+    take_off: float = 0.0
+    rolling: float = 0.0
+    is_turning: bool = False
+    ahead_rad: float = 0.0
+    is_ahead_told: bool = True
+    dark_corners: float = 0.0
+    exposure: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Survey:
     """What was drawn.
 
@@ -55,6 +87,8 @@ class Survey:
         Standard deviation of the fixes, and the correlation of each with the one before.
     tilt_rad, focal_off
         Standard deviation of the camera's tilt; error of the focal length over itself.
+    hardship
+        What else is wrong.
     """
 
     rows: int
@@ -67,6 +101,7 @@ class Survey:
     drift: float
     tilt_rad: float
     focal_off: float
+    hardship: Hardship = field(default_factory=Hardship)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +128,26 @@ class Outcome:
     cpu_s: float
 
 
-def drawn(seed: int) -> Survey:
+def hardship(seed: int) -> Hardship:
+    """Return what goes wrong in the survey of a seed."""
+    rng = np.random.default_rng([seed, 16])
+
+    def sometimes(low: float, high: float) -> float:
+        value = rng.uniform(low, high)
+        return float(value) if rng.random() < 0.35 else 0.0
+
+    return Hardship(
+        take_off=sometimes(-0.5, 0.3),
+        rolling=sometimes(0.002, 0.02),
+        is_turning=bool(rng.random() < 0.35),
+        ahead_rad=sometimes(math.radians(8.0), math.radians(30.0)),
+        is_ahead_told=bool(rng.random() < 0.5),
+        dark_corners=sometimes(0.1, 0.5),
+        exposure=sometimes(0.05, 0.3),
+    )
+
+
+def drawn(seed: int, *, is_hard: bool = False) -> Survey:
     """Return the survey of a seed."""
     rng = np.random.default_rng([seed, 14])
     return Survey(
@@ -107,6 +161,7 @@ def drawn(seed: int) -> Survey:
         drift=float(rng.choice([0.0, 0.0, 0.6, 0.9])),
         tilt_rad=math.radians(rng.uniform(0.5, 5.0)),
         focal_off=rng.normal(0.0, 0.03),
+        hardship=hardship(seed) if is_hard else Hardship(),
     )
 
 
@@ -114,6 +169,7 @@ def flown(survey: Survey, seed: int) -> tuple[list[Shot], list[FloatArray], Loca
     """Return the photographs of a survey, the true corners of each, (4, 2), and the true frame."""
     rng = np.random.default_rng([seed, 15])
     frame = LocalFrame(GeoPosition(rng.uniform(-60.0, 60.0), 10.0, survey.ground_m))
+    hard, light = survey.hardship, np.random.default_rng([seed, 17])
     footprint_m = 2.0 * survey.height_m * math.tan(CAMERA.horizontal_fov_rad / 2.0)
     step_m = np.array([footprint_m, 0.75 * footprint_m]) * (1.0 - survey.overlap)
     side_m = float(max(step_m[0] * survey.columns, step_m[1] * survey.rows) + 2.5 * footprint_m)
@@ -127,20 +183,24 @@ def flown(survey: Survey, seed: int) -> tuple[list[Shot], list[FloatArray], Loca
             column - (survey.columns - 1) / 2, (survey.rows - 1) / 2 - row
         )  # fmt: skip
         centre = np.array([east, north, survey.height_m + rng.normal(0.0, 0.5)])
-        rotation = rotation_enu_from_optical(math.pi / 2, *rng.normal(0.0, survey.tilt_rad, 2))
+        yaw = math.pi / 2 if row % 2 == 0 or not hard.is_turning else -math.pi / 2
+        tilts = rng.normal(0.0, survey.tilt_rad, 2) - (hard.ahead_rad, 0.0)
+        rotation = rotation_enu_from_optical(yaw, *tilts)
+        way_m = hard.rolling * footprint_m * np.array([math.cos(yaw), math.sin(yaw)])
         fresh = rng.normal(0.0, survey.fix_m, 2)
         off = fresh if number == 0 else (
             survey.drift * off + math.sqrt(1.0 - survey.drift**2) * fresh
         )  # fmt: skip
         told = centre + np.array([*off, rng.normal(0.0, 0.5 * survey.fix_m)])
-        shots.append(_shot(survey, number, frame, told, _seen(ground, side_m, centre, rotation)))
-        truths.append(_corners(centre, rotation))
+        picture = _seen(ground, side_m, centre, rotation, way_m)
+        picture = _lit(picture, hard.dark_corners, math.exp(light.normal(0.0, hard.exposure)))
+        shots.append(_shot(survey, number, frame, told, picture, yaw))
+        truths.append(_corners(centre, rotation, way_m))
     return shots, truths, frame
 
 
-def tried(seed: int) -> Outcome:
-    """Map the survey of a seed."""
-    survey = drawn(seed)
+def tried(survey: Survey, seed: int) -> Outcome:
+    """Map a survey."""
     shots, truths, frame = flown(survey, seed)
     cpu = time.process_time()
     maker = Mapmaker(MapOptions())
@@ -175,28 +235,57 @@ def _ground(rng: np.random.Generator, side_m: float, pixel_m: float) -> FloatArr
 
 
 def _seen(
-    ground: FloatArray, side_m: float, centre: FloatArray, rotation: FloatArray
+    ground: FloatArray,
+    side_m: float,
+    centre: FloatArray,
+    rotation: FloatArray,
+    way_m: FloatArray,
 ) -> FloatArray:
-    """Return what the camera sees of the ground."""
+    """Return what the camera sees of the ground, moving by `way_m` while its rows are read."""
     pixel_m = side_m / len(ground)
-    to_ground = np.array(
-        [[pixel_m, 0.0, -side_m / 2], [0.0, -pixel_m, side_m / 2], [0.0, 0.0, 1.0]]
-    )
-    homography = ground_homography(CAMERA, centre, rotation) @ to_ground
     size = (CAMERA.image_width_px, CAMERA.image_height_px)
-    seen: FloatArray = cv2.warpPerspective(ground, homography, size, flags=cv2.INTER_AREA)
+    columns, rows = np.meshgrid(np.arange(size[0], dtype=float), np.arange(size[1], dtype=float))
+    pixels = np.stack([columns, rows, np.ones_like(rows)], axis=-1)
+    places = pixels @ np.linalg.inv(ground_homography(CAMERA, centre, rotation)).T
+    places = places[..., :2] / places[..., 2:]
+    places += (rows[..., np.newaxis] / size[1] - 0.5) * way_m
+    at = (places * (1.0, -1.0) + side_m / 2.0) / pixel_m
+    seen: FloatArray = cv2.remap(
+        ground, at.astype(np.float32), None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT
+    )
     return seen
 
 
+def _lit(picture: FloatArray, dark_corners: float, gain: float) -> FloatArray:
+    """Return a picture whose corners are dark, with another exposure."""
+    height, width = picture.shape[:2]
+    down, right = np.mgrid[-1.0 : 1.0 : height * 1j, -1.0 : 1.0 : width * 1j]
+    light = gain * (1.0 - dark_corners * (down**2 + right**2) / 2.0)
+    lit: FloatArray = np.clip(picture * light[..., np.newaxis], 0, 255).astype(np.uint8)
+    return lit
+
+
 def _shot(
-    survey: Survey, number: int, frame: LocalFrame, told: FloatArray, picture: FloatArray
+    survey: Survey,
+    number: int,
+    frame: LocalFrame,
+    told: FloatArray,
+    picture: FloatArray,
+    yaw_rad: float,
 ) -> Shot:
     """Return a photograph with the record that its tags would give."""
     place = frame.position_of(told)
     jpeg = bytes(cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, 92])[1])
     camera = Intrinsics.of_pinhole(CAMERA)
     focal_px = camera.fx_px * (1.0 + survey.focal_off)
-    turn = survey.tilt_rad**2
+    hard = survey.hardship
+    tilt_std = survey.tilt_rad if hard.is_ahead_told else math.radians(6.0)
+    yaw_std = math.pi if hard.is_turning else math.sqrt(0.03)
+    turn = tilt_std**2
+    looks = rotation_enu_from_optical(
+        math.pi / 2 if hard.is_turning else yaw_rad, -hard.ahead_rad * hard.is_ahead_told
+    )
+    height_m = float(told[2]) - hard.take_off * survey.height_m
     record = ShotRecord(
         shot_id=f'rav1-{number:05d}',
         vehicle='rav1',
@@ -207,24 +296,23 @@ def _shot(
         longitude_deg=place.longitude_deg,
         altitude_m=place.altitude_m,
         position_covariance_m2=tuple((np.eye(3) * CLAIMED_M**2).ravel().tolist()),
-        height_agl_m=float(told[2]) if survey.has_height else math.nan,
-        orientation_xyzw=tuple(
-            quaternion_of_rotation(rotation_enu_from_optical(math.pi / 2)).tolist()
-        ),
-        orientation_covariance_rad2=(turn, 0.0, 0.0, 0.0, turn, 0.0, 0.0, 0.0, 0.03),
+        height_agl_m=height_m if survey.has_height else math.nan,
+        orientation_xyzw=tuple(quaternion_of_rotation(looks).tolist()),
+        orientation_covariance_rad2=(turn, 0.0, 0.0, 0.0, turn, 0.0, 0.0, 0.0, yaw_std**2),
         camera=dataclasses.replace(camera, fx_px=focal_px, fy_px=focal_px, focal_std_share=0.03),
         sha256='0' * 64,
     )
     return Shot(name=record.shot_id, record=record, read=lambda: jpeg)
 
 
-def _corners(centre: FloatArray, rotation: FloatArray) -> FloatArray:
+def _corners(centre: FloatArray, rotation: FloatArray, way_m: FloatArray) -> FloatArray:
     """Return where the true corners of a photograph lie on the ground, (4, 2)."""
     homography = np.linalg.inv(ground_homography(CAMERA, centre, rotation))
     right, bottom = CAMERA.image_width_px - 0.5, CAMERA.image_height_px - 0.5
     corners = np.array([[-0.5, -0.5], [right, -0.5], [right, bottom], [-0.5, bottom]])
     ground = np.column_stack([corners, np.ones(4)]) @ homography.T
-    places: FloatArray = ground[:, :2] / ground[:, 2:]
+    moments = np.array([-0.5, -0.5, 0.5, 0.5])[:, np.newaxis]
+    places: FloatArray = ground[:, :2] / ground[:, 2:] + moments * way_m
     return places
 
 
@@ -242,27 +330,42 @@ def _found(maker: Mapmaker, alignment: Alignment, name: str, frame: LocalFrame) 
     return frame.to_enu(degrees[:, 0], degrees[:, 1], altitude)[:, :2]
 
 
-def report(part: str, count: int) -> None:
+def report(part: str, count: int, *, is_hard: bool, is_each: bool) -> None:
     """Try the first surveys of a part and print what came of them."""
     first = PARTS[part]
     outcomes: list[tuple[Survey, Outcome]] = []
     refused = 0
     for seed in range(first, first + count):
+        survey = drawn(seed, is_hard=is_hard)
         try:
-            outcomes.append((drawn(seed), tried(seed)))
+            outcomes.append((survey, tried(survey, seed)))
         except PlacementError:
             refused += 1
+            continue
+        if is_each:
+            print(seed, survey, outcomes[-1][1], flush=True)
     print(f'{part}: {len(outcomes)} surveys, {refused} refused')
-    for title, chosen in (
-        ('all', outcomes),
-        ('height told', [pair for pair in outcomes if pair[0].has_height]),
-        ('height not told', [pair for pair in outcomes if not pair[0].has_height]),
-        ('no drift', [pair for pair in outcomes if pair[0].drift == 0.0]),
-        ('drift', [pair for pair in outcomes if pair[0].drift > 0.0]),
-        ('georeferenced', [pair for pair in outcomes if pair[1].is_georeferenced]),
-    ):
+    for title, is_chosen in _GROUPS.items():
+        chosen = [outcome for survey, outcome in outcomes if is_chosen(survey, outcome)]
         if chosen:
-            print(f'{title:16}' + _row([outcome for _, outcome in chosen]))
+            print(f'{title:16}' + _row(chosen))
+
+
+_GROUPS: dict[str, Callable[[Survey, Outcome], bool]] = {
+    'all': lambda _s, _o: True,
+    'height told': lambda s, _o: s.has_height,
+    'height not told': lambda s, _o: not s.has_height,
+    'no drift': lambda s, _o: s.drift == 0.0,
+    'drift': lambda s, _o: s.drift > 0.0,
+    'take-off': lambda s, _o: s.has_height and s.hardship.take_off != 0.0,
+    'rolling shutter': lambda s, _o: s.hardship.rolling > 0.0,
+    'turning': lambda s, _o: s.hardship.is_turning,
+    'ahead, told': lambda s, _o: s.hardship.ahead_rad > 0.0 and s.hardship.is_ahead_told,
+    'ahead, not told': lambda s, _o: s.hardship.ahead_rad > 0.0 and not s.hardship.is_ahead_told,
+    'dark corners': lambda s, _o: s.hardship.dark_corners > 0.0,
+    'exposure': lambda s, _o: s.hardship.exposure > 0.0,
+    'georeferenced': lambda _s, o: o.is_georeferenced,
+}
 
 
 def _row(outcomes: Sequence[Outcome]) -> str:
@@ -284,8 +387,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--part', choices=sorted(PARTS), default='develop')
     parser.add_argument('--count', type=int, default=100)
+    parser.add_argument('--hard', action='store_true', help='with what else goes wrong')
+    parser.add_argument('--each', action='store_true', help='print each survey')
     options = parser.parse_args()
-    report(options.part, options.count)
+    report(options.part, options.count, is_hard=options.hard, is_each=options.each)
 
 
 if __name__ == '__main__':

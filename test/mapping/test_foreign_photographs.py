@@ -17,6 +17,7 @@ from rocsafe_mapping.errors import PlacementError
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.mosaic.one_place import distances_from_most_m
 from rocsafe_mapping.photographs.exif import with_exif
+from rocsafe_mapping.products.quality import violations
 from rocsafe_mapping.store.photograph_files import photographs_of
 
 pytestmark = pytest.mark.slow
@@ -47,6 +48,29 @@ def test_scale_comes_from_the_fixes_whatever_the_altitude(ground_m):
     maker.align()
     true_m = texture.HEIGHT_M / texture.CAMERA.matrix[0, 0]
     assert maker.finest_resolution_m == pytest.approx(true_m, rel=0.03)
+
+
+@pytest.mark.parametrize('take_off', [-0.3, 0.3])
+def test_heights_above_another_ground_do_not_change_the_scale(take_off):
+    """A vehicle that takes off on a hill, or in a valley, tells all its heights wrong alike."""
+    shots = [
+        Shot(
+            name=shot.record.shot_id,
+            record=dataclasses.replace(
+                shot.record, height_agl_m=shot.record.height_agl_m - take_off * texture.HEIGHT_M
+            ),
+            read=lambda shot=shot: shot.jpeg,
+        )
+        for shot in texture.flight(3, rows=3, columns=4, fix_m=0.3)
+    ]
+    maker = Mapmaker(MapOptions())
+    maker.add_all(shots)
+    alignment = maker.align()
+    true_m = texture.HEIGHT_M / texture.CAMERA.matrix[0, 0]
+    assert maker.finest_resolution_m == pytest.approx(true_m, rel=0.03)
+    (lift_m,) = maker.block.state.lifts_m.values()
+    assert lift_m == pytest.approx(take_off * texture.HEIGHT_M, abs=0.03 * texture.HEIGHT_M)
+    assert violations(alignment, maker.block.state) == []
 
 
 def test_photograph_without_ties_is_as_large_as_its_neighbours():

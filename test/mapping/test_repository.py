@@ -7,12 +7,14 @@ import hashlib
 import http.client
 import json
 import os
+import socket
 import threading
 import time
 
 import pytest
 
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.repository import server as server_module
 from rocsafe_mapping.repository import uploads
 from rocsafe_mapping.repository.copying import LEDGER, Copier
 from rocsafe_mapping.repository.http_sink import HttpSink
@@ -114,16 +116,48 @@ def test_a_damaged_body_is_refused(server):
     assert not list((server.folder / 'uploads').iterdir())
 
 
-def test_a_length_that_is_no_number_is_refused(server):
-    """With an answer, not with a broken connection."""
+@pytest.mark.parametrize(
+    'headers',
+    [
+        [('Content-Length', '-1')],
+        [('Content-Length', '9' * 5000)],
+        [('Content-Length', '1'), ('Content-Length', '2')],
+        [('Transfer-Encoding', 'chunked')],
+    ],
+)
+def test_a_body_of_unclear_length_is_refused(server, headers):
+    """With an answer; what follows is not read as another request."""
     link = http.client.HTTPConnection('127.0.0.1', server.server_address[1], timeout=DEADLINE_S)
     link.putrequest('PATCH', f'/uploads/{"0" * 64}')
-    link.putheader('Authorization', 'Bearer secret')
-    link.putheader('Content-Length', '-1')
+    for header in [('Authorization', 'Bearer secret'), *headers]:
+        link.putheader(*header)
     link.endheaders()
     answer = link.getresponse()
-    assert (answer.status, answer.read()) == (400, b"Content-Length is '-1'")
+    assert answer.status == 400
+    assert b'one number is needed' in answer.read()
+    assert link.sock is None
     link.close()
+
+
+def test_strangers_that_wait_make_room(server, monkeypatch, capsys):
+    """More connections than are served, none of which sends a request, keep nobody out."""
+    monkeypatch.setattr(server_module, 'MOST_CONNECTIONS', 3)
+    address = ('127.0.0.1', server.server_address[1])
+    strangers = [socket.create_connection(address, DEADLINE_S) for _ in range(8)]
+    assert asked(server, 'GET', '/images') == (200, b'[]')
+    # The oldest were closed.
+    assert strangers[0].recv(1) == b''
+    for stranger in strangers:
+        stranger.close()
+    assert capsys.readouterr().err == ''
+
+
+def test_a_record_nested_without_end_is_refused(server):
+    """Not answered by a closed connection."""
+    body = b'[' * 100_000
+    digest = base64.b64encode(hashlib.sha256(body).digest()).decode()
+    headers = {'Content-Digest': f'sha-256=:{digest}:'}
+    assert asked(server, 'PUT', '/images/rav1-00000', body, **headers)[0] == 422
 
 
 def asked(server, method, path, body=None, **headers):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `rocsafe` command: what it says to a stranger, and its exit codes."""
 
+import os
 import re
 import resource
 import subprocess
@@ -211,21 +212,23 @@ def test_report_of_something_else_is_refused(
     assert 'is no run directory (it has no run.json)' in capsys.readouterr().err
 
 
-def test_localize_runs_the_executable_with_the_options(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    """What it says is said, and its exit code is the command's."""
+def test_localize_becomes_the_executable_with_the_options(tmp_path: Path) -> None:
+    """What it says is said, its exit code is the command's, and what ends one ends the other."""
     executable = tmp_path / 'lib' / 'rocsafe_radiation' / 'localize'
     executable.parent.mkdir(parents=True)
-    executable.write_text(
-        '#!/bin/sh\necho "got $*"\ntest "$1" = good.csv && exit 0\necho "error: no" >&2\nexit 2\n'
-    )
+    executable.write_text('#!/bin/sh\necho "$$ got $*"\necho "error: no" >&2\nexit 2\n')
     executable.chmod(0o755)
-    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    assert main(['localize', 'good.csv', '--model', 'air', '--json']) == 0
-    assert capfd.readouterr().out == 'got good.csv --model air --json\n'
-    assert main(['localize', 'bad.csv']) == errors.EXIT_USAGE
-    assert capfd.readouterr().err == 'error: no\n'
+    command = [sys.executable, '-m', 'rocsafe_orchestrator.cli', 'localize', 'good.csv', '--json']
+    with subprocess.Popen(
+        command,
+        env={**os.environ, 'AMENT_PREFIX_PATH': str(tmp_path)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        said, errors_said = process.communicate(timeout=60.0)
+    assert (said, errors_said) == (f'{process.pid} got good.csv --json\n', 'error: no\n')
+    assert process.returncode == errors.EXIT_USAGE
 
 
 def test_version_is_that_of_every_package(capsys: pytest.CaptureFixture[str]) -> None:

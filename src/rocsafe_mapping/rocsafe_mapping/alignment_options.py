@@ -245,6 +245,9 @@ class InitialOptions:
         without ties has the height that its altitude says, else the median height.
     least_baselines
         Fixes show the scale if they spread over this many of their standard deviations.
+    scale_certainty
+        Heights from which the scale of the fixes differs by so many standard errors are scaled to
+        the fixes, too.
     yaw_disbelief_rad
         Yaws of a group that disagree with its fixes by more are not used.
     """
@@ -263,6 +266,7 @@ class InitialOptions:
     found_height_share: float = 0.5
     altitude_share: float = 0.15
     least_baselines: float = 4.0
+    scale_certainty: float = 4.0
     yaw_disbelief_rad: float = math.radians(20.0)
 
 
@@ -433,6 +437,8 @@ class AdjustmentOptions:
         A yaw farther off is a fault and has no weight.
     radial_std
         Prior standard deviation of k1 and k2 of a camera that is not calibrated.
+    lift_share
+        Prior scale of a vehicle's lift (Cauchy's distribution), over the height that it tells.
     least_tie_std_px, largest_tie_std_px
         Limits of the estimated noise of ties.
     level_share
@@ -469,6 +475,7 @@ class AdjustmentOptions:
     fix_knee: float = 2.0
     yaw_knee_rad: float = math.radians(25.0)
     radial_std: tuple[float, float] = (0.05, 0.05)
+    lift_share: float = 0.02
     least_tie_std_px: float = 0.15
     largest_tie_std_px: float = 4.0
     level_share: float = 0.0015

@@ -84,7 +84,7 @@ def orchestrator() -> int:
 def _obey(words: Sequence[str]) -> int:
     row = passed_on.passed_on(words)
     if row is not None:
-        return passed_on.pass_on(row, words[1:])
+        passed_on.pass_on(row, words[1:])
     arguments = _parser().parse_args(words)
     command: Callable[[argparse.Namespace], int] = arguments.command
     return command(arguments)

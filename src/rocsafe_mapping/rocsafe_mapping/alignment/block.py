@@ -311,6 +311,6 @@ class Block:
         nearest = sorted(offs, key=lambda off: off[:2])[: options.correcting_fixes]
         east, north, height_m = np.median([off for _, _, off in nearest], axis=0)
         if photo.vertical_std_m < self.options.initial.guessed_height_share * prior.centre[2]:
-            height_m = prior.centre[2]
+            height_m = prior.centre[2] + self.state.lifts_m.get(photo.vehicle, 0.0)
         centre = np.array([prior.centre[0] + east, prior.centre[1] + north, height_m])
         return Pose(centre=centre, rotation=prior.rotation)

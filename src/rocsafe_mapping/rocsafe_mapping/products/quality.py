@@ -89,6 +89,7 @@ def quality(
         'stated_error_m': _stated(alignment),
         'stated_error_with_what_stands_m': errors.facts(),
         'ground': _ground(state),
+        'height_above_told_m': _rounded(state.lifts_m),
         'lenses': {
             name: {'focal_factor': math.exp(lens.log_focal), 'k1': lens.k1, 'k2': lens.k2}
             for name, lens in sorted(state.lenses.items())
@@ -132,8 +133,8 @@ def violations(alignment: Alignment, state: State) -> list[str]:
         )
     photos, placements = alignment.photos, alignment.placements
     if tied:
-        heights = [placements[n].pose.centre[2] / photos[n].prior.centre[2] for n in tied]
-        scale = float(np.median(heights))
+        told_m = {n: photos[n].prior.centre[2] + _lift_m(photos[n], state) for n in tied}
+        scale = float(np.median([placements[n].pose.centre[2] / told_m[n] for n in tied]))
         guesses = [photos[n].vertical_std_m / photos[n].prior.centre[2] for n in tied]
         if abs(scale - 1.0) > max(LARGEST_SCALE_OFF, 2.0 * float(np.median(guesses))):
             found.append(f'cameras lie {scale:.2f} times as high as measured')
@@ -149,6 +150,10 @@ def violations(alignment: Alignment, state: State) -> list[str]:
         if max(abs(lens.k1), abs(lens.k2)) > LARGEST_RADIAL:
             found.append(f'{name}: distortion k1 {lens.k1:.2f}, k2 {lens.k2:.2f} is not credible')
     return found
+
+
+def _lift_m(photo: Photo, state: State) -> float:
+    return state.lifts_m.get(photo.vehicle, 0.0)
 
 
 def _inexact(alignment: Alignment) -> list[str]:

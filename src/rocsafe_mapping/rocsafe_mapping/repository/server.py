@@ -9,20 +9,24 @@ checked against ``Content-Digest`` (RFC 9530).
 
 Reading: ``GET /images`` lists the photographs as JSON, ``GET /images/<shot_id>`` is one.
 
-Beyond loopback a token is needed; it is checked before a body is read.
+Beyond loopback a token is needed; it is checked before a body is read. Of more connections than
+`MOST_CONNECTIONS` the oldest that has not brought it is closed.
 """
 
 import base64
+import contextlib
 import hashlib
 import hmac
 import ipaddress
 import json
 import re
+import socket
+import sys
 from collections.abc import Callable
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
-from typing import BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.photographs.shot import ShotRecord, record_of_plain
@@ -36,10 +40,13 @@ MOST_RECORD_BYTES = 2**20
 SILENCE_S = 30.0
 """A connection without a byte for so long is closed."""
 
+MOST_CONNECTIONS = 64
+
 UPLOADS = 'uploads'
 _UPLOAD = re.compile(r'/uploads/([0-9a-f]{64})')
 _IMAGE = re.compile(r'/images/([A-Za-z0-9_-]{1,80})')
 _SHA256 = re.compile(r'[0-9a-f]{64}')
+_NUMBER = re.compile(r'[0-9]{1,18}')
 _DIGEST = re.compile(r'sha-256=:([A-Za-z0-9+/=]+):')
 ANSWERS = {Status.STORED: 201, Status.DUPLICATE: 200, Status.REJECTED: 409}
 
@@ -74,6 +81,7 @@ class Repository(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = MOST_CONNECTIONS
 
     def __init__(
         self,
@@ -92,6 +100,9 @@ class Repository(ThreadingHTTPServer):
         self.uploads = Uploads(folder / UPLOADS)
         self.token = token
         self.lock = Lock()
+        # Open connections, oldest first, and whether each has brought the token.
+        self._connections: dict[socket.socket, bool] = {}
+        self._connections_lock = Lock()
         super().__init__(address, _Handler)
 
     def server_close(self) -> None:
@@ -99,6 +110,40 @@ class Repository(ThreadingHTTPServer):
         super().server_close()
         if self._owns_store:
             self.store.close()
+
+    def verify_request(self, request: Any, client_address: Any) -> bool:
+        """Return whether there is room for a connection; strangers that wait make it."""
+        del client_address
+        with self._connections_lock:
+            if len(self._connections) >= MOST_CONNECTIONS:
+                strange = (link for link, is_known in self._connections.items() if not is_known)
+                oldest = next(strange, None)
+                if oldest is None:
+                    return False
+                del self._connections[oldest]
+                with contextlib.suppress(OSError):
+                    oldest.shutdown(socket.SHUT_RDWR)
+            self._connections[request] = False
+        return True
+
+    def know(self, connection: socket.socket) -> None:
+        """Note that a connection has brought the token."""
+        with self._connections_lock:
+            if connection in self._connections:
+                self._connections[connection] = True
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection."""
+        with self._connections_lock:
+            self._connections.pop(request, None)
+        super().shutdown_request(request)
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say in one line what ended a connection, unless its client has gone."""
+        del request
+        error = sys.exc_info()[1]
+        if not isinstance(error, OSError):
+            sys.stderr.write(f'{client_address[0]}: {type(error).__name__}: {error}\n')
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -137,9 +182,9 @@ class _Handler(BaseHTTPRequestHandler):
         if length is None:
             return None
         found, offset = _UPLOAD.fullmatch(self.path), self.headers.get(OFFSET, '')
-        if found is None or not (offset.isascii() and offset.isdigit()):
+        if found is None or not _NUMBER.fullmatch(offset):
             self.close_connection = True
-            return self._answer(404 if found is None else 400, f'{OFFSET} is {offset!r}')
+            return self._answer(404 if found is None else 400, f'{OFFSET} is {offset[:40]!r}')
         try:
             size = self._appended(found[1], int(offset), length)
         except UploadRefusedError as error:
@@ -171,7 +216,7 @@ class _Handler(BaseHTTPRequestHandler):
             return self._answer(404)
         try:
             record = record_of_plain(json.loads(body))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             return self._answer(422, str(error))
         if record.shot_id != found[1]:
             return self._answer(422, f'record is of {record.shot_id}')
@@ -202,10 +247,11 @@ class _Handler(BaseHTTPRequestHandler):
         """Return the length of the body, None if the request was refused without reading it."""
         if not self._is_allowed():
             return None
-        told = self.headers.get('Content-Length', '0')
-        if not (told.isascii() and told.isdigit()):
+        # Two lengths, or a body in chunks, would leave bytes that are read as the next request.
+        told, *others = self.headers.get_all('Content-Length', ['0'])
+        if others or not _NUMBER.fullmatch(told) or 'Transfer-Encoding' in self.headers:
             self.close_connection = True
-            self._answer(400, f'Content-Length is {told!r}')
+            self._answer(400, f'Content-Length is {told[:40]!r}: one number is needed')
             return None
         if int(told) > most:
             self.close_connection = True
@@ -223,6 +269,7 @@ class _Handler(BaseHTTPRequestHandler):
         given = self.headers.get('Authorization', '')
         wanted = f'Bearer {self.server.token}'
         if not self.server.token or hmac.compare_digest(given.encode(), wanted.encode()):
+            self.server.know(self.connection)
             return True
         self.close_connection = True
         self._answer(401)
@@ -233,6 +280,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_response(status)
         for name, value in (headers or {}).items():
             self.send_header(name, value)
+        if self.close_connection:
+            self.send_header('Connection', 'close')
         if status != 204:
             self.send_header('Content-Length', str(len(content)))
         self.end_headers()

@@ -2,12 +2,11 @@
 """Commands of other packages: `rocsafe localize ...` runs the executable of the package."""
 
 import os
-import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.errors import EXIT_SIGNAL_BASE
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +61,10 @@ def passed_on(argv: Sequence[str]) -> PassedOn | None:
     return next((row for row in PASSED_ON if argv and argv[0] == row.word), None)
 
 
-def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
-    """Run the executable of `row` with `arguments` and return its exit code.
+def pass_on(row: PassedOn, arguments: Sequence[str]) -> NoReturn:
+    """Become the executable of `row` with `arguments`.
+
+    A process beside this one would outlive it when it is ended, and be killed at Ctrl-C.
 
     Raises
     ------
@@ -72,6 +73,5 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> int:
     """
     from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
 
-    command = [str(find_executable(row.package, row.word)), *arguments]
-    done = subprocess.run(command, env={**ONE_THREAD, **os.environ}, check=False)
-    return done.returncode if done.returncode >= 0 else EXIT_SIGNAL_BASE - done.returncode
+    path = find_executable(row.package, row.word)
+    os.execve(path, [str(path), *arguments], {**ONE_THREAD, **os.environ})  # noqa: S606

@@ -24,6 +24,8 @@ from rocsafe_mapping.alignment.model.state import Lens, Noise, State
 from rocsafe_mapping.alignment_options import AdjustmentOptions
 
 MARK_SIZE = 2
+# Row of the height among the priors of a pose.
+_UP = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,29 +39,57 @@ class Unknowns:
     lenses
         Lenses to be found, three columns each, after the poses; with the uncertainty of each focal
         length over itself.
+    lifts
+        Vehicles whose lift is to be found, one column each, after the lenses; with its uncertainty
+        in metres.
     marks
-        Number of surveyed marks, two columns each, after the lenses.
+        Number of surveyed marks, two columns each, at the end.
     """
 
     names: tuple[str, ...]
     lenses: tuple[tuple[str, float], ...]
+    lifts: tuple[tuple[str, float], ...] = ()
     marks: int = 0
 
     @staticmethod
     def of(
-        photos: Mapping[str, Photo], names: tuple[str, ...], marks: int, *, with_lenses: bool
+        photos: Mapping[str, Photo],
+        names: tuple[str, ...],
+        marks: int,
+        options: AdjustmentOptions,
+        *,
+        with_shared: bool = True,
     ) -> 'Unknowns':
-        """Return the unknowns of some photographs and of a number of marks."""
+        """Return the unknowns of some photographs and of a number of marks.
+
+        `with_shared`: also lenses and lifts, which photographs share.
+        """
+        if not with_shared:
+            return Unknowns(names=names, lenses=(), marks=marks)
         stds = {photos[name].lens: photos[name].focal_std_share for name in names}
-        lenses = [(lens, std) for lens, std in sorted(stds.items()) if with_lenses and std > 0.0]
-        return Unknowns(names=names, lenses=tuple(lenses), marks=marks)
+        heights: dict[str, list[float]] = {}
+        for name in names:
+            heights.setdefault(photos[name].vehicle, []).append(photos[name].prior.centre[2])
+        return Unknowns(
+            names=names,
+            lenses=tuple((lens, std) for lens, std in sorted(stds.items()) if std > 0.0),
+            lifts=tuple(
+                (vehicle, options.lift_share * float(np.median(told)))
+                for vehicle, told in sorted(heights.items())
+            ),
+            marks=marks,
+        )
 
     def __len__(self) -> int:
         return self._first_mark + MARK_SIZE * self.marks
 
     @property
-    def _first_mark(self) -> int:
+    def _first_lift(self) -> int:
         return POSE_SIZE * len(self.names) + LENS_SIZE * len(self.lenses)
+
+    @property
+    def _first_mark(self) -> int:
+        return self._first_lift + len(self.lifts)
 
     def pose_columns(self, names: Sequence[str]) -> Index:
         """Return the first column of each name, -1 where its pose is known."""
@@ -71,6 +101,11 @@ class Unknowns:
         start = POSE_SIZE * len(self.names)
         column = {lens: start + LENS_SIZE * at for at, (lens, _) in enumerate(self.lenses)}
         return np.array([column.get(lens, -1) for lens in lenses], np.int64)
+
+    def lift_columns(self, vehicles: Sequence[str]) -> Index:
+        """Return the column of each vehicle's lift, -1 where it is known."""
+        column = {name: self._first_lift + at for at, (name, _) in enumerate(self.lifts)}
+        return np.array([column.get(vehicle, -1) for vehicle in vehicles], np.int64)
 
     def mark_columns(self) -> Index:
         """Return the first column of each mark."""
@@ -94,9 +129,12 @@ class Unknowns:
                 k1=lens.k1 + change[1],
                 k2=lens.k2 + change[2],
             )
+        lifts = dict(state.lifts_m)
+        for number, (vehicle, _) in enumerate(self.lifts):
+            lifts[vehicle] = lifts.get(vehicle, 0.0) + float(step[self._first_lift + number])
         places = step[self._first_mark :].reshape(-1, MARK_SIZE)
         marks = tuple(mark.moved(place) for mark, place in zip(state.marks, places, strict=True))
-        return replace(state, poses=poses, lenses=lenses, marks=marks)
+        return replace(state, poses=poses, lenses=lenses, lifts_m=lifts, marks=marks)
 
 
 class Equations:
@@ -129,6 +167,9 @@ class Equations:
         self.unknowns = unknowns
         self._tie_columns = _columns(ties, unknowns)
         self._sighting_columns = _sighting_columns(sightings, unknowns)
+        self._lift_columns = unknowns.lift_columns(
+            [photos[name].vehicle for name in unknowns.names]
+        )
 
     def cost(self, state: State) -> float:
         """Return the value that the adjustment minimises."""
@@ -140,7 +181,8 @@ class Equations:
         knee = self.options.fix_knee**2
         held = np.concatenate([fixes, _mark_residuals(state)])
         held_cost = float(np.sum(knee * np.log1p(np.sum(held**2, axis=1) / knee)))
-        return ties + held_cost + float(np.sum(plain**2)) + self._lens_cost(state)
+        lift_cost = float(np.sum(np.log1p(self._lift_residuals(state) ** 2)))
+        return ties + held_cost + lift_cost + float(np.sum(plain**2)) + self._lens_cost(state)
 
     def _seen_cost(self, moved: TieResiduals, noise: Noise) -> float:
         square = np.sum(_whitened(moved, noise)[0] ** 2, axis=1)
@@ -150,14 +192,14 @@ class Equations:
     def rows(self, state: State) -> tuple[csr_matrix, FloatArray]:
         """Return Jacobian and residuals, weighted so that plain least squares is right.
 
-        Rows: ties, priors of poses and lenses, sightings of marks, surveyed places of marks.
+        Rows: ties, priors of poses, lenses and lifts, sightings and surveyed places of marks.
         """
         blocks = [self._seen_rows(self.ties.derivatives(state), self._tie_columns, state.noise)]
         values, residuals = self._prior_rows(state)
-        # Each prior row has one entry; poses and lenses follow in the order of their columns.
-        blocks.append(
-            _Rows(values[:, np.newaxis], np.arange(len(values))[:, np.newaxis], residuals)
-        )
+        # A prior has the column of its own row, that of a height also the column of a lift.
+        columns = np.column_stack([np.arange(len(values)), np.full(len(values), -1)])
+        columns[_UP : POSE_SIZE * len(self.unknowns.names) : POSE_SIZE, 1] = self._lift_columns
+        blocks.append(_Rows(np.column_stack([values, -values]), columns, residuals))
         if self.unknowns.marks:
             moved = self.sightings.derivatives(state)
             noise = pointing_noise(state.noise)
@@ -195,6 +237,7 @@ class Equations:
         for number, name in enumerate(self.unknowns.names):
             photo, pose = self.photos[name], state.poses[name]
             off = pose.centre - photo.prior.centre
+            off[2] -= state.lifts_m.get(photo.vehicle, 0.0)
             fixes[number] = off[:2] / (photo.horizontal_std_m * state.noise.fix_factor)
             tilt, yaw = tilt_and_yaw(pose, photo.prior)
             weight = float(abs(yaw) < self.options.yaw_knee_rad)
@@ -240,7 +283,21 @@ class Equations:
         ).ravel()
         residuals = np.column_stack([fixes * trust[:, np.newaxis], plain]).ravel()
         lens_values, lens_residuals = self._lens_rows(state)
-        return np.concatenate([values, lens_values]), np.concatenate([residuals, lens_residuals])
+        lift_values, lift_residuals = self._lift_rows(state)
+        return (
+            np.concatenate([values, lens_values, lift_values]),
+            np.concatenate([residuals, lens_residuals, lift_residuals]),
+        )
+
+    def _lift_residuals(self, state: State) -> FloatArray:
+        lifts = self.unknowns.lifts
+        return np.array([state.lifts_m.get(vehicle, 0.0) / std for vehicle, std in lifts])
+
+    def _lift_rows(self, state: State) -> tuple[FloatArray, FloatArray]:
+        """Return values and residuals of the priors of lifts: Cauchy's, whose tails are heavy."""
+        off = self._lift_residuals(state)
+        trust = 1.0 / np.sqrt(1.0 + off**2)
+        return trust / np.array([std for _, std in self.unknowns.lifts]), off * trust
 
     def _lens_rows(self, state: State) -> tuple[FloatArray, FloatArray]:
         values, residuals = [], []

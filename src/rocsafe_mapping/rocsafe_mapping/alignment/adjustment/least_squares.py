@@ -47,13 +47,16 @@ def adjusted(
     photos, pairs
         All that shall count; every photograph of a pair has a pose in `state`.
     free
-        Photographs whose pose may change, None for all. With it lenses, surface and noise stay.
+        Photographs whose pose may change, None for all. With it lenses, lifts, surface and noise
+        stay.
     """
     steps = options.adjustment.most_steps
     names = tuple(sorted(state.poses if free is None else free))
     most = options.adjustment.most_ties if free is None else options.adjustment.most_local_ties
     ties = ties_of(pairs, photos, held_out=False, most=most)
-    unknowns = Unknowns.of(photos, names, len(state.marks), with_lenses=free is None)
+    unknowns = Unknowns.of(
+        photos, names, len(state.marks), options.adjustment, with_shared=free is None
+    )
     sightings = sightings_of(state.marks, photos, state)
     equations = Equations(photos, ties, sightings, unknowns, options.adjustment)
     if free is not None:
@@ -83,7 +86,7 @@ def stated_error_m(
     fixes are drawn as their residuals show them, see `fix_noise`.
     """
     names = tuple(sorted(state.poses))
-    unknowns = Unknowns.of(photos, names, len(state.marks), with_lenses=True)
+    unknowns = Unknowns.of(photos, names, len(state.marks), options)
     ties = ties_of(pairs, photos, held_out=False, most=options.most_ties)
     sightings = sightings_of(state.marks, photos, state)
     equations = Equations(photos, ties, sightings, unknowns, options)

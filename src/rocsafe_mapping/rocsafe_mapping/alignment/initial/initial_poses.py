@@ -254,13 +254,15 @@ def _placed(
     known = np.array([anchor.known for anchor in anchors])
     std_m = np.array([anchor.std_m for anchor in anchors])
     held = np.array([anchor.place(free, steps) for anchor in anchors])
-    turn, scale = _laid_on_fixes(held, known, std_m, options.rounds)
-    guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
-    if np.median(guesses) > options.guessed_height_share and len(anchors) > 1:
-        heights *= scale
-        free, held = free * scale, held * scale
+    turn, scale, scatter = _laid_on_fixes(held, known, std_m, options.rounds)
     spread_m = float(np.sqrt(np.mean(np.abs(held - held.mean()) ** 2)))
     turn_std = float(np.median(std_m)) / max(spread_m * math.sqrt(len(anchors)), 1e-9)
+    guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
+    is_guessed = float(np.median(guesses)) > options.guessed_height_share
+    is_contradicted = abs(math.log(scale)) > options.scale_certainty * scatter * turn_std
+    if len(anchors) > 1 and (is_guessed or is_contradicted):
+        heights *= scale
+        free, held = free * scale, held * scale
     is_believed = has_yaw and abs(turn) < max(options.yaw_disbelief_rad, 4.0 * turn_std)
     if not is_believed and turn_std < options.yaw_disbelief_rad:
         turns += turn
@@ -270,10 +272,13 @@ def _placed(
 
 def _laid_on_fixes(
     places: ComplexArray, fixes: ComplexArray, std_m: FloatArray, rounds: int
-) -> tuple[float, float]:
-    """Return the turn and the scale that lay `places` best on `fixes`, robustly."""
+) -> tuple[float, float, float]:
+    """Return the turn and the scale that lay `places` best on `fixes`, robustly.
+
+    The third value is the scatter of the fixes over what they claim, at least 1.
+    """
     weight: FloatArray = np.ones(len(places))
-    factor = 1.0 + 0.0j
+    factor, scatter = 1.0 + 0.0j, 1.0
     for _ in range(rounds):
         middle = np.average(places, weights=weight), np.average(fixes, weights=weight)
         spread, wanted = places - middle[0], fixes - middle[1]
@@ -283,7 +288,7 @@ def _laid_on_fixes(
         # Fixes may scatter farther than they claim: then they would prefer too small a scale.
         scatter = max(1.0, float(np.median(off)) / NORMAL_MEDIAN_RADIUS)
         weight = 1.0 / (1.0 + (off / (2.0 * scatter)) ** 2)
-    return float(np.angle(factor)), abs(factor)
+    return float(np.angle(factor)), abs(factor), scatter
 
 
 def _robust_middle(values: ComplexArray, std_m: FloatArray, rounds: int) -> complex:

@@ -68,6 +68,9 @@ class State:
         Of the residuals.
     marks
         Surveyed points of the ground.
+    lifts_m
+        By vehicle, how much higher above the ground it flew than it told: heights are often told
+        above the place of take-off.
     """
 
     poses: Mapping[str, Pose]
@@ -75,3 +78,4 @@ class State:
     surface: Surface = dataclasses.field(default_factory=Surface)
     noise: Noise = dataclasses.field(default_factory=Noise)
     marks: tuple[Mark, ...] = ()
+    lifts_m: Mapping[str, float] = dataclasses.field(default_factory=dict)
