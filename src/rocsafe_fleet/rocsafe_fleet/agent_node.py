@@ -77,19 +77,25 @@ class AgentsNode(Node):
         )
         self._links = {
             name: VehicleLink(
-                self, name, leases, options.mission, is_real=name in options.real_vehicles
+                self,
+                name,
+                leases,
+                options.mission,
+                self._now_s,
+                is_real=name in options.real_vehicles,
             )
             for name in options.vehicles
         }
         # While the other nodes start: the first loss need not wait for it.
         BackgroundJob(lambda _report: load_kernels(), 'loading', None)
         topics.create_subscription(self, topics.PLAN, self._on_plan)
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
         if options.lock_step:
             # The agents of each host have a name of their own.
             self._participant = Participant(self, self.get_name(), self._on_step)
         else:
-            self.create_timer(STEP_S, lambda: self._on_step(self.get_clock().now().nanoseconds))
-        self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+            self.create_timer(STEP_S, lambda: self._on_step(time.monotonic_ns()), clock=steady)
+        self.create_timer(LOOK_S, self._look, clock=steady)
         if has_started(options.state_directory):
             # The planner, which told the plan, may be gone.
             self._begin()
@@ -280,7 +286,10 @@ class AgentsNode(Node):
         return is_down and fleet.is_done and not fleet.others_aloft
 
     def _report(self, fleet: FleetStart) -> None:
-        fleet.save({name: link.routes for name, link in self._links.items()})
+        try:
+            fleet.save({name: link.routes for name, link in self._links.items()})
+        except OSError as error:
+            self.get_logger().error(f'what the agents know is not kept: {error}', once=True)
         stamp = self.get_clock().now().to_msg()
         is_done = self._is_done()
         for name in self._links:
@@ -292,7 +301,10 @@ class AgentsNode(Node):
             self._states.publish(state)
 
     def _now_s(self) -> float:
-        return float(self.get_clock().now().nanoseconds) * _NS
+        """Return simulated time in lock-step, else a time that nobody sets and no host publishes."""
+        if self._options.lock_step:
+            return float(self.get_clock().now().nanoseconds) * _NS
+        return time.monotonic()
 
 
 def _locked() -> IO[bytes] | None:

@@ -83,7 +83,7 @@ def state_of(
     agent: Agent, names: Sequence[str], bytes_sent: int, *, is_done: bool, text: str
 ) -> AgentState:
     """Return what an agent knows, without a stamp."""
-    number, coordinator = agent.epoch
+    number, coordinator, _ = agent.epoch
     members = agent.proposal.names if number else frozenset(range(len(names)))
     return AgentState(
         vehicle=names[agent.own],

@@ -3,22 +3,27 @@
 
 import hashlib
 import json
+import secrets
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from rocsafe_fleet.agreement.agent import Agent, Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, first_plan
 from rocsafe_fleet.agreement.local_agents import LocalAgents
+from rocsafe_fleet.errors import PacketError
 from rocsafe_fleet.ledger.packet import Packet, decode, encode
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.trial.trial import planner_of
-from rocsafe_geo.storage.durable import finish_part, write_part
+from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan
 
 _STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'
 _ALL_BYTES = 2**31
+START_BITS = 16
+"""Drawn bits of the number of a start: two starts of one agent that lost their count differ."""
 
 
 class FleetStart:
@@ -57,15 +62,20 @@ class FleetStart:
         return tuple(view.id for view in views)
 
     def load(self) -> dict[str, dict[str, list[int]]]:
-        """Take back what earlier agents knew; return their routes by vehicle and plan id."""
+        """Take back what earlier agents knew; return their routes by vehicle and plan id.
+
+        What cannot be read is left out: the other agents know it, or it is photographed again.
+        """
         if self._folder is None:
             return {}
         ledger, routes = self._folder / _LEDGER, self._folder / _ROUTES
-        if ledger.is_file():
+        with suppress(OSError, PacketError):
             for delta in decode(ledger.read_bytes(), self._key).deltas:
                 for agent in self.local.agents.values():
                     agent.ledger.merge(delta)
-        return json.loads(routes.read_text()) if routes.is_file() else {}
+        with suppress(OSError, ValueError):
+            return dict(json.loads(routes.read_text()))
+        return {}
 
     def save(self, routes: Mapping[str, Mapping[str, Sequence[int]]]) -> None:
         """Keep what the agents know, for those that are started after a failure."""
@@ -80,8 +90,7 @@ class FleetStart:
             (_LEDGER, encode(packet, self._key)),
             (_ROUTES, json.dumps(routes).encode()),
         ):
-            write_part(self._folder / name, data)
-            finish_part(self._folder / name)
+            write_whole(self._folder / name, data)
 
     def plan(self, wanted: Wanted, _report: Callable[[None], bool]) -> FleetPlan:
         """Return the plan of a proposal; runs in a thread."""
@@ -125,7 +134,7 @@ def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -
         raise ValueError(f'vehicles has {strangers[0]!r}: must be of {", ".join(names)}')
     first = first_plan(survey)
     key = hashlib.sha256(f'{options.mission}/{survey.plan_id}/{token}'.encode()).digest()
-    start = _count_start(options.state_directory)
+    start = _count_start(options.state_directory) << START_BITS | secrets.randbits(START_BITS)
     agents = [Agent(names.index(name), first, key, now_s, start) for name in options.vehicles]
     return FleetStart(survey, LocalAgents(agents), key, options.state_directory)
 
@@ -136,11 +145,16 @@ def has_started(folder: str) -> bool:
 
 
 def _count_start(folder: str) -> int:
-    """Return the number of this start, from 1; starts count in a file of the folder."""
+    """Return the number of this start, from 1; starts count in a file of the folder.
+
+    One that cannot be read counts as none: the agent begins again when the others tell it.
+    """
     if not folder:
         return 1
     path = Path(folder) / _STARTS
     path.parent.mkdir(parents=True, exist_ok=True)
-    number = int(path.read_text()) + 1 if path.is_file() else 1
-    path.write_text(str(number))
+    number = 1
+    with suppress(OSError, ValueError):
+        number += int(path.read_text())
+    write_whole(path, str(number).encode())
     return number

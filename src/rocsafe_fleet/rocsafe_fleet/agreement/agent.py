@@ -8,14 +8,14 @@ again as soon as they meet.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rocsafe_fleet.agreement.exchange import Exchange
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
 from rocsafe_fleet.errors import PacketError
-from rocsafe_fleet.ledger.ledger import Kind, Ledger
-from rocsafe_fleet.ledger.packet import Packet, decode, encode
+from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
+from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
 from rocsafe_fleet.ledger.records import (
     FIRST_EPOCH,
     Claim,
@@ -28,7 +28,8 @@ from rocsafe_fleet.ledger.records import (
     set_bytes,
     set_of,
 )
-from rocsafe_fleet.membership.membership import Membership
+from rocsafe_fleet.membership.identity import Identity
+from rocsafe_fleet.membership.membership import NEVER, Membership
 
 Numbers = frozenset[int]
 FRESH_BEATS = 8
@@ -40,13 +41,13 @@ class Wanted:
     """A proposal that is to be planned, and the zones that it names."""
 
     proposal: Proposal
-    coordinator: int
+    coordinator: Writer
     rings: tuple[Ring, ...]
 
     @property
     def epoch(self) -> Epoch:
         """Its name."""
-        return self.proposal.number, self.coordinator
+        return self.proposal.number, *self.coordinator
 
 
 class Agent:
@@ -101,6 +102,7 @@ class Agent:
         self._membership = Membership(
             own, self._count, incarnation, now_s, self._options.membership
         )
+        self._identity = Identity(incarnation, self._options.membership.longest_s)
         self._exchange = Exchange(self.ledger, self._count)
         self._places: dict[int, tuple[tuple[int, int], Place]] = {}
         self._route = first.routes.get(own, ())
@@ -184,7 +186,7 @@ class Agent:
         if any(zone not in zones for zone in proposal.exclusions):
             return None
         rings = tuple(zones[zone] for zone in proposal.exclusions)
-        return Wanted(proposal=proposal, coordinator=epoch[1], rings=rings)
+        return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings)
 
     def has_agreed(self, members: Iterable[int]) -> bool:
         """Return whether these agents claim the same plan as this one."""
@@ -226,7 +228,15 @@ class Agent:
         except PacketError:
             self.refused += 1
             return
-        if packet.sender == self.own or packet.sender >= self._count:
+        if packet.sender >= self._count:
+            return
+        self._identity.hear(
+            packet.beats.get(self.own, NEVER),
+            self._membership.beats[self.own],
+            now_s,
+            is_answer=packet.sender != self.own,
+        )
+        if packet.sender == self.own:
             return
         self._membership.hear(packet.beats, now_s)
         beat = packet.beats.get(packet.sender, (0, 0))
@@ -241,6 +251,10 @@ class Agent:
 
     def advance(self, now_s: float) -> list[bytes]:
         """Look who is heard, coordinate if it is this agent's turn, return packets to send."""
+        if self._identity.rests(now_s):
+            return []
+        if self._identity.incarnation != self.ledger.writer[1]:
+            self._begin_again()
         live = self._membership.live(now_s)
         if live != self._live:
             self._live = live
@@ -253,6 +267,16 @@ class Agent:
         if is_beat:
             self._next_beat_s = now_s + self._period_s
         return [self._packet(now_s)]
+
+    def _begin_again(self) -> None:
+        """Write as another start of the agent from now on."""
+        known = {kind: self.ledger.newest(self.own, kind) for kind in (Kind.ABLE, Kind.VISITED)}
+        self.ledger.writer = self.own, self._identity.incarnation
+        self._membership.begin_again(self._identity.incarnation)
+        self._exchange.repeat(1)
+        for kind, value in known.items():
+            if value is not None:
+                self.ledger.write(kind, value)
 
     @property
     def _period_s(self) -> float:
@@ -272,14 +296,19 @@ class Agent:
             vector=self._exchange.vector(),
             deltas=self._exchange.deltas(now_s),
         )
-        return encode(packet, self._key)
+        data = encode(packet, self._key)
+        if len(data) > MOST_BYTES:
+            # What others need goes before what this agent asks for.
+            self._exchange.asks = True
+            data = encode(replace(packet, vector={}), self._key)
+        return data
 
     # Agreement.
 
     def _proposals(self) -> list[tuple[Epoch, Proposal]]:
         if self._decoded[0] != self.ledger.digest:
-            found = [(w[0], proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
-            known = [((proposal.number, writer), proposal) for writer, proposal in found]
+            found = [(w, proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
+            known = [((proposal.number, *writer), proposal) for writer, proposal in found]
             self._decoded = self.ledger.digest, known
         return self._decoded[1]
 
@@ -380,7 +409,7 @@ class Agent:
     def _repeat(self, now_s: float) -> None:
         """Send the last proposal again while members have not claimed its plan."""
         left, due_s = self._repeats
-        if self.plan.epoch[1] != self.own or self.plan.epoch == FIRST_EPOCH or not left:
+        if self.plan.epoch[1:] != self.ledger.writer or not left:
             return
         if now_s >= due_s + self._options.repeat_s:
             waits = not self.has_agreed(self.proposal.names & self._live)

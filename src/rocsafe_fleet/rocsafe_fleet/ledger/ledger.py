@@ -62,7 +62,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Delta:
-    """All entries of one writer with versions after `base`, up to `upto`."""
+    """All entries of one writer with versions after `base`, up to `upto`; some after it, too."""
 
     writer: Writer
     base: int
@@ -82,6 +82,9 @@ class Ledger:
     ----------
     vector
         Of its entries.
+    latest
+        Number of the newest write that is known of each writer: what was lost before it, and whose
+        writer is gone, may never come.
     digest
         64 bits that are equal for equal entries.
     """
@@ -89,9 +92,11 @@ class Ledger:
     def __init__(self, writer: Writer) -> None:
         self.writer = writer
         self.vector: dict[Writer, int] = {}
+        self.latest: dict[Writer, int] = {}
         self.digest = 0
         self._entries: dict[Key, Entry] = {}
         self._newest: dict[tuple[int, int, int], Key] = {}
+        self._turn = 0
 
     @property
     def entries(self) -> frozenset[Entry]:
@@ -122,7 +127,8 @@ class Ledger:
     def merge(self, delta: Delta) -> bool:
         """Take what a delta has; return whether it changes anything.
 
-        After a gap the vector stays, so that the gap is asked for again.
+        After a gap the vector stays, so that the gap is asked for again; what came after it is
+        passed on to those who show another digest.
         """
         news = [entry for entry in delta.entries if self._take(entry)]
         if delta.base <= self.vector.get(delta.writer, 0) < delta.upto:
@@ -139,17 +145,19 @@ class Ledger:
     def deltas(self, vector: Vector, most_bytes: int) -> list[Delta]:
         """Return what a ledger of that vector lacks, as much as goes into so many bytes.
 
-        What is left out follows when the next vector comes.
+        What is left out follows when the next vector comes: then another writer is the first.
         """
         found = []
-        for writer in sorted(self.vector):
-            base = vector.get(writer, 0)
-            if self.vector[writer] <= base:
-                continue
-            delta, most_bytes = self._delta(writer, base, most_bytes - DELTA_BYTES)
+        behind = [w for w in sorted(self.latest) if self.latest[w] > vector.get(w, 0)]
+        first = self._turn % len(behind) if behind else 0
+        for writer in behind[first:] + behind[:first]:
+            room = most_bytes - DELTA_BYTES
+            delta, left = self._delta(writer, vector.get(writer, 0), room)
             if delta is None:
-                break
+                self._turn += 1
+                continue
             found.append(delta)
+            most_bytes = left
         return found
 
     def _delta(self, writer: Writer, base: int, most_bytes: int) -> tuple[Delta | None, int]:
@@ -162,9 +170,10 @@ class Ledger:
                 break
             fitting.append(entry)
         if len(fitting) == len(newer):
-            upto = self.vector[writer]
+            upto = self.vector.get(writer, 0)
         elif fitting:
-            upto, most_bytes = fitting[-1].version, 0
+            # What was heard after a gap is beyond what is known without one.
+            upto, most_bytes = min(fitting[-1].version, self.vector.get(writer, 0)), 0
         else:
             return None, 0
         return Delta(writer=writer, base=base, upto=upto, entries=tuple(fitting)), most_bytes
@@ -177,6 +186,8 @@ class Ledger:
             self.digest ^= known.digest
         self.digest ^= entry.digest
         self._entries[entry.key] = entry
+        writer = entry.key[0]
+        self.latest[writer] = max(entry.version, self.latest.get(writer, 0))
         of_agent = (entry.key[0][0], *entry.key[1:])
         self._newest[of_agent] = max(entry.key, self._newest.get(of_agent, entry.key))
         return True

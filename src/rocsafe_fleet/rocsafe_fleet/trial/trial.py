@@ -11,6 +11,7 @@ import numpy as np
 from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans, first_plan, plan_of
 from rocsafe_fleet.agreement.options import AgreementOptions
+from rocsafe_fleet.ledger.ledger import Writer
 from rocsafe_fleet.ledger.records import Epoch, Proposal
 from rocsafe_fleet.trial.radio import RadioOptions, SimulatedRadio
 from rocsafe_fleet.trial.vehicle import TrialVehicle
@@ -236,7 +237,7 @@ class Trial:
 
 def planner_of(
     survey: SurveyPlan,
-) -> Callable[[Proposal, int, tuple[Ring, ...]], FleetPlan]:
+) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:
     """Return how the plans of a survey's epochs are computed."""
     return lambda proposal, coordinator, rings: plan_of(survey, proposal, coordinator, rings)
 
