@@ -188,11 +188,6 @@ class Agent:
         rings = tuple(zones[zone] for zone in proposal.exclusions)
         return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings)
 
-    def has_agreed(self, members: Iterable[int]) -> bool:
-        """Return whether these agents claim the same plan as this one."""
-        own = Claim(epoch=self.plan.epoch, plan_hash=self.plan.digest)
-        return all(member == self.own or self._claim(member) == own for member in members)
-
     # What its vehicle does.
 
     def move(self, place: Place) -> None:
@@ -274,6 +269,7 @@ class Agent:
         self.ledger.writer = self.own, self._identity.incarnation
         self._membership.begin_again(self._identity.incarnation)
         self._exchange.repeat(1)
+        self._repeats = 0, 0.0
         for kind, value in known.items():
             if value is not None:
                 self.ledger.write(kind, value)
@@ -407,15 +403,18 @@ class Agent:
         self._proposed = self.ledger.vector[self.ledger.writer]
 
     def _repeat(self, now_s: float) -> None:
-        """Send the last proposal again while members have not claimed its plan."""
+        """Send the last own proposal again while members have not claimed a plan of it."""
         left, due_s = self._repeats
-        if self.plan.epoch[1:] != self.ledger.writer or not left:
+        own = self.ledger.newest(self.own, Kind.PROPOSAL)
+        if own is None or not left or now_s < due_s + self._options.repeat_s:
             return
-        if now_s >= due_s + self._options.repeat_s:
-            waits = not self.has_agreed(self.proposal.names & self._live)
-            self._repeats = (left - 1 if waits else 0), now_s
-            if waits:
-                self._exchange.repeat(self._proposed)
+        proposal = proposal_of(own)
+        epoch = proposal.number, *self.ledger.writer
+        claims = [self._claim(member) for member in proposal.names & self._live]
+        waits = any(claim is None or claim.epoch < epoch for claim in claims)
+        self._repeats = (left - 1 if waits else 0), now_s
+        if waits:
+            self._exchange.repeat(self._proposed)
 
 
 def _check(own: int, count: int, points: Numbers) -> None:

@@ -130,9 +130,7 @@ class SharedPlans:
         self._compute = compute
         self._plans: dict[tuple[bytes, Writer, tuple[Ring, ...]], FleetPlan] = {}
 
-    def get(
-        self, proposal: Proposal, coordinator: Writer, rings: tuple[Ring, ...]
-    ) -> FleetPlan:
+    def get(self, proposal: Proposal, coordinator: Writer, rings: tuple[Ring, ...]) -> FleetPlan:
         """Return the plan of a proposal; equal proposals have the same."""
         key = (proposal.encoded(), coordinator, rings)
         if key not in self._plans:
