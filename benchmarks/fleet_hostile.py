@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hostile schedules for agents: `python benchmarks/fleet_hostile.py [--first N] [--count N]`.
 
-Each seed draws a radio, clocks that are wrong and drift, and some of: cuts that change and heal in any order, ways
-that carry in one direction only, vehicles that are lost, agents that die and start again with
-nothing, with an old ledger or with the number of an earlier start, a second agent of the same
-vehicle, packets that are damaged or come again much later. Plans are dealt by a rule that costs no
-time, so that thousands of schedules are flown. What must hold in each: no viewpoint is missing,
-all agents that hear each other end with one plan and one ledger, vehicles stay apart, no packet is longer than a
-frame, and the trial ends.
+Each seed draws a radio, a fleet of 2 to 6, clocks that are wrong and drift, and some of: cuts that
+change and heal in any order, ways that carry in one direction only, vehicles that are lost or
+fail, agents that die and start again with nothing, with an old ledger or with the number of an
+earlier start, a second agent of one vehicle, packets that are damaged or come again much later.
+Plans are dealt by a rule that costs no time, so that thousands of schedules are flown. What must
+hold in each: no viewpoint is missing, all come to one plan within 45 s after the last event while
+points are left, and to one ledger; vehicles stay 10 m apart; no packet is longer than a frame; the
+trial ends.
 """
 
 import argparse
@@ -22,13 +23,15 @@ from fleet import survey
 
 from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans
-from rocsafe_fleet.ledger.ledger import Writer
+from rocsafe_fleet.fleet_start import START_BITS
+from rocsafe_fleet.ledger.ledger import Ledger, Writer
 from rocsafe_fleet.ledger.packet import MOST_BYTES
 from rocsafe_fleet.ledger.records import Proposal
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.trial import KEY, Trial, TrialOptions
 from rocsafe_geo.position import level_offset_m
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.survey_options import Effort
 
 LAST_EVENT_S = 50.0
 SETTLE_S = 45.0
@@ -63,190 +66,166 @@ class Hostile(Trial):
 
     def __init__(self, plan: SurveyPlan, seed: int, plans: SharedPlans) -> None:
         self.random = random = np.random.default_rng(seed)
-        burst = (0.05, 0.3) if random.random() < 0.3 else (0.0, 1.0)
         radio = RadioOptions(
-            loss=float(random.choice([0.0, 0.2, 0.4])), burst=burst,
+            loss=float(random.choice([0.0, 0.2, 0.4])),
+            burst=(0.05, 0.3) if random.random() < 0.3 else (0.0, 1.0),
             duplicates=float(random.choice([0.0, 0.1])),
             jitter_s=float(random.choice([0.03, 0.3, 1.5])),
-        )  # fmt: skip
+        )
         options = TrialOptions(radio=radio, step_s=0.25, longest_s=1500.0)
         super().__init__(plan, options, random, plans)
-        count = len(self.agents)
-        self.offset_s = random.uniform(-1e5, 1e5, count)
-        self.rate = 1.0 + random.uniform(-0.02, 0.02, count)
-        self.starts = [1] * count
-        self.twins: list[Agent] = []
-        self.heard: list[bytes] = []
-        self.deaf: set[tuple[int, int]] = set()
-        self.kept: dict[int, Agent] = {}
+        self.count = count = len(self.agents)
+        self.spared = int(random.integers(count))
         self.log: list[str] = []
-        self.damage = float(random.choice([0.0, 0.05]))
         self.longest = 0
-        self.failed: set[int] = set()
-        for k in range(count):
-            self._start(k, self.start(1))
-
-    def clock_s(self, number: int) -> float:
-        """Return what the clock of an agent shows."""
-        return float(self.offset_s[number] + self.rate[number] * self.now_s)
-
-    def _start(self, number: int, incarnation: int) -> Agent:
-        agent = Agent(
-            number, self._first, KEY, self.clock_s(number), incarnation, self.options.agreement
+        self._offset_s = random.uniform(-1e5, 1e5, count)
+        self._rate = 1.0 + random.uniform(-0.02, 0.02, count)
+        self._starts = [1] * count
+        self._twins: list[Agent] = []
+        self._heard: list[bytes] = []
+        self._deaf: set[tuple[int, int]] = set()
+        self._kept: dict[int, Ledger] = {}
+        self._failed: set[int] = set()
+        self._damage = float(random.choice([0.0, 0.05]))
+        loses = self.radio._loses
+        self.radio._loses = (  # type: ignore[method-assign]
+            lambda sender, receiver: (sender, receiver) in self._deaf or loses(sender, receiver)
         )
-        self.agents[number] = agent
-        return agent
+        for k in range(count):
+            self.start_agent(k, self._start(1))
 
-    def start(self, count: int) -> int:
+    def _start(self, count: int) -> int:
         """Return the number of a start, as `fleet_start` draws it."""
-        return count << 16 | int(self.random.integers(1 << 16))
+        return count << START_BITS | int(self.random.integers(1 << START_BITS))
 
-    def restart(self, number: int, kind: str) -> None:
-        """Start an agent again that has died, or one beside it."""
-        if self.vehicles[number] is None:
-            return
-        if kind == 'counted':
-            self.starts[number] += 1
-            self._start(number, self.start(self.starts[number]))
-        elif kind == 'forgotten':
-            self._start(number, self.start(1))
-        elif kind == 'stale':
-            self.starts[number] += 1
-            agent = self._start(number, self.start(self.starts[number]))
-            if number in self.kept:
-                for delta in self.kept[number].ledger.deltas({}, 10**6):
-                    agent.ledger.merge(delta)
+    def _clock_s(self, number: int) -> float:
+        return float(self._offset_s[number] + self._rate[number] * self.now_s)
+
+    def _deliver(self, receiver: int, data: bytes) -> None:
+        self.longest = max(self.longest, len(data))
+        if self.random.random() < self._damage:
+            bad = bytearray(data)
+            bad[int(self.random.integers(len(bad)))] ^= int(self.random.integers(1, 256))
+            data = bytes(bad)
+        if len(self._heard) < 3000 and self.random.random() < 0.1:
+            self._heard.append(data)
+        super()._deliver(receiver, data)
+        for twin in self._twins:
+            if twin.own == receiver:
+                twin.receive(data, self._clock_s(receiver))
+
+    def _think(self, agent: Agent) -> None:
+        if agent.own in self._failed:
+            agent.disable('battery')
+        super()._think(agent)
+
+    def _step(self) -> None:
+        super()._step()
+        for twin in self._twins:
+            now_s = self._clock_s(twin.own)
+            for data in twin.advance(now_s):
+                self.radio.send(twin.own, data, self.now_s)
+                super()._deliver(twin.own, data)
+            if (wanted := twin.wanted) is not None:
+                plan = self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
+                twin.planned(wanted, plan)
+
+    # What happens.
+
+    def lost(self, number: int) -> None:
+        """Lose a vehicle, but never all."""
+        if number != self.spared:
+            self.lose(number)
+
+    def fails(self, number: int) -> None:
+        """Let a vehicle end its flight and say so."""
+        if number != self.spared:
+            self._failed.add(number)
+            self.vehicles[number] = None
+
+    def counted(self, number: int) -> None:
+        """Start an agent again that knows nothing."""
+        self.kill_agent(number)
+        if self.vehicles[number] is not None:
+            self._starts[number] += 1
+            self.start_agent(number, self._start(self._starts[number]))
+
+    def forgotten(self, number: int) -> None:
+        """Start an agent again that knows not even how often it has started."""
+        self._starts[number] = 0
+        self.counted(number)
+
+    def stale(self, number: int) -> None:
+        """Start an agent again with what was kept of its ledger before."""
+        self.counted(number)
+        agent, kept = self.agents[number], self._kept.get(number)
+        if agent is not None and kept is not None:
+            for delta in kept.deltas({}, 10**6):
+                agent.ledger.merge(delta)
 
     def keep(self, number: int) -> None:
         """Keep what an agent knows now, as a file would."""
-        agent = self.agents[number]
-        if agent is not None:
-            copy = Agent(number, self._first, KEY, 0.0, agent.ledger.writer[1])
-            copy.ledger.join(agent.ledger)
-            self.kept[number] = copy
+        if (agent := self.agents[number]) is not None:
+            self._kept[number] = Ledger((99, 1))
+            self._kept[number].join(agent.ledger)
 
-    def twin(self, number: int, incarnation: int) -> None:
-        """Let a second agent of the same vehicle begin, which hears and sends too."""
-        self.twins.append(Agent(number, self._first, KEY, self.clock_s(number), incarnation))
+    def cut(self, _: int) -> None:
+        """Cut the fleet into up to three parts."""
+        parts = self.random.integers(0, 3, self.count)
+        sides = [[k for k in range(self.count) if parts[k] == side] for side in range(3)]
+        self.radio.cut(sides)
 
-    def end_twins(self) -> None:
-        """End the second agents."""
-        self.twins.clear()
+    def deaf(self, number: int) -> None:
+        """Let an agent not hear some others that may hear it."""
+        others = self.random.integers(0, 2, self.count)
+        self._deaf |= {(k, number) for k in range(self.count) if others[k]}
 
-    def _step(self) -> None:
-        flying, self.radio.due = self.radio.due, self._due  # type: ignore[method-assign]
-        self._flying = flying
-        super()._step()
-        self.radio.due = flying  # type: ignore[method-assign]
-        for twin in self.twins:
-            now_s = self.clock_s(twin.own)
-            for data in twin.advance(now_s):
-                self.radio.send(twin.own, data, self.now_s)
-                agent = self.agents[twin.own]
-                if agent is not None:
-                    agent.receive(data, now_s)
-            wanted = twin.wanted
-            if wanted is not None:
-                twin.planned(
-                    wanted, self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
-                )
+    def heal(self, _: int) -> None:
+        """Let all hear each other."""
+        self._deaf.clear()
+        self.radio.heal()
 
-    def _due(self, now_s: float) -> list[tuple[int, bytes]]:
-        for receiver, data in self._flying(now_s):
-            if self.random.random() < self.damage:
-                bad = bytearray(data)
-                bad[int(self.random.integers(len(bad)))] ^= int(self.random.integers(1, 256))
-                data = bytes(bad)
-            if len(self.heard) < 3000 and self.random.random() < 0.1:
-                self.heard.append(data)
-            targets = [a for a in (self.agents[receiver], *self.twins) if a and a.own == receiver]
-            for agent in targets:
-                agent.receive(data, self.clock_s(receiver))
-        return []
+    def twin(self, number: int) -> None:
+        """Let a second agent of one vehicle begin, which hears and sends too."""
+        start = self._start(int(self.random.integers(1, 3)))
+        self._twins.append(Agent(number, self._first, KEY, self._clock_s(number), start))
 
-    def replay(self) -> None:
+    def replay(self, _: int) -> None:
         """Let everybody hear packets of long ago again."""
-        for _ in range(min(30, len(self.heard))):
-            data = self.heard[int(self.random.integers(len(self.heard)))]
-            for agent in self.live:
-                agent.receive(data, self.clock_s(agent.own))
+        for _ in range(min(30, len(self._heard))):
+            data = self._heard[int(self.random.integers(len(self._heard)))]
+            for number in range(self.count):
+                super()._deliver(number, data)
 
-    def _think(self, agent: Agent) -> None:
-        if agent.own in self.failed:
-            agent.disable('battery')
-        self.longest = max([self.longest, *map(len, self._advance(agent))])
-
-    def _advance(self, agent: Agent) -> list[bytes]:
-        now_s, self.now_s = self.now_s, self.now_s
-        wanted, number = agent.wanted, agent.own
-        if wanted is not None:
-            known = self._computing.get(number)
-            if known is None or known[1] != wanted.epoch:
-                plan = self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
-                self._computing[number] = now_s + self.options.planning_s, wanted.epoch, plan
-            elif now_s >= known[0]:
-                del self._computing[number]
-                agent.planned(wanted, known[2])
-                self._note_flying(agent)
-        else:
-            self._computing.pop(number, None)
-        sent = agent.advance(self.clock_s(number))
-        for data in sent:
-            self.radio.send(number, data, now_s)
-        return sent
+    def mend(self) -> None:
+        """Heal the radio, end second agents, start those again whose vehicles fly."""
+        self.heal(0)
+        self._twins.clear()
+        for number, agent in enumerate(self.agents):
+            if agent is None:
+                self.counted(number)
 
 
-KINDS = (
-    'lose', 'kill', 'counted', 'forgotten', 'stale', 'keep', 'cut', 'cut', 'heal', 'twin',
-    'replay', 'disable',
-)  # fmt: skip
+KINDS: dict[str, Callable[[Hostile, int], None]] = {
+    'lose': Hostile.lost, 'fail': Hostile.fails, 'kill': Trial.kill_agent,
+    'counted': Hostile.counted, 'forgotten': Hostile.forgotten, 'stale': Hostile.stale,
+    'keep': Hostile.keep, 'cut': Hostile.cut, 'deaf': Hostile.deaf, 'heal': Hostile.heal,
+    'twin': Hostile.twin, 'replay': Hostile.replay,
+}  # fmt: skip
 
 
 def schedule(trial: Hostile, kinds: Sequence[str]) -> None:
     """Draw what happens."""
-    random, count = trial.random, len(trial.agents)
-    spared = int(random.integers(count))
+    random = trial.random
     for time_s in sorted(random.uniform(3.0, LAST_EVENT_S, int(random.integers(2, 12)))):
-        kind, number = str(random.choice(kinds)), int(random.integers(count))
+        kind, number = str(random.choice(list(kinds))), int(random.integers(trial.count))
         trial.log.append(f'{time_s:.1f} {kind} {number}')
-        trial.at(float(time_s), partial(_happen, kind=kind, number=number, spared=spared))
-    trial.at(LAST_EVENT_S + 1.0, _mend)
+        trial.at(float(time_s), partial(_happen, kind=kind, number=number))
+    trial.at(LAST_EVENT_S + 1.0, Hostile.mend)  # type: ignore[arg-type]
 
 
-def _mend(trial: Trial) -> None:
-    """Heal the radio, end twins, start again the agents of vehicles that fly."""
-    trial.radio.heal()
-    trial.end_twins()  # type: ignore[attr-defined]
-    for number, agent in enumerate(trial.agents):
-        if agent is None and trial.vehicles[number] is not None:
-            trial.restart(number, 'counted')  # type: ignore[attr-defined]
-
-
-def _happen(trial: Trial, kind: str, number: int, spared: int) -> None:
-    if not isinstance(trial, Hostile):
-        raise TypeError
-    random, count = trial.random, len(trial.agents)
-    if kind == 'lose' and number != spared:
-        trial.lose(number)
-    elif kind == 'kill':
-        trial.kill_agent(number)
-    elif kind in ('counted', 'forgotten', 'stale'):
-        trial.kill_agent(number)
-        trial.restart(number, kind)
-    elif kind == 'keep':
-        trial.keep(number)
-    elif kind == 'cut':
-        parts = random.integers(0, 3, count)
-        trial.radio.cut([[k for k in range(count) if parts[k] == side] for side in range(3)])
-    elif kind == 'heal':
-        trial.radio.heal()
-    elif kind == 'twin':
-        trial.twin(number, trial.start(int(random.integers(1, 3))))
-    elif kind == 'replay':
-        trial.replay()
-    elif kind == 'disable' and number != spared and (agent := trial.agents[number]):
-        trial.failed.add(number)
-        trial.vehicles[number] = None
+def _happen(trial: Trial, kind: str, number: int) -> None:
+    KINDS[kind](trial, number)  # type: ignore[arg-type]
 
 
 def faults(trial: Hostile) -> list[str]:
@@ -287,13 +266,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--first', type=int, default=0)
     parser.add_argument('--count', type=int, default=200)
-    parser.add_argument('--only', nargs='*', default=KINDS, metavar='KIND')
+    parser.add_argument('--only', nargs='*', default=list(KINDS), metavar='KIND')
     given = parser.parse_args(arguments)
-    plan = survey(4, 5)
-    plans = SharedPlans(dealt(plan))
+    surveys = [survey(fleet, 5, effort=Effort(proposals=5000)) for fleet in (2, 4, 6)]
+    plans = [SharedPlans(dealt(plan)) for plan in surveys]
     bad, begin_s, twice = 0, time.process_time(), 0
     for seed in range(given.first, given.first + given.count):
-        trial = Hostile(plan, seed, plans)
+        trial = Hostile(surveys[seed % 3], seed, plans[seed % 3])
         schedule(trial, given.only)
         try:
             found = faults(trial)
@@ -305,7 +284,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f'seed {seed}: {", ".join(found)}; {"; ".join(trial.log)}', flush=True)
     used_s = time.process_time() - begin_s
     print(
-        f'{given.count} schedules, {bad} with faults, {twice} photographed twice, {used_s:.0f} s of a core'
+        f'{given.count} schedules, {bad} with faults, {twice} photographed twice, '
+        f'{used_s:.0f} s of a core'
     )
     return 1 if bad else 0
 

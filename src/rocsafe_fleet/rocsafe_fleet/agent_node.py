@@ -19,6 +19,7 @@ from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_
 from rocsafe_fleet.dds_link_node import DdsLink
 from rocsafe_fleet.errors import LinkError
 from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
+from rocsafe_fleet.ledger.records import FIRST_EPOCH
 from rocsafe_fleet.link.fleet_link import FleetLink
 from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
@@ -59,7 +60,7 @@ class AgentsNode(Node):
         self._options = options = declare_options(self, AgentOptions)
         self._fleet: FleetStart | None = None
         self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
-        self._flown = dict.fromkeys(options.vehicles, (0, 0))
+        self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
         self._is_paused = False
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
@@ -301,7 +302,7 @@ class AgentsNode(Node):
             self._states.publish(state)
 
     def _now_s(self) -> float:
-        """Return simulated time in lock-step, else a time that nobody sets and no host publishes."""
+        """Return simulated time in lock-step, else one that nobody sets and no host publishes."""
         if self._options.lock_step:
             return float(self.get_clock().now().nanoseconds) * _NS
         return time.monotonic()

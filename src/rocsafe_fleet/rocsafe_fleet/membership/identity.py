@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which start of the agent of a vehicle goes on: the latest, as the others hear it.
 
-A start that has lost its folder counts from one again, and two hosts can start an agent of the same
+A start that has lost its folder counts from one again, and two hosts can start an agent of one
 vehicle. Who hears of a later start of itself before anybody has answered to its own, begins again
 with a higher number (as in SWIM: Das, Gupta, Motivala 2002). Who was answered, or has begun again
 before, rests while the later one is heard.
