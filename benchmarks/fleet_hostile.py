@@ -24,7 +24,7 @@ from fleet import survey
 from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans
 from rocsafe_fleet.fleet_start import START_BITS
-from rocsafe_fleet.ledger.ledger import Ledger, Writer
+from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
 from rocsafe_fleet.ledger.packet import MOST_BYTES
 from rocsafe_fleet.ledger.records import Proposal
 from rocsafe_fleet.trial.radio import RadioOptions
@@ -35,6 +35,7 @@ from rocsafe_planner.plan.survey_options import Effort
 
 LAST_EVENT_S = 50.0
 SETTLE_S = 45.0
+READINGS = 0.1
 
 
 def dealt(plan: SurveyPlan) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:
@@ -85,6 +86,7 @@ class Hostile(Trial):
         self._heard: list[bytes] = []
         self._deaf: set[tuple[int, int]] = set()
         self._kept: dict[int, Ledger] = {}
+        self._readings = 0
         self._failed: set[int] = set()
         self._damage = float(random.choice([0.0, 0.05]))
         loses = self.radio._loses
@@ -117,6 +119,9 @@ class Hostile(Trial):
     def _think(self, agent: Agent) -> None:
         if agent.own in self._failed:
             agent.disable('battery')
+        if self.random.random() < READINGS:
+            self._readings += 1
+            agent.ledger.write(Kind.READING, self.random.bytes(26), self._readings)
         super()._think(agent)
 
     def _step(self) -> None:

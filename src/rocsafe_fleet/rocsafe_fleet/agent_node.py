@@ -15,7 +15,13 @@ from std_srvs.srv import SetBool
 
 from rocsafe_fleet.agreement.agent import Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan
-from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_of
+from rocsafe_fleet.conversions import (
+    dose_reading_of_message,
+    is_aloft,
+    place_of_state,
+    route_of,
+    state_of,
+)
 from rocsafe_fleet.dds_link_node import DdsLink
 from rocsafe_fleet.errors import LinkError
 from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
@@ -24,7 +30,7 @@ from rocsafe_fleet.link.fleet_link import FleetLink
 from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
-from rocsafe_interfaces.msg import StepDone, SurveyPlan
+from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
 from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
@@ -50,9 +56,9 @@ class AgentsNode(Node):
     """The agents of some vehicles. They speak only the vehicles' own topics and actions.
 
     Publishes ``fleet/delta`` and ``fleet/agents``; subscribes ``plan``, ``fleet/delta``, and
-    ``<vehicle>/state`` and ``<vehicle>/control``. Uses ``<vehicle>/fly_route``,
-    ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time ``world/run``, so that no
-    time passes while they plan.
+    ``<vehicle>/state``, ``<vehicle>/control`` and ``<vehicle>/radiation``. Uses
+    ``<vehicle>/fly_route``, ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time
+    ``world/run``, so that no time passes while they plan.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -90,6 +96,10 @@ class AgentsNode(Node):
         # While the other nodes start: the first loss need not wait for it.
         BackgroundJob(lambda _report: load_kernels(), 'loading', None)
         topics.create_subscription(self, topics.PLAN, self._on_plan)
+        for name in options.vehicles:
+            topics.create_subscription(
+                self, topics.RADIATION, partial(self._on_reading, name), name
+            )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         if options.lock_step:
             # The agents of each host have a name of their own.
@@ -143,6 +153,11 @@ class AgentsNode(Node):
     def _on_plan(self, message: SurveyPlan) -> None:
         self._plan_id = message.plan_id
 
+    def _on_reading(self, name: str, message: RadiationReading) -> None:
+        reading = dose_reading_of_message(message)
+        if self._fleet is not None and reading is not None:
+            self._fleet.add_reading(name, reading)
+
     def _begin(self, plan_id: str = '') -> None:
         """Begin with the plan of the survey; no id: with the plan of an earlier start."""
         token = os.environ.get(MISSION_VARIABLE, '')
@@ -184,6 +199,8 @@ class AgentsNode(Node):
         place = place_of_state(link.state, fleet.endurance_s(name))
         if place is not None:
             agent.move(place)
+        if link.is_down:
+            fleet.add_reading(name, None)
         if link.visited:
             agent.visit(link.visited)
         if link.is_silent(time_s):

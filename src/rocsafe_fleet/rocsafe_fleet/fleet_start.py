@@ -12,15 +12,18 @@ from rocsafe_fleet.agreement.agent import Agent, Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, first_plan
 from rocsafe_fleet.agreement.local_agents import LocalAgents
 from rocsafe_fleet.errors import PacketError
+from rocsafe_fleet.ledger.ledger import Kind
 from rocsafe_fleet.ledger.packet import Packet, decode, encode
+from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, table_of
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.trial.trial import planner_of
-from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.durable import replace_whole, write_whole
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan
 
 _STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'
+_READINGS = 'readings.csv'
 _ALL_BYTES = 2**31
 START_BITS = 16
 """Drawn bits of the number of a start: two starts of one agent that lost their count differ."""
@@ -46,11 +49,24 @@ class FleetStart:
         self.names = [route.vehicle.name for route in survey.routes]
         self.silent: set[str] = set()
         self._survey = survey
+        self._sums = {name: ReadingSums(self.agent(name).ledger) for name in self.own_names}
         self._plans = SharedPlans(planner_of(survey))
 
     def agent(self, name: str) -> Agent:
         """Return the agent of a vehicle."""
         return self.local.agents[self.names.index(name)]
+
+    @property
+    def own_names(self) -> list[str]:
+        """Vehicles whose agents run here."""
+        return [self.names[number] for number in self.local.agents]
+
+    def add_reading(self, name: str, reading: DoseReading | None) -> None:
+        """Take a reading of a vehicle's detector; None: no more will come from where it is."""
+        if reading is None:
+            self._sums[name].close()
+        else:
+            self._sums[name].add(reading)
 
     def endurance_s(self, name: str) -> float:
         """Return the usable flight time of a vehicle's battery."""
@@ -79,11 +95,12 @@ class FleetStart:
 
     def save(self, routes: Mapping[str, Mapping[str, Sequence[int]]]) -> None:
         """Keep what the agents know, for those that are started after a failure."""
-        ledgers = [agent.ledger for agent in self.local.agents.values()]
+        # Those of one process mostly know the same.
+        known = {agent.ledger.digest: agent.ledger for agent in self.local.agents.values()}
+        ledgers = list(known.values())
         digest = hash(tuple(ledger.digest for ledger in ledgers))
         if self._folder is None or digest == self._saved:
             return
-        self._saved = digest
         deltas = tuple(delta for ledger in ledgers for delta in ledger.deltas({}, _ALL_BYTES))
         packet = Packet(sender=0, beats={}, digest=0, deltas=deltas)
         for name, data in (
@@ -91,6 +108,9 @@ class FleetStart:
             (_ROUTES, json.dumps(routes).encode()),
         ):
             write_whole(self._folder / name, data)
+        if any(True for _ in ledgers[0].values(Kind.READING)):
+            replace_whole(self._folder / _READINGS, table_of(ledgers, self.names).encode())
+        self._saved = digest
 
     def plan(self, wanted: Wanted, _report: Callable[[None], bool]) -> FleetPlan:
         """Return the plan of a proposal; runs in a thread."""

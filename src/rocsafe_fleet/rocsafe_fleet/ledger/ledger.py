@@ -34,6 +34,7 @@ class Kind(IntEnum):
     EXCLUSION = 5  # number
     FINDING = 6  # number
     DOSE = 7
+    READING = 8  # number
 
 
 Key = tuple[Writer, int, int]
@@ -62,7 +63,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Delta:
-    """All entries of one writer with versions after `base`, up to `upto`; some after it, too."""
+    """All entries of one writer with versions after `base`, up to `upto`; some later ones, too."""
 
     writer: Writer
     base: int
@@ -145,38 +146,38 @@ class Ledger:
     def deltas(self, vector: Vector, most_bytes: int) -> list[Delta]:
         """Return what a ledger of that vector lacks, as much as goes into so many bytes.
 
-        What is left out follows when the next vector comes: then another writer is the first.
+        Readings come last. What is left out follows when the next vector comes: then another
+        writer is the first.
         """
-        found = []
         behind = [w for w in sorted(self.latest) if self.latest[w] > vector.get(w, 0)]
         first = self._turn % len(behind) if behind else 0
-        for writer in behind[first:] + behind[:first]:
-            room = most_bytes - DELTA_BYTES
-            delta, left = self._delta(writer, vector.get(writer, 0), room)
-            if delta is None:
-                self._turn += 1
-                continue
-            found.append(delta)
-            most_bytes = left
-        return found
-
-    def _delta(self, writer: Writer, base: int, most_bytes: int) -> tuple[Delta | None, int]:
-        newer = [e for e in self._entries.values() if e.key[0] == writer and e.version > base]
-        newer.sort(key=lambda entry: entry.version)
-        fitting: list[Entry] = []
+        ranks = {writer: k for k, writer in enumerate(behind[first:] + behind[:first])}
+        newer = [
+            entry
+            for entry in self._entries.values()
+            if entry.key[0] in ranks and entry.version > vector.get(entry.key[0], 0)
+        ]
+        newer.sort(key=lambda e: (e.key[1] == Kind.READING, ranks[e.key[0]], e.version))
+        chosen: dict[Writer, list[Entry]] = {}
+        upto = {writer: self.vector.get(writer, 0) for writer in behind}
         for entry in newer:
-            most_bytes -= ENTRY_BYTES + len(entry.value)
-            if most_bytes < 0:
-                break
-            fitting.append(entry)
-        if len(fitting) == len(newer):
-            upto = self.vector.get(writer, 0)
-        elif fitting:
-            # What was heard after a gap is beyond what is known without one.
-            upto, most_bytes = min(fitting[-1].version, self.vector.get(writer, 0)), 0
-        else:
-            return None, 0
-        return Delta(writer=writer, base=base, upto=upto, entries=tuple(fitting)), most_bytes
+            writer = entry.key[0]
+            size = ENTRY_BYTES + len(entry.value) + (0 if writer in chosen else DELTA_BYTES)
+            if size <= most_bytes:
+                most_bytes -= size
+                chosen.setdefault(writer, []).append(entry)
+            else:
+                upto[writer] = min(upto[writer], entry.version - 1)
+        self._turn += sum(map(len, chosen.values())) < len(newer)
+        return [
+            Delta(
+                writer=writer,
+                base=vector.get(writer, 0),
+                upto=upto[writer],
+                entries=tuple(sorted(entries, key=lambda entry: entry.version)),
+            )
+            for writer, entries in chosen.items()
+        ]
 
     def _take(self, entry: Entry) -> bool:
         known = self._entries.get(entry.key)
