@@ -35,7 +35,7 @@ from rocsafe_planner.plan.survey_options import Effort
 
 LAST_EVENT_S = 50.0
 SETTLE_S = 45.0
-READINGS = 0.1
+READINGS = 0.02
 
 
 def dealt(plan: SurveyPlan) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:

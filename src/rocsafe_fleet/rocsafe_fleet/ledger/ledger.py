@@ -96,6 +96,8 @@ class Ledger:
         self.latest: dict[Writer, int] = {}
         self.digest = 0
         self._entries: dict[Key, Entry] = {}
+        self._kinds: dict[int, dict[Key, Entry]] = {kind: {} for kind in Kind}
+        self._writers: dict[Writer, dict[Key, Entry]] = {}
         self._newest: dict[tuple[int, int, int], Key] = {}
         self._turn = 0
 
@@ -122,8 +124,8 @@ class Ledger:
 
     def values(self, kind: Kind) -> Iterator[tuple[Writer, int, bytes]]:
         """Yield writer, part and value of all entries of a kind, in order."""
-        for writer, _, part in sorted(key for key in self._entries if key[1] == kind):
-            yield writer, part, self._entries[writer, int(kind), part].value
+        for (writer, _, part), entry in sorted(self._kinds[kind].items(), key=lambda one: one[0]):
+            yield writer, part, entry.value
 
     def merge(self, delta: Delta) -> bool:
         """Take what a delta has; return whether it changes anything.
@@ -154,8 +156,9 @@ class Ledger:
         ranks = {writer: k for k, writer in enumerate(behind[first:] + behind[:first])}
         newer = [
             entry
-            for entry in self._entries.values()
-            if entry.key[0] in ranks and entry.version > vector.get(entry.key[0], 0)
+            for writer in behind
+            for entry in self._writers[writer].values()
+            if entry.version > vector.get(writer, 0)
         ]
         newer.sort(key=lambda e: (e.key[1] == Kind.READING, ranks[e.key[0]], e.version))
         chosen: dict[Writer, list[Entry]] = {}
@@ -188,6 +191,8 @@ class Ledger:
         self.digest ^= entry.digest
         self._entries[entry.key] = entry
         writer = entry.key[0]
+        self._kinds.setdefault(entry.key[1], {})[entry.key] = entry
+        self._writers.setdefault(writer, {})[entry.key] = entry
         self.latest[writer] = max(entry.version, self.latest.get(writer, 0))
         of_agent = (entry.key[0][0], *entry.key[1:])
         self._newest[of_agent] = max(entry.key, self._newest.get(of_agent, entry.key))
