@@ -267,3 +267,15 @@ def test_the_longest_proposal_fits_into_a_packet():
     (data,) = agent.advance(1.0)
     assert len(data) <= MOST_BYTES
     assert any(e.key[1] == Kind.PROPOSAL for d in decode(data, KEY).deltas for e in d.entries)
+
+
+def test_points_of_a_vehicle_that_is_heard_again_are_no_longer_last():
+    """Only those of vehicles that are silent still."""
+    one = trial()
+    one.at(8.0, lambda fleet: fleet.radio.cut([[0, 1], [2], [3]]))
+    one.at(14.0, lambda fleet: fleet.radio.cut([[0, 1, 2], [3]]))
+    one.run(after(19.0))
+    proposal = one.live[0].proposal
+    assert (proposal.names, proposal.silent) == ({0, 1, 2}, {3})
+    theirs = {view.id for view in one.survey.routes[3].viewpoints}
+    assert proposal.last == theirs - proposal.visited

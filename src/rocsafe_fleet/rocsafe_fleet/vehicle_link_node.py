@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an agent hears from its vehicle, and how it lets it fly: topics and actions, by lease."""
 
-import math
 import time
 from collections.abc import Callable
 from functools import partial
@@ -61,7 +60,7 @@ class VehicleLink:
     ) -> None:
         self.name = name
         self.state: VehicleState | None = None
-        self._now_s, self._heard_s = now_s, -math.inf
+        self._now_s, self._heard_s = now_s, now_s()
         self._is_real = is_real
         self._mission = mission
         self._leases = leases

@@ -106,6 +106,8 @@ class Agent:
         self._exchange = Exchange(self.ledger, self._count)
         self._places: dict[int, tuple[tuple[int, int], Place]] = {}
         self._route = first.routes.get(own, ())
+        # Of each vehicle in the newest plan here that it was a member of.
+        self._routes = dict(first.routes)
         self._live = self._everyone
         self._next_beat_s = now_s
         self._sent_s = now_s - self._options.least_gap_s
@@ -209,6 +211,8 @@ class Agent:
         if wanted.epoch <= self.plan.epoch:
             return
         self.plan, self.proposal = plan, wanted.proposal
+        if not plan.error:
+            self._routes |= plan.routes
         if self.own in wanted.proposal.names:
             self._route = plan.routes[self.own]
         claim = Claim(epoch=plan.epoch, plan_hash=plan.digest)
@@ -388,8 +392,9 @@ class Agent:
 
     def _propose(self, members: Numbers, silent: Numbers) -> None:
         number = max([epoch[0] for epoch, _ in self._proposals()] + [self.plan.epoch[0]]) + 1
-        theirs = {p for k in silent for p in self.plan.routes.get(k, ())}
-        if silent & self.proposal.silent:
+        theirs = {p for k in silent for p in self._routes.get(k, ())}
+        if silent >= self.proposal.silent:
+            # Else the points of those that are heard again would stay among the last.
             theirs |= self.proposal.last
         proposal = Proposal(
             number=number,
