@@ -51,7 +51,7 @@ PEER_SEARCH_S = 3.0
 Seed = int
 
 
-def survey(fleet: int, side: int, endurance_s: float = 1e5) -> SurveyPlan:
+def survey(fleet: int, side: int, effort: Effort | None = None) -> SurveyPlan:
     """Return the plan of a square of `side` by `side` viewpoints, 20 m apart."""
     size = 20.0 * side
     corners = ((0, 0), (size, 0), (size, size), (0, size))
@@ -62,11 +62,11 @@ def survey(fleet: int, side: int, endurance_s: float = 1e5) -> SurveyPlan:
             regions=(SurveyRegion(area=area),),
             camera=CAMERA,
             vehicles=tuple(
-                Vehicle(name=f'rav{k}', home=home, endurance_s=endurance_s)
-                for k, home in enumerate(homes)
+                Vehicle(name=f'rav{k}', home=home, endurance_s=1e5) for k, home in enumerate(homes)
             ),
             coverage=CoverageOptions(height_agl_m=32.0),
             separation=SeparationOptions(distance_m=5.0 if fleet > 9 else 10.0, by='reserved'),
+            effort=effort or Effort(),
         )
     )
 

@@ -8,12 +8,13 @@ import pytest
 
 from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, plan_of, situation_of
-from rocsafe_fleet.agreement.options import MOST_AGENTS
+from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS
 from rocsafe_fleet.ledger.ledger import Kind
-from rocsafe_fleet.ledger.records import place_of, ring_bytes
+from rocsafe_fleet.ledger.packet import MOST_BYTES, decode
+from rocsafe_fleet.ledger.records import Proposal, place_of, ring_bytes
 from rocsafe_fleet.trial.radio import RadioOptions
-from rocsafe_fleet.trial.trial import Trial, agreed
-from rocsafe_geo.position import offset
+from rocsafe_fleet.trial.trial import KEY, Trial, agreed
+from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_planner.replanning import replan
 
 from . import surveys
@@ -93,6 +94,44 @@ def test_coordinators_may_die_at_any_time(seed):
     assert len({(agent.epoch, agent.plan.digest) for agent in one.live}) == 1
 
 
+def test_every_proposal_is_repeated_until_its_members_have_planned():
+    """Not the first alone: a member that misses the second gets it again."""
+    one = trial(radio=RadioOptions())
+    one.at(10.0, lambda fleet: fleet.lose(3))
+    one.at(20.0, lambda fleet: fleet.lose(2))
+    one.run(after(23.0))
+    assert {agent.epoch[0] for agent in one.live} == {1}
+    told = []
+    send, receive = one.radio.send, one.agents[1].receive
+
+    def count(sender, data, now_s):
+        told.extend(
+            d
+            for d in decode(data, KEY).deltas
+            if any(e.key[:2] == ((0, 1), Kind.PROPOSAL) for e in d.entries)
+        )
+        send(sender, data, now_s)
+
+    one.radio.send = count
+    one.agents[1].receive = lambda data, now_s: receive(data, now_s) if len(told) > 1 else None
+    one.run(after(26.0))
+    assert len(told) > 1
+    assert {agent.epoch[0] for agent in one.live} == {2}
+
+
+def test_an_agent_that_forgot_its_starts_takes_part_again():
+    """Its number is below that of the start before, which the others still tell."""
+    one = trial()
+    for time_s, start in ((12.0, 9), (15.0, 5)):
+        one.at(time_s, lambda fleet: fleet.kill_agent(1))
+        one.at(time_s + 1.0, lambda fleet, start=start: fleet.start_agent(1, start))
+    one.run(after(22.0))
+    assert {frozenset(agent.live) for agent in one.live} == {frozenset(range(4))}
+    outcome = one.run()
+    assert outcome.missing == 0
+    assert len({agent.ledger.digest for agent in one.live}) == 1
+
+
 def test_a_loss_that_is_announced_frees_its_points():
     """Nobody waits for three heartbeats, and its viewpoints need not come last."""
     one = trial()
@@ -116,7 +155,7 @@ def test_a_zone_changes_the_plan():
     corners = [offset(middle, east, north) for east, north in ((-15, -15), (15, -15), (0, 15))]
     one.at(12.0, lambda fleet: fleet.agents[1].ledger.write(Kind.EXCLUSION, ring_bytes(corners)))
     outcome = one.run()
-    assert {agent.epoch for agent in one.live} == {(1, 0)}
+    assert {agent.epoch for agent in one.live} == {(1, 0, 1)}
     assert one.live[0].proposal.exclusions == ((1, 0),)
     assert 0 < outcome.missing == len(one.live[0].plan.left_out)
 
@@ -166,7 +205,7 @@ def test_a_plan_by_insertion_covers_the_same_points():
     one.at(15.0, lambda fleet: fleet.lose(1))
     one.run(after(25.0))
     agent = one.live[0]
-    found = plan_of(one.survey, agent.proposal, agent.epoch[1], ())
+    found = plan_of(one.survey, agent.proposal, agent.epoch[1:], ())
     assert found.routes == agent.plan.routes
     names = [vehicle.name for vehicle in one.survey.request.vehicles]
     rest = replan(one.survey, situation_of(agent.proposal, names, ()), method='insertion')
@@ -188,9 +227,11 @@ def test_a_fleet_that_is_too_large_is_refused():
 
 
 def test_packets_stay_below_one_frame():
-    """Also those of the largest fleet with 2000 viewpoints, of which half are photographed."""
-    first = FleetPlan(routes={k: tuple(range(100 * k, 100 * k + 100)) for k in range(MOST_AGENTS)})
-    agents = [Agent(k, first, b'', 0.0) for k in range(MOST_AGENTS)]
+    """Also those of the largest fleet with most viewpoints, of which half are photographed."""
+    share = MOST_POINTS // MOST_AGENTS
+    starts = range(0, share * MOST_AGENTS, share)
+    first = FleetPlan(routes={k: tuple(range(p, p + share)) for k, p in enumerate(starts)})
+    agents = [Agent(k, first, b'', 0.0, 9 << 16) for k in range(MOST_AGENTS)]
     place = surveys.survey().routes[0].viewpoints[0].position
     longest = 0
     for tick in range(60):
@@ -198,7 +239,7 @@ def test_packets_stay_below_one_frame():
         packets = []
         for agent in agents[: -1 if tick > 10 else None]:
             agent.move(place_of(place, 100.0, is_aloft=True))
-            agent.visit(range(100 * agent.own, 100 * agent.own + 50))
+            agent.visit(first.routes[agent.own][: share // 2])
             packets += agent.advance(now_s)
         for data in packets:
             longest = max(longest, len(data))
@@ -207,3 +248,34 @@ def test_packets_stay_below_one_frame():
     assert agents[0].wanted is not None
     assert agents[10].wanted == agents[0].wanted
     assert longest <= 1200
+
+
+def test_the_longest_proposal_fits_into_a_packet():
+    """Places far from the origin, all viewpoints either done or last, and eight zones."""
+    place = place_of(GeoPosition(-53.28, -179.06, 4000.0), 9000.0, is_aloft=True)
+    proposal = Proposal(
+        number=200,
+        members=tuple((k, place) for k in range(MOST_AGENTS - 1)),
+        silent=frozenset({MOST_AGENTS - 1}),
+        visited=frozenset(range(0, MOST_POINTS, 2)),
+        last=frozenset(range(1, MOST_POINTS, 2)),
+        exclusions=tuple((k, 1) for k in range(8)),
+    )
+    agent = Agent(0, FleetPlan(routes={k: (k,) for k in range(MOST_AGENTS)}), KEY, 0.0, 9 << 16)
+    agent.advance(0.0)
+    agent.ledger.write(Kind.PROPOSAL, proposal.encoded())
+    (data,) = agent.advance(1.0)
+    assert len(data) <= MOST_BYTES
+    assert any(e.key[1] == Kind.PROPOSAL for d in decode(data, KEY).deltas for e in d.entries)
+
+
+def test_points_of_a_vehicle_that_is_heard_again_are_no_longer_last():
+    """Only those of vehicles that are silent still."""
+    one = trial()
+    one.at(8.0, lambda fleet: fleet.radio.cut([[0, 1], [2], [3]]))
+    one.at(14.0, lambda fleet: fleet.radio.cut([[0, 1, 2], [3]]))
+    one.run(after(19.0))
+    proposal = one.live[0].proposal
+    assert (proposal.names, proposal.silent) == ({0, 1, 2}, {3})
+    theirs = {view.id for view in one.survey.routes[3].viewpoints}
+    assert proposal.last == theirs - proposal.visited

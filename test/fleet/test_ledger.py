@@ -108,6 +108,49 @@ def test_a_gap_is_asked_for_again(steps):
     assert target.vector.get(source.writer, 0) == source.vector.get(source.writer, 0)
 
 
+def test_what_came_after_a_gap_is_passed_on():
+    """Its writer is gone and the gap stays: all come to know the same all the same."""
+    gone, one, other = Ledger((0, 1)), Ledger((1, 1)), Ledger((2, 1))
+    gone.write(Kind.ABLE, b'')
+    first = gone.deltas({}, 500)
+    gone.write(Kind.VISITED, set_bytes({1}))
+    before = dict(gone.vector)
+    gone.write(Kind.PROPOSAL, b'proposal')
+    for delta in (*first, *gone.deltas(before, 500)):
+        one.merge(delta)
+    for delta in first:
+        other.merge(delta)
+    assert one.vector == other.vector
+    for delta in one.deltas(other.vector, 500):
+        other.merge(delta)
+    assert (other.entries, other.vector) == (one.entries, one.vector)
+
+
+def test_a_short_packet_promises_no_more_than_its_sender_knows():
+    """What the sender heard after a gap does not hide the gap from the receiver."""
+    source, one, other = Ledger((0, 1)), Ledger((1, 1)), Ledger((2, 1))
+    for part in range(4):
+        source.write(Kind.FINDING, bytes(10), part)
+    parts = [source.deltas({source.writer: base}, 50)[0] for base in (0, 2)]
+    for delta in parts[1:]:
+        one.merge(delta)
+    for delta in one.deltas(other.vector, 40):
+        other.merge(delta)
+    assert other.entries
+    assert other.vector.get(source.writer, 0) == 0
+
+
+def test_an_entry_without_room_does_not_hold_up_the_others():
+    """Each time another writer comes first."""
+    one = Ledger((9, 1))
+    for agent, size in ((0, 500), (1, 10), (2, 10)):
+        other = Ledger((agent, 1))
+        other.write(Kind.FINDING, bytes(size))
+        one.join(other)
+    sent = [delta.writer[0] for _ in range(4) for delta in one.deltas({}, 60)]
+    assert set(sent) == {1, 2}
+
+
 def test_a_restarted_agent_takes_back_what_it_wrote():
     """It is a new writer: nothing that it acknowledged before is lost or written over."""
     before, other, again = Ledger((0, 1)), Ledger((1, 1)), Ledger((0, 2))
@@ -143,7 +186,7 @@ def test_values_are_read_as_written():
         exclusions=((2, 1),),
     )
     assert proposal_of(proposal.encoded()) == proposal
-    claim = Claim(epoch=(7, 2), plan_hash=b'12345678')
+    claim = Claim(epoch=(7, 2, 1), plan_hash=b'12345678')
     assert claim_of(claim.encoded()) == claim
     ring = (GeoPosition(53.28, -9.06), GeoPosition(53.29, -9.06), GeoPosition(53.28, -9.05))
     assert [(p.latitude_deg, p.longitude_deg) for p in ring_of(ring_bytes(ring))] == [

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Who is heard, and for how long silence is allowed."""
 
+from rocsafe_fleet.membership.identity import Identity
 from rocsafe_fleet.membership.membership import Membership, MembershipOptions
 
 
@@ -55,3 +56,32 @@ def test_a_restarted_agent_is_heard():
     one.hear({1: (2, 1)}, 5.0)
     assert 1 in one.live(7.0)
     assert one.beats[1] == (2, 1)
+
+
+def test_a_start_that_lost_its_count_begins_again_above_the_earlier_one():
+    """The others still tell heartbeats of the start before."""
+    one = Identity(65, 12.0)
+    one.hear((190, 400), (65, 2), 1.0, is_answer=True)
+    assert not one.rests(1.0)
+    assert one.incarnation == 191
+
+
+def test_the_earlier_of_two_agents_of_a_vehicle_rests_while_the_other_is_heard():
+    """It goes on, with a higher number, when the other is gone."""
+    one = Identity(65, 12.0)
+    one.hear((65, 7), (65, 8), 1.0, is_answer=True)
+    one.hear((70, 1), (65, 9), 2.0, is_answer=False)
+    assert one.rests(2.0)
+    one.hear((70, 9), (65, 9), 10.0, is_answer=True)
+    assert one.rests(20.0)
+    assert not one.rests(22.1)
+    assert one.incarnation == 71
+
+
+def test_own_packets_that_come_back_and_old_ones_change_nothing():
+    """Neither an echo nor what an earlier start sent."""
+    one = Identity(65, 12.0)
+    one.hear((65, 8), (65, 8), 1.0, is_answer=False)
+    one.hear((64, 900), (65, 8), 1.0, is_answer=False)
+    assert not one.rests(1.0)
+    assert one.incarnation == 65

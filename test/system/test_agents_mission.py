@@ -51,6 +51,9 @@ def test_mission_goes_on_without_its_orchestrator(fly: Fly) -> None:
     assert photographed(flight) == planned(flight), log
     assert flight.living() == [], log
     assert 'simulated time goes on without' in log
+    # What the agents know of the hazard is left on their host, with the readings of the lost one.
+    rows = (flight.run.path / 'agents' / 'readings.csv').read_text().splitlines()[1:]
+    assert {row.partition(',')[0] for row in rows} == {'rav1', 'rav2', 'rav3'}
 
 
 @pytest.mark.all

@@ -15,15 +15,22 @@ from std_srvs.srv import SetBool
 
 from rocsafe_fleet.agreement.agent import Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan
-from rocsafe_fleet.conversions import is_aloft, place_of_state, route_of, state_of
+from rocsafe_fleet.conversions import (
+    dose_reading_of_message,
+    is_aloft,
+    place_of_state,
+    route_of,
+    state_of,
+)
 from rocsafe_fleet.dds_link_node import DdsLink
 from rocsafe_fleet.errors import LinkError
 from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
+from rocsafe_fleet.ledger.records import FIRST_EPOCH
 from rocsafe_fleet.link.fleet_link import FleetLink
 from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
-from rocsafe_interfaces.msg import StepDone, SurveyPlan
+from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
 from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
@@ -49,9 +56,9 @@ class AgentsNode(Node):
     """The agents of some vehicles. They speak only the vehicles' own topics and actions.
 
     Publishes ``fleet/delta`` and ``fleet/agents``; subscribes ``plan``, ``fleet/delta``, and
-    ``<vehicle>/state`` and ``<vehicle>/control``. Uses ``<vehicle>/fly_route``,
-    ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time ``world/run``, so that no
-    time passes while they plan.
+    ``<vehicle>/state``, ``<vehicle>/control`` and ``<vehicle>/radiation``. Uses
+    ``<vehicle>/fly_route``, ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time
+    ``world/run``, so that no time passes while they plan.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -59,7 +66,7 @@ class AgentsNode(Node):
         self._options = options = declare_options(self, AgentOptions)
         self._fleet: FleetStart | None = None
         self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
-        self._flown = dict.fromkeys(options.vehicles, (0, 0))
+        self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
         self._is_paused = False
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
@@ -77,19 +84,29 @@ class AgentsNode(Node):
         )
         self._links = {
             name: VehicleLink(
-                self, name, leases, options.mission, is_real=name in options.real_vehicles
+                self,
+                name,
+                leases,
+                options.mission,
+                self._now_s,
+                is_real=name in options.real_vehicles,
             )
             for name in options.vehicles
         }
         # While the other nodes start: the first loss need not wait for it.
         BackgroundJob(lambda _report: load_kernels(), 'loading', None)
         topics.create_subscription(self, topics.PLAN, self._on_plan)
+        for name in options.vehicles:
+            topics.create_subscription(
+                self, topics.RADIATION, partial(self._on_reading, name), name
+            )
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
         if options.lock_step:
             # The agents of each host have a name of their own.
             self._participant = Participant(self, self.get_name(), self._on_step)
         else:
-            self.create_timer(STEP_S, lambda: self._on_step(self.get_clock().now().nanoseconds))
-        self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+            self.create_timer(STEP_S, lambda: self._on_step(time.monotonic_ns()), clock=steady)
+        self.create_timer(LOOK_S, self._look, clock=steady)
         if has_started(options.state_directory):
             # The planner, which told the plan, may be gone.
             self._begin()
@@ -136,6 +153,11 @@ class AgentsNode(Node):
     def _on_plan(self, message: SurveyPlan) -> None:
         self._plan_id = message.plan_id
 
+    def _on_reading(self, name: str, message: RadiationReading) -> None:
+        reading = dose_reading_of_message(message)
+        if self._fleet is not None and reading is not None:
+            self._fleet.add_reading(name, reading)
+
     def _begin(self, plan_id: str = '') -> None:
         """Begin with the plan of the survey; no id: with the plan of an earlier start."""
         token = os.environ.get(MISSION_VARIABLE, '')
@@ -177,6 +199,8 @@ class AgentsNode(Node):
         place = place_of_state(link.state, fleet.endurance_s(name))
         if place is not None:
             agent.move(place)
+        if link.is_down:
+            fleet.add_reading(name, None)
         if link.visited:
             agent.visit(link.visited)
         if link.is_silent(time_s):
@@ -280,7 +304,10 @@ class AgentsNode(Node):
         return is_down and fleet.is_done and not fleet.others_aloft
 
     def _report(self, fleet: FleetStart) -> None:
-        fleet.save({name: link.routes for name, link in self._links.items()})
+        try:
+            fleet.save({name: link.routes for name, link in self._links.items()})
+        except OSError as error:
+            self.get_logger().error(f'what the agents know is not kept: {error}', once=True)
         stamp = self.get_clock().now().to_msg()
         is_done = self._is_done()
         for name in self._links:
@@ -292,7 +319,10 @@ class AgentsNode(Node):
             self._states.publish(state)
 
     def _now_s(self) -> float:
-        return float(self.get_clock().now().nanoseconds) * _NS
+        """Return simulated time in lock-step, else one that nobody sets and no host publishes."""
+        if self._options.lock_step:
+            return float(self.get_clock().now().nanoseconds) * _NS
+        return time.monotonic()
 
 
 def _locked() -> IO[bytes] | None:

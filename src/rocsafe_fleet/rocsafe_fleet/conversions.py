@@ -5,9 +5,10 @@ import math
 from collections.abc import Sequence
 
 from rocsafe_fleet.agreement.agent import Agent
+from rocsafe_fleet.ledger.readings import DoseReading
 from rocsafe_fleet.ledger.records import FIRST_EPOCH, Place, place_of
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_interfaces.msg import AgentState, Control, Route, VehicleState
+from rocsafe_interfaces.msg import AgentState, Control, RadiationReading, Route, VehicleState
 from rocsafe_planner.conversions import message_of_plan
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_ros.conversions import position_of_point
@@ -34,6 +35,20 @@ def place_of_state(state: VehicleState, endurance_s: float) -> Place | None:
     charge = state.battery_fraction
     used_s = 0.0 if math.isnan(charge) else (1.0 - charge) * endurance_s
     return place_of(position_of_point(here), used_s, is_aloft=is_aloft(state))
+
+
+def dose_reading_of_message(message: RadiationReading) -> DoseReading | None:
+    """Return a reading as agents share it, None without a place or if it is only a limit."""
+    if message.saturated or math.isnan(message.position.latitude):
+        return None
+    counted = math.isfinite(message.live_time_s)
+    return DoseReading(
+        position=position_of_point(message.position),
+        dose_rate_usvh=message.dose_rate_usvh,
+        std_usvh=message.dose_rate_std_usvh,
+        counts=message.counts if counted else 0,
+        live_time_s=message.live_time_s if counted else 0.0,
+    )
 
 
 def visited_of(state: VehicleState, route: Sequence[int]) -> tuple[int, ...]:
@@ -83,7 +98,7 @@ def state_of(
     agent: Agent, names: Sequence[str], bytes_sent: int, *, is_done: bool, text: str
 ) -> AgentState:
     """Return what an agent knows, without a stamp."""
-    number, coordinator = agent.epoch
+    number, coordinator, _ = agent.epoch
     members = agent.proposal.names if number else frozenset(range(len(names)))
     return AgentState(
         vehicle=names[agent.own],

@@ -3,22 +3,30 @@
 
 import hashlib
 import json
+import secrets
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from rocsafe_fleet.agreement.agent import Agent, Wanted
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, first_plan
 from rocsafe_fleet.agreement.local_agents import LocalAgents
+from rocsafe_fleet.errors import PacketError
+from rocsafe_fleet.ledger.ledger import Kind
 from rocsafe_fleet.ledger.packet import Packet, decode, encode
+from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, table_of
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.trial.trial import planner_of
-from rocsafe_geo.storage.durable import finish_part, write_part
+from rocsafe_geo.storage.durable import replace_whole, write_whole
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan
 
 _STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'
+_READINGS = 'readings.csv'
 _ALL_BYTES = 2**31
+START_BITS = 16
+"""Drawn bits of the number of a start: two starts of one agent that lost their count differ."""
 
 
 class FleetStart:
@@ -41,11 +49,24 @@ class FleetStart:
         self.names = [route.vehicle.name for route in survey.routes]
         self.silent: set[str] = set()
         self._survey = survey
+        self._sums = {name: ReadingSums(self.agent(name).ledger) for name in self.own_names}
         self._plans = SharedPlans(planner_of(survey))
 
     def agent(self, name: str) -> Agent:
         """Return the agent of a vehicle."""
         return self.local.agents[self.names.index(name)]
+
+    @property
+    def own_names(self) -> list[str]:
+        """Vehicles whose agents run here."""
+        return [self.names[number] for number in self.local.agents]
+
+    def add_reading(self, name: str, reading: DoseReading | None) -> None:
+        """Take a reading of a vehicle's detector; None: no more will come from where it is."""
+        if reading is None:
+            self._sums[name].close()
+        else:
+            self._sums[name].add(reading)
 
     def endurance_s(self, name: str) -> float:
         """Return the usable flight time of a vehicle's battery."""
@@ -57,31 +78,39 @@ class FleetStart:
         return tuple(view.id for view in views)
 
     def load(self) -> dict[str, dict[str, list[int]]]:
-        """Take back what earlier agents knew; return their routes by vehicle and plan id."""
+        """Take back what earlier agents knew; return their routes by vehicle and plan id.
+
+        What cannot be read is left out: the other agents know it, or it is photographed again.
+        """
         if self._folder is None:
             return {}
         ledger, routes = self._folder / _LEDGER, self._folder / _ROUTES
-        if ledger.is_file():
+        with suppress(OSError, PacketError):
             for delta in decode(ledger.read_bytes(), self._key).deltas:
                 for agent in self.local.agents.values():
                     agent.ledger.merge(delta)
-        return json.loads(routes.read_text()) if routes.is_file() else {}
+        with suppress(OSError, ValueError):
+            return dict(json.loads(routes.read_text()))
+        return {}
 
     def save(self, routes: Mapping[str, Mapping[str, Sequence[int]]]) -> None:
         """Keep what the agents know, for those that are started after a failure."""
-        ledgers = [agent.ledger for agent in self.local.agents.values()]
+        # Those of one process mostly know the same.
+        known = {agent.ledger.digest: agent.ledger for agent in self.local.agents.values()}
+        ledgers = list(known.values())
         digest = hash(tuple(ledger.digest for ledger in ledgers))
         if self._folder is None or digest == self._saved:
             return
-        self._saved = digest
         deltas = tuple(delta for ledger in ledgers for delta in ledger.deltas({}, _ALL_BYTES))
         packet = Packet(sender=0, beats={}, digest=0, deltas=deltas)
         for name, data in (
             (_LEDGER, encode(packet, self._key)),
             (_ROUTES, json.dumps(routes).encode()),
         ):
-            write_part(self._folder / name, data)
-            finish_part(self._folder / name)
+            write_whole(self._folder / name, data)
+        if any(True for _ in ledgers[0].values(Kind.READING)):
+            replace_whole(self._folder / _READINGS, table_of(ledgers, self.names).encode())
+        self._saved = digest
 
     def plan(self, wanted: Wanted, _report: Callable[[None], bool]) -> FleetPlan:
         """Return the plan of a proposal; runs in a thread."""
@@ -125,7 +154,7 @@ def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -
         raise ValueError(f'vehicles has {strangers[0]!r}: must be of {", ".join(names)}')
     first = first_plan(survey)
     key = hashlib.sha256(f'{options.mission}/{survey.plan_id}/{token}'.encode()).digest()
-    start = _count_start(options.state_directory)
+    start = _count_start(options.state_directory) << START_BITS | secrets.randbits(START_BITS)
     agents = [Agent(names.index(name), first, key, now_s, start) for name in options.vehicles]
     return FleetStart(survey, LocalAgents(agents), key, options.state_directory)
 
@@ -136,11 +165,16 @@ def has_started(folder: str) -> bool:
 
 
 def _count_start(folder: str) -> int:
-    """Return the number of this start, from 1; starts count in a file of the folder."""
+    """Return the number of this start, from 1; starts count in a file of the folder.
+
+    One that cannot be read counts as none: the agent begins again when the others tell it.
+    """
     if not folder:
         return 1
     path = Path(folder) / _STARTS
     path.parent.mkdir(parents=True, exist_ok=True)
-    number = int(path.read_text()) + 1 if path.is_file() else 1
-    path.write_text(str(number))
+    number = 1
+    with suppress(OSError, ValueError):
+        number += int(path.read_text())
+    write_whole(path, str(number).encode())
     return number

@@ -14,14 +14,13 @@ from rocsafe_fleet.conversions import inability, is_aloft, numbers_of, visited_o
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Control, Route, VehicleState
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_ros.plan_digest import route_digest
 
 # A route is sent again if it is not accepted within this time, so often.
 REPEAT_S = 2.0
 MOST_TRIES = 5
-# A vehicle in the air that tells nothing for so long is lost, seconds by the node's clock.
+# A vehicle in the air that tells nothing for so long is lost, seconds.
 SILENT_S = 10.0
 
 
@@ -36,6 +35,8 @@ class VehicleLink:
         Of the vehicles of the node.
     mission
         Name of the mission.
+    now_s
+        Returns the time by which its silence is measured, seconds.
     is_real
         Whether it is no simulation.
 
@@ -48,10 +49,18 @@ class VehicleLink:
     """
 
     def __init__(
-        self, node: Node, name: str, leases: Leases, mission: str, *, is_real: bool
+        self,
+        node: Node,
+        name: str,
+        leases: Leases,
+        mission: str,
+        now_s: Callable[[], float],
+        *,
+        is_real: bool,
     ) -> None:
         self.name = name
         self.state: VehicleState | None = None
+        self._now_s, self._heard_s = now_s, now_s()
         self._is_real = is_real
         self._mission = mission
         self._leases = leases
@@ -82,7 +91,7 @@ class VehicleLink:
         """Return whether it was in the air and has told nothing for too long."""
         if self.state is None or self.is_down:
             return False
-        return now_s - ns_of_stamp(self.state.header.stamp) * 1e-9 > SILENT_S
+        return now_s - self._heard_s > SILENT_S
 
     @property
     def inability(self) -> str:
@@ -156,7 +165,7 @@ class VehicleLink:
         self._log.warning(text)
 
     def _on_state(self, message: VehicleState) -> None:
-        self.state = message
+        self.state, self._heard_s = message, self._now_s()
 
     def _on_control(self, message: Control) -> None:
         self._control = message

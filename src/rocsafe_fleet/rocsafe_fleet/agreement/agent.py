@@ -8,14 +8,14 @@ again as soon as they meet.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rocsafe_fleet.agreement.exchange import Exchange
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
 from rocsafe_fleet.errors import PacketError
-from rocsafe_fleet.ledger.ledger import Kind, Ledger
-from rocsafe_fleet.ledger.packet import Packet, decode, encode
+from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
+from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
 from rocsafe_fleet.ledger.records import (
     FIRST_EPOCH,
     Claim,
@@ -28,7 +28,8 @@ from rocsafe_fleet.ledger.records import (
     set_bytes,
     set_of,
 )
-from rocsafe_fleet.membership.membership import Membership
+from rocsafe_fleet.membership.identity import Identity
+from rocsafe_fleet.membership.membership import NEVER, Membership
 
 Numbers = frozenset[int]
 FRESH_BEATS = 8
@@ -40,13 +41,13 @@ class Wanted:
     """A proposal that is to be planned, and the zones that it names."""
 
     proposal: Proposal
-    coordinator: int
+    coordinator: Writer
     rings: tuple[Ring, ...]
 
     @property
     def epoch(self) -> Epoch:
         """Its name."""
-        return self.proposal.number, self.coordinator
+        return self.proposal.number, *self.coordinator
 
 
 class Agent:
@@ -101,9 +102,12 @@ class Agent:
         self._membership = Membership(
             own, self._count, incarnation, now_s, self._options.membership
         )
+        self._identity = Identity(incarnation, self._options.membership.longest_s)
         self._exchange = Exchange(self.ledger, self._count)
         self._places: dict[int, tuple[tuple[int, int], Place]] = {}
         self._route = first.routes.get(own, ())
+        # Of each vehicle in the newest plan here that it was a member of.
+        self._routes = dict(first.routes)
         self._live = self._everyone
         self._next_beat_s = now_s
         self._sent_s = now_s - self._options.least_gap_s
@@ -184,12 +188,7 @@ class Agent:
         if any(zone not in zones for zone in proposal.exclusions):
             return None
         rings = tuple(zones[zone] for zone in proposal.exclusions)
-        return Wanted(proposal=proposal, coordinator=epoch[1], rings=rings)
-
-    def has_agreed(self, members: Iterable[int]) -> bool:
-        """Return whether these agents claim the same plan as this one."""
-        own = Claim(epoch=self.plan.epoch, plan_hash=self.plan.digest)
-        return all(member == self.own or self._claim(member) == own for member in members)
+        return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings)
 
     # What its vehicle does.
 
@@ -212,6 +211,8 @@ class Agent:
         if wanted.epoch <= self.plan.epoch:
             return
         self.plan, self.proposal = plan, wanted.proposal
+        if not plan.error:
+            self._routes |= plan.routes
         if self.own in wanted.proposal.names:
             self._route = plan.routes[self.own]
         claim = Claim(epoch=plan.epoch, plan_hash=plan.digest)
@@ -226,7 +227,15 @@ class Agent:
         except PacketError:
             self.refused += 1
             return
-        if packet.sender == self.own or packet.sender >= self._count:
+        if packet.sender >= self._count:
+            return
+        self._identity.hear(
+            packet.beats.get(self.own, NEVER),
+            self._membership.beats[self.own],
+            now_s,
+            is_answer=packet.sender != self.own,
+        )
+        if packet.sender == self.own:
             return
         self._membership.hear(packet.beats, now_s)
         beat = packet.beats.get(packet.sender, (0, 0))
@@ -241,6 +250,10 @@ class Agent:
 
     def advance(self, now_s: float) -> list[bytes]:
         """Look who is heard, coordinate if it is this agent's turn, return packets to send."""
+        if self._identity.rests(now_s):
+            return []
+        if self._identity.incarnation != self.ledger.writer[1]:
+            self._begin_again()
         live = self._membership.live(now_s)
         if live != self._live:
             self._live = live
@@ -253,6 +266,17 @@ class Agent:
         if is_beat:
             self._next_beat_s = now_s + self._period_s
         return [self._packet(now_s)]
+
+    def _begin_again(self) -> None:
+        """Write as another start of the agent from now on."""
+        known = {kind: self.ledger.newest(self.own, kind) for kind in (Kind.ABLE, Kind.VISITED)}
+        self.ledger.writer = self.own, self._identity.incarnation
+        self._membership.begin_again(self._identity.incarnation)
+        self._exchange.repeat(1)
+        self._repeats = 0, 0.0
+        for kind, value in known.items():
+            if value is not None:
+                self.ledger.write(kind, value)
 
     @property
     def _period_s(self) -> float:
@@ -272,14 +296,19 @@ class Agent:
             vector=self._exchange.vector(),
             deltas=self._exchange.deltas(now_s),
         )
-        return encode(packet, self._key)
+        data = encode(packet, self._key)
+        if len(data) > MOST_BYTES:
+            # What others need goes before what this agent asks for.
+            self._exchange.asks = True
+            data = encode(replace(packet, vector={}), self._key)
+        return data
 
     # Agreement.
 
     def _proposals(self) -> list[tuple[Epoch, Proposal]]:
         if self._decoded[0] != self.ledger.digest:
-            found = [(w[0], proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
-            known = [((proposal.number, writer), proposal) for writer, proposal in found]
+            found = [(w, proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
+            known = [((proposal.number, *writer), proposal) for writer, proposal in found]
             self._decoded = self.ledger.digest, known
         return self._decoded[1]
 
@@ -363,8 +392,9 @@ class Agent:
 
     def _propose(self, members: Numbers, silent: Numbers) -> None:
         number = max([epoch[0] for epoch, _ in self._proposals()] + [self.plan.epoch[0]]) + 1
-        theirs = {p for k in silent for p in self.plan.routes.get(k, ())}
-        if silent & self.proposal.silent:
+        theirs = {p for k in silent for p in self._routes.get(k, ())}
+        if silent >= self.proposal.silent:
+            # Else the points of those that are heard again would stay among the last.
             theirs |= self.proposal.last
         proposal = Proposal(
             number=number,
@@ -378,15 +408,18 @@ class Agent:
         self._proposed = self.ledger.vector[self.ledger.writer]
 
     def _repeat(self, now_s: float) -> None:
-        """Send the last proposal again while members have not claimed its plan."""
+        """Send the last own proposal again while members have not claimed a plan of it."""
         left, due_s = self._repeats
-        if self.plan.epoch[1] != self.own or self.plan.epoch == FIRST_EPOCH or not left:
+        own = self.ledger.newest(self.own, Kind.PROPOSAL)
+        if own is None or not left or now_s < due_s + self._options.repeat_s:
             return
-        if now_s >= due_s + self._options.repeat_s:
-            waits = not self.has_agreed(self.proposal.names & self._live)
-            self._repeats = (left - 1 if waits else 0), now_s
-            if waits:
-                self._exchange.repeat(self._proposed)
+        proposal = proposal_of(own)
+        epoch = proposal.number, *self.ledger.writer
+        claims = [self._claim(member) for member in proposal.names & self._live]
+        waits = any(claim is None or claim.epoch < epoch for claim in claims)
+        self._repeats = (left - 1 if waits else 0), now_s
+        if waits:
+            self._exchange.repeat(self._proposed)
 
 
 def _check(own: int, count: int, points: Numbers) -> None:

@@ -55,8 +55,9 @@ class Exchange:
         for delta in packet.deltas:
             has_changed |= self._ledger.merge(delta)
             self._note(delta)
-        if packet.digest != self._ledger.digest:
-            self.asks = True
+        if packet.digest == self._ledger.digest:
+            return has_changed
+        self.asks = True
         if packet.vector and self._has_more_than(packet.vector):
             known = self._lacking
             if known is None:
@@ -76,7 +77,7 @@ class Exchange:
         if self.is_due(now_s) and self._lacking is not None:
             lacking, self._lacking = self._lacking, None
         else:
-            lacking = dict(ledger.vector)
+            lacking = dict(ledger.latest)
         if self.has_news:
             lacking[writer] = min(self._told, lacking.get(writer, 0))
             self._told = ledger.vector[writer]
@@ -91,10 +92,11 @@ class Exchange:
         """Note that somebody has sent what others lack."""
         if self._lacking is None:
             return
-        if delta.base <= self._lacking.get(delta.writer, 0) < delta.upto:
-            self._lacking[delta.writer] = delta.upto
+        upto = max([delta.upto, *(entry.version for entry in delta.entries)])
+        if delta.base <= self._lacking.get(delta.writer, 0) < upto:
+            self._lacking[delta.writer] = upto
         if not self._has_more_than(self._lacking):
             self._lacking = None
 
     def _has_more_than(self, vector: Vector) -> bool:
-        return any(version > vector.get(w, 0) for w, version in self._ledger.vector.items())
+        return any(version > vector.get(w, 0) for w, version in self._ledger.latest.items())

@@ -5,6 +5,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from rocsafe_fleet.ledger.ledger import Writer
 from rocsafe_fleet.ledger.records import FIRST_EPOCH, HASH_BYTES, Epoch, Proposal
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
@@ -59,7 +60,7 @@ def _numbers(views: object) -> Numbers:
 
 
 def plan_of(
-    survey: SurveyPlan, proposal: Proposal, coordinator: int, rings: tuple[Ring, ...]
+    survey: SurveyPlan, proposal: Proposal, coordinator: Writer, rings: tuple[Ring, ...]
 ) -> FleetPlan:
     """Return the plan for what a proposal leaves, by the planner's search.
 
@@ -73,7 +74,7 @@ def plan_of(
     rings
         Zones of the ledger that hold.
     """
-    epoch = proposal.number, coordinator
+    epoch = proposal.number, *coordinator
     names = [vehicle.name for vehicle in survey.request.vehicles]
     situation = situation_of(proposal, names, rings)
     try:
@@ -125,11 +126,11 @@ class SharedPlans:
         Returns the plan of a proposal, its coordinator and the zones.
     """
 
-    def __init__(self, compute: Callable[[Proposal, int, tuple[Ring, ...]], FleetPlan]) -> None:
+    def __init__(self, compute: Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]) -> None:
         self._compute = compute
-        self._plans: dict[tuple[bytes, int, tuple[Ring, ...]], FleetPlan] = {}
+        self._plans: dict[tuple[bytes, Writer, tuple[Ring, ...]], FleetPlan] = {}
 
-    def get(self, proposal: Proposal, coordinator: int, rings: tuple[Ring, ...]) -> FleetPlan:
+    def get(self, proposal: Proposal, coordinator: Writer, rings: tuple[Ring, ...]) -> FleetPlan:
         """Return the plan of a proposal; equal proposals have the same."""
         key = (proposal.encoded(), coordinator, rings)
         if key not in self._plans:

@@ -7,7 +7,7 @@ from rocsafe_fleet.membership.membership import MembershipOptions
 from rocsafe_geo.limits import require_not_negative, require_positive
 
 MOST_AGENTS = 20
-MOST_POINTS = 2500
+MOST_POINTS = 2400
 """A proposal is sent in one packet: 17 bytes a vehicle and up to 2 bits a viewpoint."""
 
 

@@ -34,6 +34,7 @@ class Kind(IntEnum):
     EXCLUSION = 5  # number
     FINDING = 6  # number
     DOSE = 7
+    READING = 8  # number
 
 
 Key = tuple[Writer, int, int]
@@ -62,7 +63,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Delta:
-    """All entries of one writer with versions after `base`, up to `upto`."""
+    """All entries of one writer with versions after `base`, up to `upto`; some later ones, too."""
 
     writer: Writer
     base: int
@@ -82,6 +83,9 @@ class Ledger:
     ----------
     vector
         Of its entries.
+    latest
+        Number of the newest write that is known of each writer: what was lost before it, and whose
+        writer is gone, may never come.
     digest
         64 bits that are equal for equal entries.
     """
@@ -89,9 +93,13 @@ class Ledger:
     def __init__(self, writer: Writer) -> None:
         self.writer = writer
         self.vector: dict[Writer, int] = {}
+        self.latest: dict[Writer, int] = {}
         self.digest = 0
         self._entries: dict[Key, Entry] = {}
+        self._kinds: dict[int, dict[Key, Entry]] = {kind: {} for kind in Kind}
+        self._writers: dict[Writer, dict[Key, Entry]] = {}
         self._newest: dict[tuple[int, int, int], Key] = {}
+        self._turn = 0
 
     @property
     def entries(self) -> frozenset[Entry]:
@@ -116,13 +124,14 @@ class Ledger:
 
     def values(self, kind: Kind) -> Iterator[tuple[Writer, int, bytes]]:
         """Yield writer, part and value of all entries of a kind, in order."""
-        for writer, _, part in sorted(key for key in self._entries if key[1] == kind):
-            yield writer, part, self._entries[writer, int(kind), part].value
+        for (writer, _, part), entry in sorted(self._kinds[kind].items(), key=lambda one: one[0]):
+            yield writer, part, entry.value
 
     def merge(self, delta: Delta) -> bool:
         """Take what a delta has; return whether it changes anything.
 
-        After a gap the vector stays, so that the gap is asked for again.
+        After a gap the vector stays, so that the gap is asked for again; what came after it is
+        passed on to those who show another digest.
         """
         news = [entry for entry in delta.entries if self._take(entry)]
         if delta.base <= self.vector.get(delta.writer, 0) < delta.upto:
@@ -139,35 +148,39 @@ class Ledger:
     def deltas(self, vector: Vector, most_bytes: int) -> list[Delta]:
         """Return what a ledger of that vector lacks, as much as goes into so many bytes.
 
-        What is left out follows when the next vector comes.
+        Readings come last. What is left out follows when the next vector comes: then another
+        writer is the first.
         """
-        found = []
-        for writer in sorted(self.vector):
-            base = vector.get(writer, 0)
-            if self.vector[writer] <= base:
-                continue
-            delta, most_bytes = self._delta(writer, base, most_bytes - DELTA_BYTES)
-            if delta is None:
-                break
-            found.append(delta)
-        return found
-
-    def _delta(self, writer: Writer, base: int, most_bytes: int) -> tuple[Delta | None, int]:
-        newer = [e for e in self._entries.values() if e.key[0] == writer and e.version > base]
-        newer.sort(key=lambda entry: entry.version)
-        fitting: list[Entry] = []
+        behind = [w for w in sorted(self.latest) if self.latest[w] > vector.get(w, 0)]
+        first = self._turn % len(behind) if behind else 0
+        ranks = {writer: k for k, writer in enumerate(behind[first:] + behind[:first])}
+        newer = [
+            entry
+            for writer in behind
+            for entry in self._writers[writer].values()
+            if entry.version > vector.get(writer, 0)
+        ]
+        newer.sort(key=lambda e: (e.key[1] == Kind.READING, ranks[e.key[0]], e.version))
+        chosen: dict[Writer, list[Entry]] = {}
+        upto = {writer: self.vector.get(writer, 0) for writer in behind}
         for entry in newer:
-            most_bytes -= ENTRY_BYTES + len(entry.value)
-            if most_bytes < 0:
-                break
-            fitting.append(entry)
-        if len(fitting) == len(newer):
-            upto = self.vector[writer]
-        elif fitting:
-            upto, most_bytes = fitting[-1].version, 0
-        else:
-            return None, 0
-        return Delta(writer=writer, base=base, upto=upto, entries=tuple(fitting)), most_bytes
+            writer = entry.key[0]
+            size = ENTRY_BYTES + len(entry.value) + (0 if writer in chosen else DELTA_BYTES)
+            if size <= most_bytes:
+                most_bytes -= size
+                chosen.setdefault(writer, []).append(entry)
+            else:
+                upto[writer] = min(upto[writer], entry.version - 1)
+        self._turn += sum(map(len, chosen.values())) < len(newer)
+        return [
+            Delta(
+                writer=writer,
+                base=vector.get(writer, 0),
+                upto=upto[writer],
+                entries=tuple(sorted(entries, key=lambda entry: entry.version)),
+            )
+            for writer, entries in chosen.items()
+        ]
 
     def _take(self, entry: Entry) -> bool:
         known = self._entries.get(entry.key)
@@ -177,6 +190,10 @@ class Ledger:
             self.digest ^= known.digest
         self.digest ^= entry.digest
         self._entries[entry.key] = entry
+        writer = entry.key[0]
+        self._kinds.setdefault(entry.key[1], {})[entry.key] = entry
+        self._writers.setdefault(writer, {})[entry.key] = entry
+        self.latest[writer] = max(entry.version, self.latest.get(writer, 0))
         of_agent = (entry.key[0][0], *entry.key[1:])
         self._newest[of_agent] = max(entry.key, self._newest.get(of_agent, entry.key))
         return True

@@ -14,9 +14,9 @@ _DECISECONDS = 10
 HASH_BYTES = 8
 """Bytes of the hashes of situations and plans."""
 
-Epoch = tuple[int, int]
-"""Number of an agreement, and the coordinator that proposed it; the higher one holds."""
-FIRST_EPOCH: Epoch = (0, 0)
+Epoch = tuple[int, int, int]
+"""Number of an agreement, the coordinator that proposed it and its start; the highest holds."""
+FIRST_EPOCH: Epoch = (0, 0, 0)
 
 
 def put_set(into: bytearray, members: Iterable[int]) -> None:
@@ -191,15 +191,15 @@ class Claim:
     def encoded(self) -> bytes:
         """Return it as the value of an entry."""
         into = bytearray()
-        put_number(into, self.epoch[0])
-        put_number(into, self.epoch[1])
+        for part in self.epoch:
+            put_number(into, part)
         return bytes(into) + self.plan_hash
 
 
 def claim_of(value: bytes) -> Claim:
     """Return the claim that is the value of an entry."""
     reader = Reader(value)
-    epoch = reader.number(), reader.number()
+    epoch = reader.number(), reader.number(), reader.number()
     return Claim(epoch=epoch, plan_hash=reader.take(HASH_BYTES))
 
 

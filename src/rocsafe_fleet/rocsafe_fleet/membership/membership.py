@@ -83,6 +83,10 @@ class Membership:
         """Newest heartbeat of each agent that was ever heard."""
         return {n: member.beat for n, member in self._members.items() if member.beat > NEVER}
 
+    def begin_again(self, incarnation: int) -> None:
+        """Count own heartbeats from 0, as another start of the agent."""
+        self._members[self._own].beat = (incarnation, 0)
+
     def beat(self) -> None:
         """Count an own heartbeat."""
         own = self._members[self._own]

@@ -11,6 +11,7 @@ import numpy as np
 from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans, first_plan, plan_of
 from rocsafe_fleet.agreement.options import AgreementOptions
+from rocsafe_fleet.ledger.ledger import Writer
 from rocsafe_fleet.ledger.records import Epoch, Proposal
 from rocsafe_fleet.trial.radio import RadioOptions, SimulatedRadio
 from rocsafe_fleet.trial.vehicle import TrialVehicle
@@ -140,7 +141,7 @@ class Trial:
     def start_agent(self, number: int, incarnation: int) -> None:
         """Start an agent that knows the first plan only."""
         self.agents[number] = Agent(
-            number, self._first, KEY, self.now_s, incarnation, self.options.agreement
+            number, self._first, KEY, self._clock_s(number), incarnation, self.options.agreement
         )
 
     @property
@@ -170,14 +171,21 @@ class Trial:
         while self._events and self._events[0][0] <= self.now_s:
             self._events.pop(0)[1](self)
         for receiver, data in self.radio.due(self.now_s):
-            if (agent := self.agents[receiver]) is not None:
-                agent.receive(data, self.now_s)
+            self._deliver(receiver, data)
         for number, vehicle in enumerate(self.vehicles):
             if vehicle is not None:
                 self._fly(number, vehicle)
         for agent in self.live:
             self._think(agent)
         self._watch()
+
+    def _clock_s(self, _number: int) -> float:
+        """Return what the clock of an agent shows."""
+        return self.now_s
+
+    def _deliver(self, receiver: int, data: bytes) -> None:
+        if (agent := self.agents[receiver]) is not None:
+            agent.receive(data, self._clock_s(receiver))
 
     def _fly(self, number: int, vehicle: TrialVehicle) -> None:
         points = vehicle.advance(self.now_s)
@@ -207,7 +215,7 @@ class Trial:
                 self._note_flying(agent)
         else:
             self._computing.pop(number, None)
-        for data in agent.advance(self.now_s):
+        for data in agent.advance(self._clock_s(number)):
             self.radio.send(number, data, self.now_s)
 
     def _note_flying(self, agent: Agent) -> None:
@@ -236,7 +244,7 @@ class Trial:
 
 def planner_of(
     survey: SurveyPlan,
-) -> Callable[[Proposal, int, tuple[Ring, ...]], FleetPlan]:
+) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:
     """Return how the plans of a survey's epochs are computed."""
     return lambda proposal, coordinator, rings: plan_of(survey, proposal, coordinator, rings)
 
