@@ -87,9 +87,11 @@ def seal_run(
     files = {str(path.relative_to(run)): _fingerprint(path) for path in _files(run)}
     if before:
         _require_same_signer(before[-1], _public_text(key) if key else '')
-        faults = [line for line in _differences(_content(before[-1]), files) if line[0] == 'raw']
+        contents = [_content(path) for path in before]
+        faults = list(_chain_faults(before, contents))
+        faults += [text for kind, text in _differences(contents[-1], files) if kind == 'raw']
         if faults:
-            raise EvidenceError('; '.join(text for _, text in faults))
+            raise EvidenceError('; '.join(faults))
     entries = read_log(run / LOG_NAME)
     content: dict[str, Any] = {
         'format': FORMAT,
