@@ -206,9 +206,13 @@ class RealServer:
         self.process.wait()
 
 
-def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(browser, tmp_path):
+def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(
+    browser, tmp_path, ros_domain_id, monkeypatch
+):
     """SIGKILL, twice: the mission goes on, then it has fallen silent meanwhile."""
     pytest.importorskip('rclpy', reason='no ROS 2 here')
+    # Vehicles of other missions on this machine would be shown, too.
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(ros_domain_id))
     speaker = subprocess.Popen(
         [sys.executable, '-c', SPEAKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )

@@ -34,6 +34,7 @@ from rocsafe_interfaces.msg import (
     AccumulatedDose,
     Decision,
     DoseAlarm,
+    GasReading,
     MissionState,
     Mosaic,
     ShotReceipt,
@@ -169,6 +170,7 @@ class ConsoleNode(Node):
             (topics.CONTROL, self._on_control),
             (topics.HOME, self._on_home),
             (topics.ANEMOMETER, self._on_wind),
+            (topics.GAS, self._on_gas),
         ):
             topics.create_subscription(self, spec, partial(heard, name), name)
 
@@ -186,6 +188,10 @@ class ConsoleNode(Node):
     def _on_radiation(self, name: str, message: Any) -> None:
         with self._live.lock:
             self._live.picture.on_reading(conversions.reading_of(name, message), time.time())
+
+    def _on_gas(self, name: str, message: GasReading) -> None:
+        with self._live.lock:
+            self._live.picture.on_gas(gas_conversions.gas_of(name, message), time.time())
 
     def _on_dose(self, name: str, message: AccumulatedDose) -> None:
         with self._live.lock:

@@ -91,7 +91,7 @@ def _grid(latitude_deg: float, longitude_deg: float) -> tuple[str, str]:
     band = _BANDS[min(int((latitude_deg + 80.0) // 8.0), len(_BANDS) - 1)]
     east, north = _to_utm(zone, band < 'N').transform(longitude_deg, latitude_deg)
     # Truncated and not rounded, as MGRS demands: a square keeps its points.
-    east_m, north_m = math.floor(east), math.floor(north)
+    east_m, north_m = math.floor(east), max(math.floor(north), 0)
     column = _COLUMNS[(zone - 1) % 3][east_m // _SQUARE_M - 1]
     row = _ROWS[(zone - 1) % 2][north_m // _SQUARE_M % 20]
     square = f'{east_m % _SQUARE_M:05d} {north_m % _SQUARE_M:05d}'

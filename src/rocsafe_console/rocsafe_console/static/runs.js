@@ -16,15 +16,40 @@ export class Runs {
 
   async show() {
     const { runs } = await ask('/api/runs');
+    const may = this.map.link.sections.session?.may ?? [];
     const rows = runs.map((run) => make('li', { class: 'run' },
       make('b', { text: run.name }),
       make('span', { class: 'note', text: [run.outcome, run.is_sealed ? t('run_sealed') : ''].filter(Boolean).join(' · ') }),
       make('span', { class: 'run-buttons' },
         make('button', { type: 'button', class: 'small', text: t('run_replay'), onclick: () => this.replay(run.name) }),
-        run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : '')));
+        make('button', { type: 'button', class: 'small', text: t('run_verify'), onclick: (event) => this.verify(run.name, event.target) }),
+        may.includes('seal') ? make('button', { type: 'button', class: 'small', text: t('run_seal'), onclick: (event) => this.seal(run.name, event.target) }) : '',
+        run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : ''),
+      make('output', { class: 'note run-word' })));
     const address = make('output', { class: 'note' });
     const link = make('button', { type: 'button', class: 'small', text: t('link_make'), onclick: async () => { address.textContent = (await ask('/api/links', {})).url; } });
     this.panel.replaceChildren(make('h2', { text: t('runs_title') }), make('p', { class: 'run-buttons' }, link), address, rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }));
+  }
+
+  // Hashes all files of a run, which takes seconds.
+  async verify(name, button) {
+    await this.told(button, async () => {
+      const { faults, seal, signer } = await ask(`/api/runs/${encodeURIComponent(name)}/verify`);
+      const whole = `${t('run_whole', { seal })}, ${signer ? t('run_signed', { signer }) : t('run_unsigned')}`;
+      return faults.length ? t('run_changed', { what: faults.join('; ') }) : whole;
+    });
+  }
+
+  async seal(name, button) {
+    await this.told(button, async () => t('run_new_seal', await ask(`/api/runs/${encodeURIComponent(name)}/seal`, {})));
+  }
+
+  async told(button, work) {
+    const word = button.closest('.run').querySelector('.run-word');
+    word.textContent = t('run_working');
+    button.disabled = true;
+    word.textContent = await work().catch((error) => error.message);
+    button.disabled = false;
   }
 
   async replay(name) {

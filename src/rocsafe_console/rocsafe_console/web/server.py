@@ -22,6 +22,7 @@ from rocsafe_console.web import (
     handlers,
     order_handlers,
     outward_handlers,
+    seal_handlers,
     video_handlers,
 )
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
@@ -74,6 +75,7 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     app[CONTEXT] = context
     app[PUSHER] = Pusher(context)
     app[PORT] = port
+    app[seal_handlers.SEALING] = asyncio.Lock()
     get, post = app.router.add_get, app.router.add_post
     get('/', _index)
     get('/static/{path:.+}', _static)
@@ -108,7 +110,12 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/ogc/{secret}/collections', outward_handlers.collections)
     get('/ogc/{secret}/collections/{name}', outward_handlers.collection)
     get('/ogc/{secret}/collections/{name}/items', outward_handlers.items)
+    post('/api/import', draft_handlers.import_areas)
+    get('/api/missions/{name}', draft_handlers.mission_of_draft)
+    post('/api/missions/{name}/end', draft_handlers.end_mission)
     get('/api/runs', handlers.list_runs)
+    get('/api/runs/{run}/verify', seal_handlers.verify)
+    post('/api/runs/{run}/seal', seal_handlers.seal)
     get('/api/runs/{run}/replay', handlers.replay)
     get('/api/runs/{run}/files/{path:.+}', handlers.run_file)
     return app
