@@ -110,7 +110,8 @@ class Stage:
         live = self.context.live
         with live.lock:
             picture = live.picture
-            picture.on_mission(self._mission(now_s - 1.0), now_s - 1.0)
+            for second in (2.0, 1.0):
+                picture.on_mission(self._mission(now_s - second), now_s - second)
             for name in self.names:
                 picture.on_report(self._report(name, now_s), now_s)
                 picture.on_holder(

@@ -30,6 +30,8 @@ export class Draft {
 
   get isDrawing() { return this.pen !== null; }
 
+  hide() { this.close(); this.layer.remove(); }
+
   async show() {
     this.layer.addTo(this.map.map);
     if (this.isMade) return;
@@ -223,6 +225,7 @@ export class Draft {
   }
 
   close() {
+    if (!this.isMade) return;
     const { kind, ring } = this.pen ?? {};
     if (ring?.length >= 3) {
       if (kind === 'region') this.drawn.region = ring; else this.drawn.exclusions.push(ring);
@@ -310,7 +313,7 @@ export class Draft {
       const isGood = answer.state !== 'failed';
       this.tell(answer.text, isGood);
       this.look();
-      if (isGood) { this.layer.remove(); document.querySelector('[data-view="live"]').click(); }
+      if (isGood) { document.querySelector('button[data-view="live"]').click(); }
     } catch (error) { this.tell(error.message, false); }
   }
 

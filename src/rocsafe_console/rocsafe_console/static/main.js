@@ -41,7 +41,7 @@ const facts = new Facts($('#facts'), link, {
 const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
 const draft = new Draft($('#draft'), map, link, (text) => orders.tell([], text));
-window.rocsafe = { link, map, orders, facts, video };
+window.rocsafe = { link, map, orders, facts, video, draft };
 
 function select(name, isChosen) {
   if (isChosen) selection.add(name); else selection.delete(name);
@@ -87,18 +87,19 @@ async function showPlace({ lat, lng }) {
 
 // Views.
 function show(view) {
-  for (const button of document.querySelectorAll('[data-view]')) button.setAttribute('aria-pressed', String(button.dataset.view === view));
+  for (const button of document.querySelectorAll('button[data-view]')) button.setAttribute('aria-pressed', String(button.dataset.view === view));
   $('#facts').hidden = view !== 'live';
   $('#runs').hidden = view !== 'runs';
   $('#draft').hidden = view !== 'draft';
   root.dataset.view = view;
   video.turn();
   if (view === 'runs') runs.show().catch((error) => orders.tell([], error.message));
+  if (view !== 'draft') draft.hide();
   if (view === 'draft') draft.show().catch((error) => orders.tell([], error.message));
   if (view === 'live' && map.source) runs.stop();
   $('#panel').scrollTop = 0;
 }
-for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
+for (const button of document.querySelectorAll('button[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
 
 // Places in degrees, in degrees with minutes and seconds, or in MGRS.
 const namePlaces = () => { $('#places').textContent = t(`places_${placeForm()}`); };

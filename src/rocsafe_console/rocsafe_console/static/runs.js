@@ -6,6 +6,8 @@ import { ask } from './link.js';
 import { worldOf } from './map.js';
 
 const SPEED = 8;
+// Layers whose pictures are those of the live mission, or of the replay.
+const IMAGES = ['mosaic', 'dose', 'plume'];
 
 export class Runs {
   constructor(panel, bar, map) {
@@ -59,7 +61,7 @@ export class Runs {
     this.run = run;
     this.map.source = { vehicles, sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
     this.map.images = {};
-    for (const group of ['mosaic', 'dose']) this.map.groups[group].clearLayers();
+    for (const group of IMAGES) this.map.groups[group].clearLayers();
     this.map.isFitted = false;
     this.map.drawSections(null);
     if (!this.map.isFitted) this.fitTracks();
@@ -146,7 +148,7 @@ export class Runs {
     this.bar.hidden = true;
     this.map.source = null;
     this.map.images = {};
-    for (const group of ['mosaic', 'dose']) this.map.groups[group].clearLayers();
+    for (const group of IMAGES) this.map.groups[group].clearLayers();
     this.map.readTracks(this.map.link.sections.tracks ?? {});
     this.map.isFitted = false;
     this.map.drawSections(null);
