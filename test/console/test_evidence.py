@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from rocsafe_console.errors import EvidenceError
 from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, line_of, read_log
 from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk, Event
+from rocsafe_console.evidence.readings import ReadingsHeard, product_of
 from rocsafe_console.evidence.seal import (
     make_key,
     public_key_of,
@@ -274,6 +275,25 @@ def test_the_commands_seal_and_verify(tmp_path, capsys):
     assert verify_main([str(tmp_path / 'none')]) == 2
     key.chmod(0o644)
     assert seal_main([str(run), '--key', str(key)]) == 1
+
+
+def test_readings_and_products_are_told_by_hash_and_by_what_they_say():
+    """Each reading counts for the hash; the highest is told with its place and deviation."""
+    plain = {'std_usvh': 0.1, 'latitude_deg': 53.0, 'longitude_deg': -9.0, 'detector': 'nai'}
+    hashes = []
+    for last in (3.0, 3.000001):
+        heard = ReadingsHeard()
+        for stamp_s, rate in ((1.0, 2.0), (2.0, 9.0), (3.0, last)):
+            heard.note('rav1', 'uSv/h', rate, {'stamp_s': stamp_s, **plain, 'rate': rate})
+        ((vehicle, told),) = heard.take()
+        assert list(heard.take()) == []
+        assert (vehicle, told['count'], told['first_s'], told['last_s']) == ('rav1', 3, 1.0, 3.0)
+        assert told['highest'] == {'stamp_s': 2.0, **plain, 'rate': 9.0, 'value': 9.0}
+        hashes.append(told['sha256'])
+    assert hashes[0] != hashes[1]
+    product = product_of('sources', {'stamp_s': 1.0, 'verdict': 'enough', 'sources': [], 'x': 1})
+    assert (product['verdict'], product['datum'], 'x' in product) == ('enough', 'WGS84', False)
+    assert product_of('dose_map', b'1')['sha256'] != product_of('dose_map', b'2')['sha256']
 
 
 def test_events_go_to_the_log_of_their_run(tmp_path):

@@ -160,6 +160,9 @@ def test_what_is_not_json_is_refused_in_one_line(caller):
         b'{"verb": "fly"}',
         b'\xff',
         b'{"request_id": 1, "verb": "hold"}',
+        b'{"request_id": "%s", "verb": "hold", "revisions": {"rav1": 1e999}}' % (b'a' * 32),
+        b'{"a":' * 100_000,
+        b'[' * 200_000,
     ):
         status, answer = caller.ask('/api/orders', body)
         assert status == 400

@@ -4,8 +4,8 @@
 A message that DDS keeps for late subscribers arrives at once after a restart, however old it is.
 Its stamp is a time of the mission, which may stand still or pass a hundred times as fast as that
 on the wall. So the times of the wall at which the mission's clock was heard are kept, and a stamp
-is as old as the newest mark of the clock that it had not passed. The first mark tells no time of the
-wall: it may have been kept. The clock is known to run from the second one on.
+is as old as the newest mark of the clock that it had not passed. The first mark tells no time of
+the wall: it may have been kept. The clock is known to run from the second one on.
 """
 
 import math
