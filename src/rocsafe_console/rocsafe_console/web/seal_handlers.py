@@ -2,7 +2,6 @@
 """Handlers of seals: whether a run is as it was sealed, and a new seal of it."""
 
 import asyncio
-import time
 
 from aiohttp import web
 
@@ -42,7 +41,7 @@ async def seal(request: web.Request) -> web.Response:
         try:
             key = usual_key(context.environment)
             made = await asyncio.to_thread(
-                seal_run, run, time.time(), session.user, code_version(), key
+                seal_run, run, context.clock(), session.user, code_version(), key
             )
         except (EvidenceError, OSError) as error:
             raise RefusedError(str(error)) from error
