@@ -14,6 +14,7 @@ from PIL import Image
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, Outcome, Result
 from rocsafe_console.people.users import User, Users
+from rocsafe_console.picture.gas import GasNow
 from rocsafe_console.picture.live import Live
 from rocsafe_console.picture.map_image import DOSE, PLUME, Grid, corners_of, png_of
 from rocsafe_console.picture.picture import MissionNow, Picture, Reading
@@ -109,7 +110,8 @@ class Stage:
         live = self.context.live
         with live.lock:
             picture = live.picture
-            picture.on_mission(self._mission(now_s - 1.0), now_s - 1.0)
+            for second in (2.0, 1.0):
+                picture.on_mission(self._mission(now_s - second), now_s - second)
             for name in self.names:
                 picture.on_report(self._report(name, now_s), now_s)
                 picture.on_holder(
@@ -184,6 +186,12 @@ class Stage:
                 picture.on_reading(
                     Reading(vehicle=name, stamp_s=now_s, dose_rate_usvh=rate, std_usvh=0.1,
                             latitude_deg=place[0], longitude_deg=place[1], detector='nai_3x3'),
+                    now_s,
+                )  # fmt: skip
+                picture.on_gas(
+                    GasNow(vehicle=name, stamp_s=now_s, value=rate / 20.0, std=0.5, unit='ppm',
+                           sensor='pid_10_6_ev', calibration_gas='isobutylene',
+                           latitude_deg=place[0], longitude_deg=place[1]),
                     now_s,
                 )  # fmt: skip
 

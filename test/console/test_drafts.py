@@ -3,6 +3,7 @@
 
 import os
 import stat
+import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from test.console.stage import SCENARIOS
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.runs.drafts import Drafts, with_drawn
 from rocsafe_console.runs.faults import faults_of
+from rocsafe_console.runs.launches import Launch
+from rocsafe_console.runs.outline import areas_of
 
 RING = [[53.0, -9.0], [53.0, -8.99], [53.01, -8.99]]
 TEXT = """\
@@ -80,8 +83,8 @@ def test_only_what_was_approved_is_launched(drafts, tmp_path):
     with pytest.raises(RefusedError, match='not the plan that was approved'):
         drafts.launch('mission', approved)
     _, _, approved = drafts.plan('mission')
-    step = drafts.launch('mission', approved, ['abcd1234'])
-    assert (step.is_done, step.text) == (True, 'run done')
+    launch = drafts.launch('mission', approved, ['abcd1234'])
+    assert (launch.state, launch.text) == ('done', 'run done')
     told = (tmp_path / 'told').read_text().splitlines()[-1]
     assert told.startswith('run ')
     assert told.endswith('--confirm abcd1234')
@@ -95,6 +98,109 @@ def test_a_command_that_fails_is_told_without_its_colours(drafts):
     drafts._path('mission').write_text('name: bad\n')
     step = drafts.check('mission')
     assert (step.is_done, step.text) == (False, 'check done')
+
+
+def test_a_draft_finds_the_files_of_the_scenario_that_it_begins_with(drafts, tmp_path):
+    """Paths are relative to a scenario, and a draft lies elsewhere; words and comments stay."""
+    (tmp_path / 'scenes').mkdir()
+    scene = tmp_path / 'scenes' / 'a scene: x.yaml'
+    scene.write_text('')
+    text = "# begin\nscene: scenes\ncamera: {scene_file: '../scenes/a scene: x.yaml'}  # end\n"
+    (tmp_path / 'scenarios' / 'yard.yaml').write_text(text)
+    found = drafts.text_of('scenarios', 'yard')
+    assert yaml.safe_load(found) == {'scene': 'scenes', 'camera': {'scene_file': str(scene)}}
+    assert found.startswith('# begin')
+    assert found.endswith('# end\n')
+
+
+def test_the_outline_of_a_scenario_is_its_ground_its_vehicles_and_its_camera(drafts):
+    """What is wrong is left out: the page can still be used to mend it."""
+    outline = drafts.outline(TEXT + 'camera: {horizontal_fov_deg: 60.0, jpeg_quality: 90}\n')
+    assert outline['region'] == [[[1.0, 1.0], [1.0, 2.0], [2.0, 2.0]]]
+    assert outline['vehicles'][1] == {'name': 'rav2', 'home': [1.0, 2.0]}
+    assert outline['camera'] == {'horizontal_fov_deg': 60.0}
+    nothing = {'region': [], 'exclusions': [], 'vehicles': [], 'camera': {}}
+    for text in (
+        '', '[', 'region: 5', 'region: {polygon: [[1, x], [2], 3]}',
+        'region: {file: /etc/passwd}', 'exclusions: {a: 1}', 'vehicles: {a: 1}',
+    ):  # fmt: skip
+        assert drafts.outline(text) == nothing, text
+
+
+def test_all_scenarios_that_come_with_it_can_be_begun_with(tmp_path):
+    """Each has a region that the page shows."""
+    drafts = Drafts(tmp_path, SCENARIOS, os.environ)
+    for name in drafts.names()['scenarios']:
+        assert drafts.outline(drafts.text_of('scenarios', name))['region'], name
+
+
+def test_vehicles_are_chosen_and_added():
+    """A new one is like the one before it, but for the link of a real one."""
+    text = TEXT.replace('home: [1, 2]', 'home: [1, 2], link: udp://x, cruise_speed_mps: 7')
+    drawn = {'vehicles': ['rav2', 'rav9'], 'camera': {'image_width_px': 800, 'x': 1}}
+    scenario = yaml.safe_load(with_drawn(text, 'yard', {**drawn, 'homes': {'rav9': [1, 1.5]}}))
+    first, second = scenario['vehicles']
+    assert (first['name'], first['link']) == ('rav2', 'udp://x')
+    assert second == {'name': 'rav9', 'home': [1, 1.5], 'cruise_speed_mps': 7}
+    assert scenario['camera'] == {'image_width_px': 800}
+    with pytest.raises(ValueError, match='one or more'):
+        with_drawn(TEXT, 'yard', {'vehicles': []})
+
+
+KML = (
+    '<kml><Placemark><name>yard</name><Polygon><outerBoundaryIs><LinearRing><coordinates>'
+    '-9,53 -8.99,53 -8.99,53.01</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>'
+    '</kml>'
+)
+
+
+def test_a_region_is_imported_as_the_command_line_reads_it():
+    """The same formats, and the same refusals, by the name of the file."""
+    (((first, *_),),) = areas_of('yard.kml', KML)
+    assert first == [53.0, -9.0]
+    for name, text, words in (
+        ('yard.exe', '', 'must be one of'), ('yard.kml', '<kml>', r'^yard\.kml'),
+        ('../../x.geojson', '{}', r'^\.\./\.\./x\.geojson'),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=words):
+            areas_of(name, text)
+
+
+def launched(drafts: Drafts, tmp_path: Path, run: str) -> Launch:
+    """Launch a draft by a command that does `run`."""
+    command = tmp_path / 'bin' / 'rocsafe'
+    text = command.read_text().replace('#!/bin/sh\n', f'#!/bin/sh\n[ "$1" != run ] || {run}\n', 1)
+    command.write_text(text)
+    drafts.save('mission', TEXT, {})
+    _, _, approved = drafts.plan('mission')
+    return drafts.launch('mission', approved)
+
+
+def test_the_page_is_told_by_which_plan_real_vehicles_would_take_off(drafts, tmp_path):
+    """Nothing has flown; the commander launches again with its hash."""
+    words = 'plan ab12cd of real vehicles is not confirmed: look at plan.json, then run again'
+    run = f'{{ echo "{words}"; echo "with --confirm ab12cd, or in a terminal"; exit 1; }}'
+    launch = launched(drafts, tmp_path, run)
+    assert (launch.state, launch.confirm) == ('failed', 'ab12cd')
+
+
+def test_a_mission_runs_once_and_is_ended(drafts, tmp_path, monkeypatch):
+    """As by Ctrl-C: its own rules say who lands first."""
+    monkeypatch.setattr('rocsafe_console.runs.drafts.EARLY_END_S', 0.2)
+    run = "{ trap 'echo ended; exit 130' INT; while :; do sleep 0.05; done; }"
+    launch = launched(drafts, tmp_path, run)
+    assert (launch.state, drafts.mission('mission').state) == ('running', 'running')
+    with pytest.raises(RefusedError, match='is flying'):
+        drafts.launch('mission', drafts.digest('mission'))
+    drafts.end('mission')
+    end_s = time.monotonic() + 20.0
+    while drafts.mission('mission').state == 'running':
+        assert time.monotonic() < end_s
+        time.sleep(0.02)
+    assert drafts.mission('mission').text.endswith('ended')
+    with pytest.raises(RefusedError, match='no such mission'):
+        drafts.end('mission')
+    assert drafts.mission('other').state == 'unknown'
 
 
 @pytest.mark.parametrize('name', ['', '../x', 'a b', '-x', 'x' * 70, 'a/b'])

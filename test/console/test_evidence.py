@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The evidence log and the seal: every changed byte is found, and where."""
 
+import base64
+import hashlib
 import json
 from pathlib import Path
 
@@ -9,9 +11,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rocsafe_console.errors import EvidenceError
-from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, read_log
+from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, line_of, read_log
 from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk, Event
-from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run, verify_run
+from rocsafe_console.evidence.readings import ReadingsHeard, product_of
+from rocsafe_console.evidence.seal import (
+    make_key,
+    public_key_of,
+    read_key,
+    seal_run,
+    seals_of,
+    verify_run,
+)
 from rocsafe_console.seal_command import main as seal_main
 from rocsafe_console.verify_command import main as verify_main
 
@@ -144,8 +154,86 @@ def test_any_changed_value_of_a_seal_is_found(tmp_path, key):
     path = seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
     seal = json.loads(path.read_text())
     seal['seal']['files']['mission.mcap']['sha256'] = '0' * 64
-    path.write_text(json.dumps(seal))
+    path.write_text(json.dumps(seal, sort_keys=True, indent=1) + '\n')
     assert verify_run(run) == ['seal-0001.json: the signature is not right']
+
+
+def test_any_changed_byte_of_a_seal_is_found(tmp_path, key):
+    """White space, letters of the signature that mean the same bytes, keys: all of them."""
+    run = run_of(tmp_path)
+    path = seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    data = path.read_bytes()
+    for at in range(len(data)):
+        path.write_bytes(data[:at] + bytes((data[at] ^ 1,)) + data[at + 1 :])
+        assert verify_run(run), f'byte {at} of {data!r}'
+    path.write_bytes(data + b' ')
+    assert verify_run(run)
+    twice = data.replace(b' "seal": {', b' "seal": {"by": "bert"},\n "seal": {', 1)
+    path.write_bytes(twice)
+    assert verify_run(run) == ['seal-0001.json: has been changed']
+
+
+def forged_seal(run, change, key=None):
+    """Write the next seal as somebody who does not use `seal_run`, and change what it says."""
+    first = seals_of(run)[0]
+    content = json.loads(first.read_text())['seal']
+    content['before'] = hashlib.sha256(first.read_bytes()).hexdigest()
+    change(content)
+    signed = {'seal': content}
+    if key is not None:
+        signed['public_key'] = public_key_of(key)
+        signed['signature'] = base64.b64encode(read_key(key).sign(line_of(content))).decode()
+    path = run / 'seal-0002.json'
+    path.write_bytes(json.dumps(signed, sort_keys=True, indent=1).encode() + b'\n')
+
+
+def test_a_new_seal_hides_no_change_of_raw_evidence(tmp_path, key):
+    """Neither one with the right key, nor one with another, nor one that nobody signed."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    (run / 'mission.mcap').write_bytes(b'other')
+    files = {'sha256': hashlib.sha256(b'other').hexdigest(), 'bytes': 5}
+
+    def change(content):
+        content['files']['mission.mcap'] = files
+
+    forged_seal(run, change, key)
+    raw = 'seal-0002.json: mission.mcap: has been changed since seal-0001.json'
+    assert verify_run(run) == [raw]
+    other = tmp_path / 'other.key'
+    make_key(other)
+    for forger in (other, None):
+        forged_seal(run, change, forger)
+        signed = 'seal-0002.json: is not signed with the key of seal-0001.json'
+        assert verify_run(run) == [signed, raw]
+        with pytest.raises(EvidenceError, match='signed with'):
+            seal_run(run, 3.0, 'anna', '0.2.0', read_key(key))
+
+
+@pytest.mark.parametrize('damage', [
+    lambda content: content.pop('files'),
+    lambda content: content.update(files=[]),
+    lambda content: content.update(log={'lines': 5}),
+    lambda content: content.update(log=None),
+    lambda content: content.update(log={'lines': 'x', 'last': ''}),
+])  # fmt: skip
+def test_a_seal_without_its_parts_is_told_in_one_line(tmp_path, damage):
+    """Also where nobody has signed it."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0')
+    forged_seal(run, damage)
+    (line,) = verify_run(run)
+    assert line.startswith('seal-0002.json: ')
+
+
+def test_a_run_keeps_its_signer(tmp_path, key):
+    """Whoever seals it again signs with the same key; what nobody signed can be signed later."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0')
+    seal_run(run, 2.0, 'anna', '0.2.0', read_key(key))
+    assert verify_run(run) == []
+    with pytest.raises(EvidenceError, match='sign with this key'):
+        seal_run(run, 3.0, 'bert', '0.2.0')
 
 
 def test_a_log_that_lost_its_last_lines_is_found(tmp_path, key):
@@ -187,6 +275,25 @@ def test_the_commands_seal_and_verify(tmp_path, capsys):
     assert verify_main([str(tmp_path / 'none')]) == 2
     key.chmod(0o644)
     assert seal_main([str(run), '--key', str(key)]) == 1
+
+
+def test_readings_and_products_are_told_by_hash_and_by_what_they_say():
+    """Each reading counts for the hash; the highest is told with its place and deviation."""
+    plain = {'std_usvh': 0.1, 'latitude_deg': 53.0, 'longitude_deg': -9.0, 'detector': 'nai'}
+    hashes = []
+    for last in (3.0, 3.000001):
+        heard = ReadingsHeard()
+        for stamp_s, rate in ((1.0, 2.0), (2.0, 9.0), (3.0, last)):
+            heard.note('rav1', 'uSv/h', rate, {'stamp_s': stamp_s, **plain, 'rate': rate})
+        ((vehicle, told),) = heard.take()
+        assert list(heard.take()) == []
+        assert (vehicle, told['count'], told['first_s'], told['last_s']) == ('rav1', 3, 1.0, 3.0)
+        assert told['highest'] == {'stamp_s': 2.0, **plain, 'rate': 9.0, 'value': 9.0}
+        hashes.append(told['sha256'])
+    assert hashes[0] != hashes[1]
+    product = product_of('sources', {'stamp_s': 1.0, 'verdict': 'enough', 'sources': [], 'x': 1})
+    assert (product['verdict'], product['datum'], 'x' in product) == ('enough', 'WGS84', False)
+    assert product_of('dose_map', b'1')['sha256'] != product_of('dose_map', b'2')['sha256']
 
 
 def test_events_go_to_the_log_of_their_run(tmp_path):

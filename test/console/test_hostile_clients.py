@@ -113,6 +113,33 @@ def test_a_page_that_talks_is_none(live):
     until(lambda: not clients, 'it is dropped')
 
 
+@pytest.mark.parametrize(
+    'head',
+    [
+        b'Content-Length: 4\r\nTransfer-Encoding: chunked',
+        b'Content-Length: 4\r\nContent-Length: 6',
+        b'Transfer-Encoding: xchunked',
+        b'Host: evil.example',
+        b'X: ' + b'a' * 100_000,
+        b'X: a\r\n b',
+    ],
+    ids=['two lengths', 'length twice', 'coding', 'host twice', 'long', 'folded'],
+)
+def test_a_request_that_two_servers_would_read_in_two_ways_is_none(tmp_path, caplog, head):
+    """It is refused and its connection closed; nothing is logged that anybody could repeat."""
+    with served(Stage(tmp_path)) as address:
+        host, port = address.removeprefix('http://').rstrip('/').split(':')
+        with socket.create_connection((host, int(port)), DEADLINE_S) as connection:
+            begin = f'POST /api/hello HTTP/1.1\r\nHost: {host}:{port}\r\n'.encode()
+            connection.sendall(begin + head + b'\r\n\r\n0\r\n\r\n')
+            answer = b''
+            while part := connection.recv(4096):
+                answer += part
+        assert answer.split(b' ')[1] == b'400'
+        assert answer.count(b'HTTP/1') == 1
+        assert not caplog.records
+
+
 def test_too_many_connections_are_closed_at_once(tmp_path, monkeypatch):
     """Half-open requests leave files for ROS; when they go, pages are served again."""
     monkeypatch.setattr(server, 'MOST_CONNECTIONS', 5)

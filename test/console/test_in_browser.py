@@ -206,9 +206,13 @@ class RealServer:
         self.process.wait()
 
 
-def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(browser, tmp_path):
+def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(
+    browser, tmp_path, ros_domain_id, monkeypatch
+):
     """SIGKILL, twice: the mission goes on, then it has fallen silent meanwhile."""
     pytest.importorskip('rclpy', reason='no ROS 2 here')
+    # Vehicles of other missions on this machine would be shown, too.
+    monkeypatch.setenv('ROS_DOMAIN_ID', str(ros_domain_id))
     speaker = subprocess.Popen(
         [sys.executable, '-c', SPEAKER], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
@@ -416,20 +420,25 @@ def test_everybody_can_read_and_use_it(browser, flight, size, theme):
     _, _, address = flight
     view = View(browser, address, size, color_scheme=theme)
     view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
-    found = axe.Axe().run(
-        view.page,
-        options={
+    for shown in ('live', 'runs', 'draft', 'people'):
+        if shown == 'people':
+            view.page.click('#who')
+            view.page.wait_for_selector('#people[open]')
+        else:
+            view.page.click(f'button[data-view="{shown}"]')
+        if shown == 'draft':
+            view.wait('document.querySelector("#draft-text")?.value.length > 100')
+        options = {
             'runOnly': AXE_RULES,
             'rules': {'color-contrast-enhanced': {'enabled': True}},
-        },
-    )
-    violations = found.response['violations']
-    nodes = [
-        (one['id'], node['html'][:120], node['failureSummary'][:300])
-        for one in violations
-        for node in one['nodes']
-    ]
-    assert nodes == []
+        }
+        violations = axe.Axe().run(view.page, options=options).response['violations']
+        nodes = [
+            (shown, one['id'], node['html'][:120], node['failureSummary'][:300])
+            for one in violations
+            for node in one['nodes']
+        ]
+        assert nodes == []
     width = view.page.evaluate('document.documentElement.scrollWidth')
     assert width <= SIZES[size][0]
     view.page.close()
@@ -496,6 +505,60 @@ def test_a_mistake_stands_beside_its_field(browser, tmp_path):
         view.page.wait_for_selector('.draft-mark')
         assert not [fault for fault in view.faults if '400' not in fault]
         view.page.close()
+
+
+def test_a_region_is_drawn_and_evidence_marked_by_keys_alone(browser, tmp_path):
+    """A place is typed, the map is moved by arrows, and Enter chooses its middle."""
+    stage = Stage(tmp_path)
+    with served(stage) as address:
+        view = View(browser, address)
+        view.wait('rocsafe.link.isLive')
+        page = view.page
+        page.keyboard.press('g')
+        page.keyboard.type('29U MV 29125 03560')
+        page.keyboard.press('Enter')
+        page.wait_for_selector('#place form')
+        assert page.evaluate('rocsafe.map.map.getZoom()') >= 17
+        page.focus('#place form input')
+        page.keyboard.type('a drum')
+        page.keyboard.press('Enter')
+        view.wait('rocsafe.link.sections.marks?.length === 1')
+        page.keyboard.press('Escape')
+        page.keyboard.press('3')
+        view.wait('document.querySelector("#draft-text")?.value.length > 100')
+        page.focus('#draw-region')
+        page.keyboard.press('Enter')
+        page.focus('#map')
+        for key in ('ArrowUp', 'ArrowRight', 'ArrowDown'):
+            page.keyboard.press('Enter')
+            before = page.evaluate('rocsafe.map.map.getCenter().toString()')
+            page.keyboard.press(key)
+            view.wait(f'rocsafe.map.map.getCenter().toString() !== "{before}"')
+        page.keyboard.press('Enter')
+        page.focus('#draw-done')
+        page.keyboard.press('Enter')
+        assert '4 corners' in page.inner_text('#draft')
+        assert not view.faults
+        page.close()
+
+
+def test_a_replay_shows_nothing_of_the_live_mission(browser, tmp_path, flight):
+    """Neither its gas nor its maps; a draft is drawn only in its own view."""
+    _, _, address = flight
+    make_run(tmp_path / 'yard-1')
+    view = View(browser, address)
+    view.page.wait_for_selector('.image-plume')
+    view.page.keyboard.press('3')
+    view.page.wait_for_selector('.draft-fleet input')
+    assert view.page.evaluate('rocsafe.map.map.hasLayer(rocsafe.draft.layer)')
+    view.page.keyboard.press('2')
+    assert not view.page.evaluate('rocsafe.map.map.hasLayer(rocsafe.draft.layer)')
+    view.page.click('.run .run-buttons button')
+    view.page.wait_for_selector('#replay input')
+    for name in ('plume', 'dose', 'mosaic'):
+        assert view.page.locator(f'.image-{name}').count() == 0
+    assert not view.faults
+    view.page.close()
 
 
 def draw_and_launch(view: View) -> int:

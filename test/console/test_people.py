@@ -20,7 +20,7 @@ EXPECTED = {
     },
     'commander': {
         'see', 'acknowledge', 'mark', 'draft', 'hold', 'resume', 'return', 'land', 'take',
-        'release', 'go_to', 'send', 'replan', 'launch', 'seal', 'revoke',
+        'release', 'go_to', 'send', 'replan', 'launch', 'end', 'seal', 'revoke',
     },
 }  # fmt: skip
 

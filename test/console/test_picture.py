@@ -16,6 +16,7 @@ from rocsafe_console.picture.coordinates import coordinates_of, position_of_ecef
 from rocsafe_console.picture.estimates import BatteryDrain, Trend, way_home_s
 from rocsafe_console.picture.frame_bytes import HEAD, VEHICLE, VehicleFrame, frame_of
 from rocsafe_console.picture.freshness import MissionClock
+from rocsafe_console.picture.gas import GasNow
 from rocsafe_console.picture.map_image import DOSE, Grid, corners_of, png_of
 from rocsafe_console.picture.picture import MissionNow, Picture, Reading
 from rocsafe_console.picture.sections import Sections, message_of
@@ -79,6 +80,37 @@ def test_a_stamp_is_never_younger_than_its_arrival(marks, stamp_s):
         wall_s += passed
         clock.mark(stamp, wall_s)
     assert clock.wall_of(stamp_s, wall_s) <= wall_s
+
+
+def test_what_was_kept_for_late_subscribers_is_old_until_the_clock_is_seen_to_run():
+    """After a restart the first word of the mission may be of any age."""
+    picture = Picture()
+    picture.on_mission(mission(10.0), WALL_S)
+    for stamp_s in (9.0, 10.0, 11.0):
+        picture.on_report(report(stamp_s=stamp_s), WALL_S)
+        assert picture.frames(WALL_S)[0].age_s == math.inf
+    picture.on_mission(mission(10.5), WALL_S + 0.5)
+    picture.on_report(report(stamp_s=10.0), WALL_S + 0.5)
+    assert picture.frames(WALL_S + 0.5)[0].age_s == math.inf
+    picture.on_report(report(stamp_s=10.6), WALL_S + 0.6)
+    assert picture.frames(WALL_S + 0.6)[0].age_s == 0.0
+
+
+def test_the_worst_gas_reading_is_kept_by_its_unit():
+    """Noise below the limit of detection is no reading; ppm and mg/m3 are two lists."""
+    picture = flown()
+    plain = {'vehicle': 'rav1', 'std': 1.0, 'sensor': 'pid', 'calibration_gas': 'isobutylene',
+             'latitude_deg': 53.0, 'longitude_deg': -9.0}  # fmt: skip
+    for stamp_s, value, unit, is_below in (
+        (1.0, 9.0, 'ppm', True), (2.0, 5.0, 'ppm', False), (3.0, 4.0, 'ppm', False),
+        (4.0, 70.0, 'mg/m³', False), (5.0, math.nan, 'ppm', False),
+    ):  # fmt: skip
+        reading = GasNow(stamp_s=stamp_s, value=value, unit=unit, is_below_limit=is_below, **plain)
+        picture.on_gas(reading, WALL_S + stamp_s)
+    mass, volume = picture.gas.to_plain()
+    assert (mass['unit'], mass['worst']['value']) == ('mg/m³', 70.0)
+    assert (volume['worst']['value'], volume['newest']['value']) == (5.0, 4.0)
+    assert volume['worst']['forms']['mgrs']
 
 
 def test_the_revision_rises_with_state_and_holder_only():

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The server refuses what does not come from its page and from somebody who may."""
 
+import fcntl
 import secrets
 from collections.abc import Iterator
 
@@ -159,6 +160,9 @@ def test_what_is_not_json_is_refused_in_one_line(caller):
         b'{"verb": "fly"}',
         b'\xff',
         b'{"request_id": 1, "verb": "hold"}',
+        b'{"request_id": "%s", "verb": "hold", "revisions": {"rav1": 1e999}}' % (b'a' * 32),
+        b'{"a":' * 100_000,
+        b'[' * 200_000,
     ):
         status, answer = caller.ask('/api/orders', body)
         assert status == 400
@@ -194,6 +198,30 @@ def test_no_other_file_is_served(caller, path):
     assert caller.ask(path)[0] in (403, 404)
 
 
+def test_a_run_is_verified_and_sealed_on_the_page(stage, caller, tmp_path):
+    """A change is told by its file; a mission that flies is not sealed before its end."""
+    run = tmp_path / 'yard-1'
+    run.mkdir()
+    (run / 'scenario.yaml').write_text('name: yard\n')
+    assert caller.ask('/api/runs/yard-1/verify')[1]['faults'] == [f'{run} is not sealed']
+    stage.context.environment['XDG_CONFIG_HOME'] = str(tmp_path / 'config')
+    with (run / 'run.lock').open('wb') as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        status, answer = caller.ask('/api/runs/yard-1/seal', {})
+        assert (status, 'has not ended' in answer['error']) == (403, True)
+    assert caller.ask('/api/runs/yard-1/seal', {})[1] == {'seal': 'seal-0001.json', 'signer': ''}
+    assert caller.ask('/api/runs/yard-1/verify')[1]['faults'] == []
+    (run / 'scenario.yaml').write_text('name: yarn\n')
+    found = caller.ask('/api/runs/yard-1/verify')[1]
+    assert found['faults'] == ['scenario.yaml: has been changed']
+
+
+def test_a_place_that_is_typed_is_found(caller):
+    """In any form; what is none is refused in one line."""
+    assert caller.ask('/api/coordinates?text=53.28%20-9.0633')[1]['place'] == [53.28, -9.0633]
+    assert caller.ask('/api/coordinates?text=here')[0] == 400
+
+
 @pytest.fixture(scope='module')
 def people() -> dict[str, User]:
     """Return one user a role."""
@@ -221,6 +249,10 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             Action.ACKNOWLEDGE: lambda: caller.ask('/api/alarms/99/acknowledge', {}),
             Action.MARK: lambda: caller.ask('/api/marks', place),
             Action.REVOKE: lambda: caller.ask('/api/sessions'),
+            Action.DRAFT: lambda: caller.ask('/api/drafts'),
+            Action.LAUNCH: lambda: caller.ask('/api/drafts/yard/launch', {'approved': 'x'}),
+            Action.END: lambda: caller.ask('/api/missions/yard/end', {}),
+            Action.SEAL: lambda: caller.ask('/api/runs/yard/seal', {}),
         }
         for verb in VERBS:
             more = {'target': targets[verb]} if verb in targets else {}
@@ -228,8 +260,11 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             tried[verb] = lambda verb=verb, more=more, revisions=revisions: caller.order(
                 verb.value, revisions, **more
             )
+        assert tried.keys() == set(Action)
         for action, attempt in tried.items():
-            assert (attempt()[0] == 403) == (action not in MAY[role]), action
+            status, answer = attempt()
+            is_refused = status == 403 and f'a {role.value} may not' in answer['error']
+            assert is_refused == (action not in MAY[role]), action
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
 
 

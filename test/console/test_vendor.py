@@ -47,7 +47,9 @@ def test_every_text_is_in_the_catalogue_and_is_used():
     """A key without a text would end the page; a text without use rots."""
     catalogue = set(re.findall(r"(?:^|[{,]\s*)(\w+): '", (STATIC / 'texts.js').read_text(), re.M))
     used = ''.join(path.read_text() for path in OWN if path.name != 'texts.js')
-    named = set(re.findall(r"\bt\('(\w+)'", used)) | set(re.findall(r'data-text="(\w+)"', used))
+    named = set(re.findall(r"\bt\('(\w+)'", used)) | set(
+        re.findall(r'data-(?:text|label|hint)="(\w+)"', used)
+    )
     assert named - catalogue == set()
     prefixes = (*re.findall(r'\bt\(`(\w+_)\$\{', used), 'trend_')
     bare = {'critical', 'warning', 'theme_dark', 'theme_light', 'sound_on', 'sound_off'}

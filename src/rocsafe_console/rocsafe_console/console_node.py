@@ -8,6 +8,7 @@ topic `state`, and goes on when a mission ends and another one begins.
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ from rocsafe_console import conversions, gas_conversions
 from rocsafe_console.drive_conversions import drive_of
 from rocsafe_console.drives_node import Offer
 from rocsafe_console.evidence.desk import Desk, Event
+from rocsafe_console.evidence.readings import ReadingsHeard, product_of
+from rocsafe_console.evidence.signing import code_version
 from rocsafe_console.orders.order_book import Order
 from rocsafe_console.orders_node import Finish, Orders
 from rocsafe_console.picture.alarms import ERROR, WARN
@@ -34,6 +37,7 @@ from rocsafe_interfaces.msg import (
     AccumulatedDose,
     Decision,
     DoseAlarm,
+    GasReading,
     MissionState,
     Mosaic,
     ShotReceipt,
@@ -47,6 +51,9 @@ STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
 # What only a ground vehicle offers.
 DRIVE_TYPE = 'rocsafe_interfaces/action/DriveRoute_FeedbackMessage'
 LOOK_S = 0.5
+READINGS_S = 10.0
+# Sections that are products: their hashes go into the evidence log.
+PRODUCTS = frozenset({'sources', 'releases', 'plan', 'cordons', 'zones', 'drive'})
 POSTED_S = 0.02
 
 
@@ -72,6 +79,7 @@ class ConsoleNode(Node):
         self._ground: set[str] = set()
         self._cameras: dict[str, Subscription] = {}
         self._posted: deque[Callable[[], None]] = deque()
+        self._readings = ReadingsHeard()
         self.orders = Orders(self)
         for spec, heard in (
             (topics.MISSION_STATE, self._on_mission),
@@ -93,6 +101,7 @@ class ConsoleNode(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_S, self._look, clock=steady)
         self.create_timer(POSTED_S, self._do_posted, clock=steady)
+        self.create_timer(READINGS_S, self._tell_readings, clock=steady)
 
     def post(self, task: Callable[[], None]) -> None:
         """Do `task` in the thread of this node, soon; may be called from any thread."""
@@ -169,6 +178,7 @@ class ConsoleNode(Node):
             (topics.CONTROL, self._on_control),
             (topics.HOME, self._on_home),
             (topics.ANEMOMETER, self._on_wind),
+            (topics.GAS, self._on_gas),
         ):
             topics.create_subscription(self, spec, partial(heard, name), name)
 
@@ -184,8 +194,16 @@ class ConsoleNode(Node):
             self._live.picture.on_fix(name, place, stamp_s, time.time())
 
     def _on_radiation(self, name: str, message: Any) -> None:
+        reading = conversions.reading_of(name, message)
         with self._live.lock:
-            self._live.picture.on_reading(conversions.reading_of(name, message), time.time())
+            self._live.picture.on_reading(reading, time.time())
+        self._readings.note(name, 'uSv/h', reading.dose_rate_usvh, asdict(reading))
+
+    def _on_gas(self, name: str, message: GasReading) -> None:
+        reading = gas_conversions.gas_of(name, message)
+        with self._live.lock:
+            self._live.picture.on_gas(reading, time.time())
+        self._readings.note(name, reading.unit, reading.value, asdict(reading))
 
     def _on_dose(self, name: str, message: AccumulatedDose) -> None:
         with self._live.lock:
@@ -235,8 +253,10 @@ class ConsoleNode(Node):
             mission.mission_id,
             mission.phase,
         ):
+            self._tell_readings()
             self._desk.on_mission(mission.mission_id)
-            self._tell('phase', 'orchestrator', phase=mission.phase, text=mission.text)
+            what = {'phase': mission.phase, 'text': mission.text, 'version': code_version()}
+            self._tell('phase', 'orchestrator', **what)
 
     def _on_decision(self, message: Decision) -> None:
         decision = conversions.decision_of(message)
@@ -252,7 +272,9 @@ class ConsoleNode(Node):
 
     def _put(self, name: str, value: Any) -> None:
         with self._live.lock:
-            self._live.picture.sections.put(name, value)
+            is_new = self._live.picture.sections.put(name, value)
+        if is_new and name in PRODUCTS:
+            self._tell('product', 'mission', **product_of(name, value))
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:
@@ -303,6 +325,7 @@ class ConsoleNode(Node):
         with self._live.lock:
             self._live.images[name] = picture
             self._live.picture.sections.put(name, value)
+        self._tell('product', 'mission', stamp_s=value['stamp_s'], **product_of(name, picture))
 
     def _on_lines(
         self, name: str, convert: Callable[[MarkerArray, LocalFrame], Any]
@@ -317,6 +340,10 @@ class ConsoleNode(Node):
         self._placed[name] = draw
         if self._frame is not None:
             draw(self._frame)
+
+    def _tell_readings(self) -> None:
+        for vehicle, what in self._readings.take():
+            self._tell('readings', vehicle, **what)
 
     def _tell(self, kind: str, by: str, **what: Any) -> None:
         self._desk.add(Event(time_s=time.time(), kind=kind, by=by, what=what))

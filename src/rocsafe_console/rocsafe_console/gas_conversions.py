@@ -7,8 +7,11 @@ from typing import Any
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_console.conversions import geodetic_line, place_of, seconds_of
+from rocsafe_console.picture.gas import GasNow
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_interfaces.msg import ReleaseEstimate, ReleaseEstimateArray
+from rocsafe_interfaces.msg import GasReading, ReleaseEstimate, ReleaseEstimateArray
+
+_UNITS = {'mg_m3': 'mg/m³'}
 
 
 def releases_of(message: ReleaseEstimateArray) -> dict[str, Any]:
@@ -21,6 +24,23 @@ def releases_of(message: ReleaseEstimateArray) -> dict[str, Any]:
         'is_enough': message.is_enough,
         'releases': [_release_of(release) for release in message.releases],
     }
+
+
+def gas_of(vehicle: str, message: GasReading) -> GasNow:
+    """Return a reading of a gas sensor."""
+    return GasNow(
+        vehicle=vehicle,
+        stamp_s=seconds_of(message.header.stamp),
+        value=message.raw,
+        std=message.std,
+        unit=_UNITS.get(message.unit, message.unit),
+        sensor=message.sensor,
+        calibration_gas=message.calibration_gas,
+        latitude_deg=message.position.latitude,
+        longitude_deg=message.position.longitude,
+        is_below_limit=message.below_limit,
+        is_saturated=message.saturated,
+    )
 
 
 def threat_zones_of(message: MarkerArray, frame: LocalFrame) -> list[dict[str, Any]]:

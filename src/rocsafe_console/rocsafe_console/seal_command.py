@@ -6,12 +6,12 @@ import getpass
 import os
 import sys
 import time
-from collections.abc import Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, version
+from collections.abc import Sequence
 from pathlib import Path
 
 from rocsafe_console.errors import EvidenceError
 from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run
+from rocsafe_console.evidence.signing import code_version, key_path, usual_key
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 
@@ -30,27 +30,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stderr.write(f'error: {given.run} is no run directory\n')
             return EXIT_USAGE
         # A key that was named must be there; the usual one may not have been made.
-        key = read_key(path) if given.key or path.exists() else None
-        seal = seal_run(given.run, time.time(), getpass.getuser(), _version(), key)
+        key = read_key(path) if given.key else usual_key(os.environ)
+        seal = seal_run(given.run, time.time(), getpass.getuser(), code_version(), key)
     except (EvidenceError, OSError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_FAILED
     signed = 'signed' if key is not None else 'not signed: there is no key, see seal --make-key'
     sys.stdout.write(f'{seal}: {signed}\n')
     return EXIT_OK
-
-
-def key_path(environment: Mapping[str, str]) -> Path:
-    """Return where the signing key of this user lives."""
-    home = environment.get('XDG_CONFIG_HOME') or Path(environment.get('HOME', '~')) / '.config'
-    return (Path(home) / 'rocsafe' / 'signing.key').expanduser()
-
-
-def _version() -> str:
-    try:
-        return version('rocsafe_console')
-    except PackageNotFoundError:
-        return 'unknown'
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -12,7 +12,7 @@ from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, line_of, read_
 CONSOLE_LOG = 'console.jsonl'
 MOST_WAITING = 100_000
 # Nodes tell these again to whoever comes late.
-_TOLD_AGAIN = frozenset({'decision', 'photograph', 'lease', 'phase'})
+_TOLD_AGAIN = frozenset({'decision', 'photograph', 'lease', 'phase', 'product'})
 _OWN_KEYS = frozenset({'n', 'before', 'hash', 'time_s'})
 
 

@@ -10,7 +10,7 @@ public key. Raw evidence never changes after its first seal. Products that are m
 import base64
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ FORMAT = 'rocsafe-seal-1'
 # Files that `rocsafe report` and `rocsafe map` make again from the raw evidence.
 PRODUCTS = ('report.html', 'summary.json', 'readings.csv', 'map/', 'mosaic')
 _PIECE_BYTES = 2**20
+_KEYS = frozenset({'format', 'run', 'time_s', 'by', 'version', 'before', 'log', 'files'})
 
 
 def make_key(path: Path) -> str:
@@ -79,14 +80,18 @@ def seal_run(
     Raises
     ------
     EvidenceError
-        If raw evidence differs from an earlier seal, or the log is no whole chain.
+        If raw evidence differs from an earlier seal, the log is no whole chain, or the seal
+        before is signed with another key.
     """
     before = seals_of(run)
     files = {str(path.relative_to(run)): _fingerprint(path) for path in _files(run)}
     if before:
-        faults = [line for line in _differences(_content(before[-1]), files) if line[0] == 'raw']
+        _require_same_signer(before[-1], _public_text(key) if key else '')
+        contents = [_content(path) for path in before]
+        faults = list(_chain_faults(before, contents))
+        faults += [text for kind, text in _differences(contents[-1], files) if kind == 'raw']
         if faults:
-            raise EvidenceError('; '.join(text for _, text in faults))
+            raise EvidenceError('; '.join(faults))
     entries = read_log(run / LOG_NAME)
     content: dict[str, Any] = {
         'format': FORMAT,
@@ -103,7 +108,7 @@ def seal_run(
         signed['public_key'] = _public_text(key)
         signed['signature'] = base64.b64encode(key.sign(line_of(content))).decode()
     path = run / f'seal-{len(before) + 1:04d}.json'
-    write_whole(path, json.dumps(signed, sort_keys=True, indent=1).encode() + b'\n')
+    write_whole(path, _written(signed))
     return path
 
 
@@ -123,19 +128,14 @@ def verify_run(run: Path, public_key: str = '') -> list[str]:
     seals = seals_of(run)
     if not seals:
         return [f'{run} is not sealed']
-    lines: list[str] = []
-    before = None
     try:
-        for path in seals:
-            content = _content(path, public_key)
-            if content['before'] != before:
-                lines.append(f'{path.name}: does not follow the seal before')
-            before = hashlib.sha256(path.read_bytes()).hexdigest()
-        lines += _log_faults(run, content)
+        contents = [_content(path, public_key) for path in seals]
+        faults = list(_chain_faults(seals, contents))
+        faults += _log_faults(run, contents)
     except EvidenceError as error:
         return [str(error)]
     files = {str(path.relative_to(run)): _fingerprint(path) for path in _files(run)}
-    return lines + [text for _, text in _differences(content, files)]
+    return faults + [text for _, text in _differences(contents[-1], files)]
 
 
 def signer_of(seal: Path) -> str:
@@ -143,34 +143,85 @@ def signer_of(seal: Path) -> str:
     return str(json.loads(seal.read_bytes()).get('public_key', ''))
 
 
-def _log_faults(run: Path, content: dict[str, Any]) -> list[str]:
-    """Return what is wrong with the log: lines may have been added since the seal."""
-    entries, sealed = read_log(run / LOG_NAME), content['log']
-    if len(entries) < sealed['lines']:
-        return [f'{LOG_NAME}: has {len(entries)} lines, {sealed["lines"]} were sealed']
-    if sealed['lines'] and entries[sealed['lines'] - 1]['hash'] != sealed['last']:
-        return [f'{LOG_NAME}: is not the log that was sealed']
+def _chain_faults(seals: list[Path], contents: list[dict[str, Any]]) -> Iterator[str]:
+    """Yield what is wrong between a seal and the one before it."""
+    for number, (path, content) in enumerate(zip(seals, contents, strict=True)):
+        before = seals[number - 1] if number else None
+        digest = hashlib.sha256(before.read_bytes()).hexdigest() if before else None
+        if content['before'] != digest:
+            yield f'{path.name}: does not follow the seal before'
+        if before is None:
+            continue
+        if signer_of(before) not in ('', signer_of(path)):
+            yield f'{path.name}: is not signed with the key of {before.name}'
+        for kind, text in _differences(contents[number - 1], content['files']):
+            if kind == 'raw':
+                yield f'{path.name}: {text} since {before.name}'
+
+
+def _log_faults(run: Path, contents: list[dict[str, Any]]) -> list[str]:
+    """Return what is wrong with the log: lines may have been added since a seal."""
+    entries = read_log(run / LOG_NAME)
+    for sealed in (content['log'] for content in contents):
+        if len(entries) < sealed['lines']:
+            return [f'{LOG_NAME}: has {len(entries)} lines, {sealed["lines"]} were sealed']
+        if sealed['lines'] and entries[sealed['lines'] - 1]['hash'] != sealed['last']:
+            return [f'{LOG_NAME}: is not the log that was sealed']
     return []
+
+
+def _require_same_signer(before: Path, signer: str) -> None:
+    """Refuse a seal that somebody else signs than the one before; raises `EvidenceError`."""
+    known = signer_of(before)
+    if known not in ('', signer):
+        raise EvidenceError(f'{before.name} is signed with {known}: sign with this key, too')
+
+
+def _written(signed: Mapping[str, Any]) -> bytes:
+    """Return the one form in which a seal is written: a byte more or less is a change."""
+    return json.dumps(signed, sort_keys=True, indent=1).encode() + b'\n'
 
 
 def _content(path: Path, public_key: str = '') -> dict[str, Any]:
     """Return the content of a seal whose signature is right; raises `EvidenceError`."""
     try:
-        signed = json.loads(path.read_bytes())
+        data = path.read_bytes()
+        signed = json.loads(data)
         content: dict[str, Any] = signed['seal']
         if content['format'] != FORMAT:
             raise EvidenceError(f'{path.name}: its format is {content["format"]!r}')
+        if _written(signed) != data or set(content) != _KEYS:
+            raise EvidenceError(f'{path.name}: has been changed')
+        _require_whole(content)
         signer = signed.get('public_key', '')
         if public_key and signer != public_key:
             raise EvidenceError(f'{path.name}: is not signed with the key {public_key}')
         if signer:
-            key = Ed25519PublicKey.from_public_bytes(base64.b64decode(signer))
-            key.verify(base64.b64decode(signed['signature']), line_of(content))
+            key = Ed25519PublicKey.from_public_bytes(_bytes_of(signer))
+            key.verify(_bytes_of(signed['signature']), line_of(content))
+        elif 'signature' in signed:
+            raise EvidenceError(f'{path.name}: has a signature and no public key')
     except InvalidSignature as error:
         raise EvidenceError(f'{path.name}: the signature is not right') from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise EvidenceError(f'{path.name}: is no seal') from error
     return content
+
+
+def _require_whole(content: Mapping[str, Any]) -> None:
+    """Refuse a seal without what verification reads; raises `KeyError` or `TypeError`."""
+    if not isinstance(content['files'], dict) or not isinstance(content['log']['lines'], int):
+        raise TypeError('files must be a mapping, lines a number')
+    if content['log']['lines']:
+        content['log']['last'].encode()
+
+
+def _bytes_of(text: str) -> bytes:
+    """Return the bytes of a text in base 64 of which no letter can be changed."""
+    data = base64.b64decode(text, validate=True)
+    if base64.b64encode(data).decode() != text:
+        raise ValueError('not as it was written')
+    return data
 
 
 def _differences(

@@ -31,6 +31,7 @@ class Action(Enum):
     REPLAN = 'replan'
     DRAFT = 'draft'
     LAUNCH = 'launch'
+    END = 'end'
     SEAL = 'seal'
     REVOKE = 'revoke'
 
@@ -46,7 +47,7 @@ _OPERATOR = (VERBS - {Action.REPLAN}) | {Action.SEE, Action.ACKNOWLEDGE, Action.
 MAY = {
     Role.VIEWER: frozenset({Action.SEE}),
     Role.OPERATOR: _OPERATOR,
-    Role.COMMANDER: _OPERATOR | {Action.REPLAN, Action.LAUNCH, Action.SEAL, Action.REVOKE},
+    Role.COMMANDER: frozenset(Action),
 }
 
 

@@ -89,13 +89,46 @@ def _grid(latitude_deg: float, longitude_deg: float) -> tuple[str, str]:
         return '', ''
     zone = zone_of(latitude_deg, longitude_deg)
     band = _BANDS[min(int((latitude_deg + 80.0) // 8.0), len(_BANDS) - 1)]
-    east, north = _to_utm(zone, latitude_deg < 0.0).transform(longitude_deg, latitude_deg)
+    east, north = _to_utm(zone, band < 'N').transform(longitude_deg, latitude_deg)
     # Truncated and not rounded, as MGRS demands: a square keeps its points.
-    east_m, north_m = math.floor(east), math.floor(north)
+    east_m, north_m = math.floor(east), max(math.floor(north), 0)
     column = _COLUMNS[(zone - 1) % 3][east_m // _SQUARE_M - 1]
     row = _ROWS[(zone - 1) % 2][north_m // _SQUARE_M % 20]
     square = f'{east_m % _SQUARE_M:05d} {north_m % _SQUARE_M:05d}'
     return f'{zone}{band} {east_m} {north_m}', f'{zone}{band} {column}{row} {square}'
+
+
+def from_utm(zone: int, band: str, east_m: float, north_m: float) -> tuple[float, float]:
+    """Return latitude and longitude of UTM coordinates, degrees; raises `ValueError`."""
+    if not 1 <= zone <= 60:
+        raise ValueError(f'zone {zone}: must be 1 to 60')
+    to_utm = _to_utm(zone, band < 'N')
+    longitude, latitude = to_utm.transform(east_m, north_m, direction='INVERSE')
+    if not math.isfinite(latitude + longitude):
+        raise ValueError(f'UTM {zone}{band} {east_m:g} {north_m:g}: is not on the earth')
+    return latitude, longitude
+
+
+def square_corner_m(zone: int, band: str, column: str, row: str) -> tuple[float, float]:
+    """Return UTM east and north of the corner of a 100 km square of MGRS, metres.
+
+    Raises
+    ------
+    ValueError
+        If the zone has no such square.
+    """
+    columns, rows = _COLUMNS[(zone - 1) % 3], _ROWS[(zone - 1) % 2]
+    if column not in columns or row not in rows:
+        raise ValueError(f'MGRS {zone}{band} {column}{row}: there is no such square')
+    east_m = (columns.index(column) + 1) * _SQUARE_M
+    # Rows repeat each 2000 km: the one that the band begins in, or the next.
+    south_deg = -80.0 + 8.0 * _BANDS.index(band)
+    middle_deg = zone * 6.0 - 183.0
+    _, least_m = _to_utm(zone, band < 'N').transform(middle_deg, south_deg)
+    north_m = rows.index(row) * _SQUARE_M
+    while north_m + _SQUARE_M <= least_m:
+        north_m += len(rows) * _SQUARE_M
+    return float(east_m), float(north_m)
 
 
 @lru_cache(maxsize=8)

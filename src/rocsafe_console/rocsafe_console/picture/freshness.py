@@ -4,7 +4,8 @@
 A message that DDS keeps for late subscribers arrives at once after a restart, however old it is.
 Its stamp is a time of the mission, which may stand still or pass a hundred times as fast as that
 on the wall. So the times of the wall at which the mission's clock was heard are kept, and a stamp
-is as old as the newest mark of the clock that it had not passed.
+is as old as the newest mark of the clock that it had not passed. The first mark tells no time of
+the wall: it may have been kept. The clock is known to run from the second one on.
 """
 
 import math
@@ -36,11 +37,11 @@ class MissionClock:
             self._stamps_s.clear()
             self._walls_s.clear()
         if not self._stamps_s or stamp_s > self._stamps_s[-1]:
+            self._walls_s.append(wall_s if self._stamps_s else -math.inf)
             self._stamps_s.append(stamp_s)
-            self._walls_s.append(wall_s)
 
     def wall_of(self, stamp_s: float, now_s: float) -> float:
-        """Return when `stamp_s` was made at the latest, seconds; -infinity: before all marks.
+        """Return when `stamp_s` was made at the latest, seconds; -infinity: nobody knows.
 
         Parameters
         ----------
@@ -51,6 +52,5 @@ class MissionClock:
         """
         place = bisect_left(self._stamps_s, stamp_s)
         if place == len(self._stamps_s):
-            return now_s if self._stamps_s else -math.inf
-        is_first = place == 0 and stamp_s < self._stamps_s[0]
-        return -math.inf if is_first else min(now_s, self._walls_s[place])
+            return now_s if len(self._stamps_s) > 1 else -math.inf
+        return min(now_s, self._walls_s[place])

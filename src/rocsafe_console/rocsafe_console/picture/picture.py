@@ -13,6 +13,7 @@ from rocsafe_console.picture.alarms import ERROR, WARN, Alarm, Alarms
 from rocsafe_console.picture.coordinates import forms_of
 from rocsafe_console.picture.frame_bytes import VehicleFrame
 from rocsafe_console.picture.freshness import MissionClock
+from rocsafe_console.picture.gas import GasNow, GasReadings
 from rocsafe_console.picture.map_image import DOSE, PLUME
 from rocsafe_console.picture.sections import Sections
 from rocsafe_console.picture.vehicle import CRASHED, LOST, Holder, Vehicle, VehicleReport
@@ -68,6 +69,7 @@ class Picture:
     def __init__(self, first_revision: int = 0, sections: Sections | None = None) -> None:
         self.sections = Sections() if sections is None else sections
         self.alarms = Alarms()
+        self.gas = GasReadings()
         self.vehicles: dict[str, Vehicle] = {}
         self.clock = MissionClock()
         self.mission: MissionNow | None = None
@@ -140,6 +142,10 @@ class Picture:
             self.newest, self._newest_heard_s = reading, heard_s
         if self.worst is None or reading.dose_rate_usvh > self.worst.dose_rate_usvh:
             self.worst, self._worst_heard_s = reading, heard_s
+
+    def on_gas(self, reading: GasNow, now_s: float) -> None:
+        """Take over a reading of a gas sensor."""
+        self.gas.note(reading, self.clock.wall_of(reading.stamp_s, now_s))
 
     def on_dose(self, name: str, dose_usv: float, *, is_lower_limit: bool) -> None:
         """Take over the dose that a vehicle has taken, microsievert."""
@@ -223,6 +229,7 @@ class Picture:
                 'trend': self.vehicles[newest.vehicle].trend.word if newest else '',
             },
         )
+        self.sections.put('gas', self.gas.to_plain())
         slow = {name: vehicle.slow_facts() for name, vehicle in self.vehicles.items()}
         self.sections.put('vehicle_facts', slow)
 

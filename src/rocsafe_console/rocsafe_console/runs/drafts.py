@@ -19,6 +19,8 @@ import yaml
 
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.runs.faults import Fault, faults_of
+from rocsafe_console.runs.launches import Launch, Launches, plain
+from rocsafe_console.runs.outline import CAMERA, outline_of, with_whole_paths
 from rocsafe_geo.storage.durable import replace_whole
 from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml
 
@@ -31,7 +33,6 @@ DRAFTS = 'drafts'
 NOT_PASSED_ON = ('ROCSAFE_SUPERVISOR_PID', 'ROCSAFE_MISSION_TOKEN')
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9_-]{0,60}')
 _HASH = re.compile(r'[0-9a-f]{4,64}')
-_ANSI = re.compile(r'\x1b\[[0-9;]*m')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +63,7 @@ class Drafts:
         self._environment = {
             name: value for name, value in environment.items() if name not in NOT_PASSED_ON
         }
+        self._launches = Launches()
 
     def names(self) -> dict[str, list[str]]:
         """Return the names of the scenarios to begin with, and of the drafts."""
@@ -75,7 +77,12 @@ class Drafts:
         if not _NAME.fullmatch(name) or name not in self.names().get(kind, ()):
             raise ConsoleError(f'{name!r}: there is none')
         folder = self._scenarios if kind == 'scenarios' else self._runs / DRAFTS
-        return (folder / f'{name}.yaml').read_text(encoding='utf-8')
+        text = (folder / f'{name}.yaml').read_text(encoding='utf-8')
+        return with_whole_paths(text, folder) if kind == 'scenarios' else text
+
+    def outline(self, text: str) -> dict[str, Any]:
+        """Return what the page shows of a scenario before it is planned."""
+        return outline_of(text, self._runs / DRAFTS)
 
     def save(self, name: str, text: str, drawn: Mapping[str, Any]) -> str:
         """Write a draft, with what was drawn in it, and return its text.
@@ -118,7 +125,7 @@ class Drafts:
             return ''
         return hashlib.sha256(self._path(name).read_bytes() + plan.read_bytes()).hexdigest()
 
-    def launch(self, name: str, approved: str, confirmed: Sequence[str] = ()) -> Step:
+    def launch(self, name: str, approved: str, confirmed: Sequence[str] = ()) -> Launch:
         """Run `rocsafe run`, which goes on by itself; an early end is told with its reason.
 
         Parameters
@@ -131,29 +138,24 @@ class Drafts:
         Raises
         ------
         RefusedError
-            If the draft or its plan is not the one that was approved.
+            If the draft or its plan is not the one that was approved, or it is flying.
         """
         if not approved or approved != self.digest(name):
             raise RefusedError('this is not the plan that was approved: plan and approve it again')
         if not all(_HASH.fullmatch(one) for one in confirmed):
             raise ValueError('confirm: must be hashes as the log of the mission tells them')
         words = [part for one in confirmed for part in ('--confirm', one)]
-        log = self._path(name).with_suffix('.log')
         command = [self._command(), 'run', str(self._path(name)), '--out', str(self._runs), *words]
-        with log.open('wb') as output:
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=output,
-                stderr=output,
-                env=self._environment,
-                start_new_session=True,
-            )
-        try:
-            code = process.wait(EARLY_END_S)
-        except subprocess.TimeoutExpired:
-            return Step(is_done=True, text=f'{name} is launched: its log is {log.name}')
-        return Step(is_done=code == 0, text=_plain(log.read_bytes()))
+        log = self._path(name).with_suffix('.log')
+        return self._launches.begin(name, command, log, self._environment, EARLY_END_S)
+
+    def mission(self, name: str) -> Launch:
+        """Tell how the mission of a draft stands."""
+        return self._launches.look(name, self._path(name).with_suffix('.log'))
+
+    def end(self, name: str) -> None:
+        """End the mission of a draft, as Ctrl-C does; raises `RefusedError`."""
+        self._launches.end(name)
 
     def _step(self, *words: str) -> Step:
         try:
@@ -168,7 +170,7 @@ class Drafts:
             )
         except subprocess.TimeoutExpired:
             return Step(is_done=False, text=f'{words[0]}: not done within {STEP_S:g} s')
-        return Step(is_done=done.returncode == 0, text=_plain(done.stdout))
+        return Step(is_done=done.returncode == 0, text=plain(done.stdout))
 
     def _command(self) -> str:
         found = shutil.which('rocsafe', path=self._environment.get('PATH'))
@@ -192,7 +194,8 @@ def with_drawn(text: str, name: str, drawn: Mapping[str, Any]) -> str:
     ----------
     drawn
         ``region``, a ring of latitude and longitude; ``exclusions``, a list of rings; ``homes``,
-        places by vehicle.
+        places by vehicle; ``vehicles``, the names of those that fly, new ones like the last one
+        before; ``camera``, numbers by their keys.
 
     Raises
     ------
@@ -213,11 +216,40 @@ def with_drawn(text: str, name: str, drawn: Mapping[str, Any]) -> str:
             (scenario.get('origin') or {}).pop(key, None)
     if drawn.get('exclusions'):
         scenario['exclusions'] = [{'polygon': ring_of(ring)} for ring in drawn['exclusions']]
+    if 'vehicles' in drawn:
+        scenario['vehicles'] = fleet_of(scenario.get('vehicles') or [], drawn['vehicles'])
+    if camera := {key: drawn['camera'][key] for key in CAMERA if drawn.get('camera', {}).get(key)}:
+        scenario['camera'] = {**(scenario.get('camera') or {}), **camera}
     homes = drawn.get('homes') or {}
     for vehicle in scenario.get('vehicles') or []:
         if vehicle.get('name') in homes:
             vehicle['home'] = _place_of(homes[vehicle['name']])
     return yaml.safe_dump(scenario, sort_keys=False, allow_unicode=True)
+
+
+def fleet_of(vehicles: list[Any], names: Any) -> list[Any]:
+    """Return the vehicles of these names; one that is new is like the last one before it.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or a new one has nothing to be like.
+    """
+    known = {one.get('name'): one for one in vehicles if isinstance(one, dict)}
+    if not isinstance(names, list) or not names:
+        raise ValueError('vehicles: must be one or more')
+    found: list[Any] = []
+    for name in dict.fromkeys(map(str, names)):
+        like = next(iter(found[::-1] or vehicles), None)
+        if name not in known and not isinstance(like, dict):
+            raise ValueError(f'vehicle {name[:40]!r}: there is none that it could be like')
+        # A link is that of one real vehicle.
+        found.append(known.get(name) or {**_simulated(like), 'name': name})
+    return found
+
+
+def _simulated(vehicle: Any) -> dict[str, Any]:
+    return {key: value for key, value in vehicle.items() if key not in ('link', 'drone')}
 
 
 def ring_of(ring: Any) -> list[list[float]]:
@@ -232,8 +264,3 @@ def _place_of(place: Any) -> list[float]:
     if not (-90.0 <= latitude <= 90.0 and -180.0 <= longitude <= 180.0):
         raise ValueError(f'place {latitude}, {longitude}: must be on the earth')
     return [round(latitude, 8), round(longitude, 8)]
-
-
-def _plain(output: bytes) -> str:
-    """Return the end of an output without its colours."""
-    return _ANSI.sub('', output.decode(errors='replace')).strip()[-20_000:]

@@ -3,6 +3,7 @@
 
 import base64
 import csv
+import fcntl
 import json
 import math
 import re
@@ -97,6 +98,20 @@ def replay_of(run: Path) -> dict[str, Any]:
         'has_report': (run / 'report.html').is_file(),
         'evidence': list(_evidence(run / 'evidence.jsonl')),
     }
+
+
+def is_flying(run: Path) -> bool:
+    """Return whether the mission of a run goes on: it holds the lock of its folder."""
+    if (_json(run / 'run.json') or {}).get('outcome'):
+        return False
+    try:
+        with (run / 'run.lock').open('rb') as file:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return True
+    return False
 
 
 def _row(run: Path) -> RunRow:

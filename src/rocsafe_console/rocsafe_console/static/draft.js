@@ -6,6 +6,8 @@ import { ask } from './link.js';
 
 const L = window.L;
 const M_PER_DEG = 111320;
+const LOOK_MS = 2000;
+const SURE_MS = 8000;
 
 // Area of a ring on a plane, which is right for some kilometres.
 export function areaOf(ring) {
@@ -15,16 +17,20 @@ export function areaOf(ring) {
 }
 
 export class Draft {
-  constructor(panel, map, link) {
+  constructor(panel, map, link, say) {
     this.panel = panel;
+    this.say = say;
     this.map = map;
     this.link = link;
     this.drawn = { region: [], exclusions: [], homes: {} };
+    this.outline = { region: [], exclusions: [], vehicles: [], camera: {} };
     this.pen = null;
     this.layer = L.layerGroup();
   }
 
   get isDrawing() { return this.pen !== null; }
+
+  hide() { this.close(); this.layer.remove(); }
 
   async show() {
     this.layer.addTo(this.map.map);
@@ -41,8 +47,14 @@ export class Draft {
     this.word = make('p', { class: 'note', role: 'status' });
     this.output = make('pre', { class: 'draft-output', tabindex: 0, role: 'status', 'aria-live': 'polite', hidden: true });
     const button = (key, action, id) => make('button', { type: 'button', class: 'small', id, text: t(key), onclick: action });
-    this.homes = make('div', { class: 'draft-row' });
-    this.file = make('input', { type: 'file', accept: '.geojson,.json', id: 'draft-file', onchange: () => this.read() });
+    this.fleet = make('fieldset', { class: 'draft-fleet' });
+    this.camera = make('fieldset', { class: 'draft-camera' });
+    this.log = make('pre', { class: 'draft-output', tabindex: 0 });
+    this.state = make('b', {});
+    this.end = button('mission_end', () => this.endMission(), 'mission-end');
+    this.confirm = make('button', { type: 'button', class: 'small', id: 'mission-confirm', hidden: true });
+    this.missionBox = make('details', { class: 'draft-mission', hidden: true }, make('summary', {}, t('mission_log')), make('p', { class: 'draft-row' }, this.state, this.end, this.confirm), this.log);
+    this.file = make('input', { type: 'file', accept: '.geojson,.json,.kml,.plan,.csv', id: 'draft-file', onchange: () => this.read() });
     this.approve = make('input', { type: 'checkbox', id: 'draft-approve', disabled: true, onchange: () => { this.launch.disabled = !this.approve.checked; } });
     this.launch = make('button', { type: 'button', class: 'order order-confirm', id: 'draft-launch', disabled: true, text: t('draft_launch'), onclick: () => this.start() });
     this.panel.replaceChildren(
@@ -52,7 +64,8 @@ export class Draft {
       make('div', { class: 'draft-row' },
         button('draft_region', () => this.draw('region'), 'draw-region'), button('draft_exclusion', () => this.draw('exclusion'), 'draw-exclusion'),
         button('draft_undo', () => this.undo()), button('draft_done', () => this.close(), 'draw-done')),
-      this.homes,
+      this.fleet,
+      this.camera,
       make('label', { for: 'draft-file', text: t('draft_import') }), this.file,
       this.word,
       this.editor,
@@ -60,19 +73,84 @@ export class Draft {
         button('draft_save', () => this.step('save'), 'draft-check'), button('draft_plan', () => this.step('plan'), 'draft-plan'), button('draft_preflight', () => this.step('preflight'))),
       this.output,
       make('label', { class: 'draft-row', for: 'draft-approve' }, this.approve, make('span', { text: t('draft_approve') })),
-      this.launch);
+      this.launch,
+      this.missionBox);
     this.text.setAttribute('aria-label', t('draft_text'));
     await this.load();
   }
 
   async load() {
-    const { text } = await ask(`/api/drafts/${this.template.value}`);
+    const { text, outline } = await ask(`/api/drafts/${this.template.value}`);
+    if (this.template.value.startsWith('drafts/')) this.name.value = this.template.value.slice(7);
     this.text.value = text;
+    this.drawn = { region: [], exclusions: [], homes: {} };
+    this.plan = null;
     this.showFaults([]);
-    const fleet = /^vehicles:\n((?:[ #-].*\n|\n)*)/m.exec(text)?.[1] ?? '';
-    const names = [...fleet.matchAll(/^\s*- name:\s*([A-Za-z0-9_-]+)/gm)].map((match) => match[1]);
-    this.homes.replaceChildren(...names.slice(0, 12).map((name) => make('button', { type: 'button', class: 'small', text: `${t('draft_home')}: ${name}`, onclick: () => this.draw('home', name) })));
+    this.take(outline);
     this.changed();
+    const ground = [...outline.region.flat(), ...outline.vehicles.map((one) => one.home).filter(Boolean)];
+    if (ground.length && !this.link.sections.mission) this.map.map.fitBounds(L.latLngBounds(ground).pad(0.1), { animate: false });
+    this.look();
+  }
+
+  // What the text says: its ground under what is drawn, its vehicles and its camera to choose from.
+  take(outline) {
+    this.outline = outline;
+    this.drawn.vehicles = undefined;
+    this.drawn.camera = undefined;
+    this.names = outline.vehicles.map((one) => ({ name: one.name, isChosen: true }));
+    this.showFleet();
+    this.camera.replaceChildren(make('legend', { text: t('draft_camera') }), ...Object.entries(outline.camera).map(([key, value]) => {
+      const input = make('input', { type: 'number', id: `camera-${key}`, value, step: 'any', min: 1, onchange: () => { this.drawn.camera = { ...this.drawn.camera, [key]: Number(input.value) }; this.changed(); } });
+      return make('label', { for: `camera-${key}` }, t(`draft_${key}`), input);
+    }));
+    this.camera.hidden = !Object.keys(outline.camera).length;
+    this.paint();
+  }
+
+  showFleet() {
+    const choose = () => { this.drawn.vehicles = this.names.filter((one) => one.isChosen).map((one) => one.name); this.changed(); this.paint(); };
+    const rows = this.names.map((one) => {
+      const box = make('input', { type: 'checkbox', id: `fly-${one.name}`, checked: one.isChosen, onchange: () => { one.isChosen = box.checked; choose(); } });
+      return make('div', { class: 'draft-row' }, make('label', { class: 'draft-row', for: `fly-${one.name}` }, box, one.name), make('button', { type: 'button', class: 'small', text: `${t('draft_home')}: ${one.name}`, onclick: () => this.draw('home', one.name) }));
+    });
+    const add = () => {
+      let number = this.names.length + 1;
+      while (this.names.some((one) => one.name === `rav${number}`)) number += 1;
+      this.names.push({ name: `rav${number}`, isChosen: true });
+      choose();
+      this.showFleet();
+    };
+    this.fleet.replaceChildren(make('legend', { text: t('draft_vehicles') }), ...rows, make('button', { type: 'button', class: 'small', id: 'draft-add', text: t('draft_vehicle_add'), onclick: add }));
+  }
+
+  // How the mission of this draft stands, for as long as it runs.
+  async look() {
+    clearTimeout(this.timer);
+    const name = this.name.value;
+    const mission = await ask(`/api/missions/${encodeURIComponent(name)}`).catch(() => null);
+    if (!mission) return;
+    this.missionBox.hidden = !mission.text;
+    this.state.textContent = `${name} ${t(`mission_${mission.state}`)}`;
+    if (this.log.textContent !== mission.text) this.log.textContent = mission.text;
+    this.end.hidden = mission.state !== 'running' || !(this.link.sections.session?.may ?? []).includes('end');
+    this.confirm.hidden = !mission.confirm;
+    this.confirm.textContent = t('mission_confirm', { hash: mission.confirm });
+    this.confirm.onclick = () => this.start([mission.confirm]);
+    if (this.wasRunning === name && mission.state === 'failed') { this.missionBox.open = true; this.say(`${name} ${t('mission_failed')}: ${mission.text.split('\n').at(-1)}`); }
+    this.wasRunning = mission.state === 'running' ? name : null;
+    if (mission.state === 'running') this.timer = setTimeout(() => this.look(), LOOK_MS);
+  }
+
+  async endMission() {
+    if (!this.isSure) {
+      this.isSure = true;
+      this.end.textContent = t('mission_end_sure');
+      setTimeout(() => { this.isSure = false; this.end.textContent = t('mission_end'); }, SURE_MS);
+      return;
+    }
+    await ask(`/api/missions/${encodeURIComponent(this.name.value)}/end`, {}).catch((error) => this.tell(error.message, false));
+    this.look();
   }
 
   // Each mistake beside the line of its field, and in a list that leads there.
@@ -147,6 +225,7 @@ export class Draft {
   }
 
   close() {
+    if (!this.isMade) return;
     const { kind, ring } = this.pen ?? {};
     if (ring?.length >= 3) {
       if (kind === 'region') this.drawn.region = ring; else this.drawn.exclusions.push(ring);
@@ -161,14 +240,12 @@ export class Draft {
     const [file] = this.file.files;
     if (!file) return;
     try {
-      const content = JSON.parse(await file.text());
-      const features = content.features ?? [content];
-      for (const one of features) {
-        const geometry = one.geometry ?? one;
-        if (geometry.type !== 'Polygon') continue;
-        const ring = geometry.coordinates[0].slice(0, -1).map(([longitude, latitude]) => [latitude, longitude]);
-        if (!this.drawn.region.length && one.properties?.kind !== 'exclusion') this.drawn.region = ring; else this.drawn.exclusions.push(ring);
-      }
+      // The first polygon is the region; its holes and all others are kept out of.
+      const { areas } = await ask('/api/import', { name: file.name, text: await file.text() });
+      const [[region, ...holes], ...others] = areas;
+      this.drawn.region = region;
+      this.drawn.exclusions.push(...holes, ...others.map(([ring]) => ring));
+      this.file.value = '';
       this.changed();
       this.paint();
       if (this.drawn.region.length) this.map.map.fitBounds(L.latLngBounds(this.drawn.region).pad(0.4), { animate: false });
@@ -179,6 +256,11 @@ export class Draft {
     this.layer.clearLayers();
     const { region, exclusions, homes } = this.drawn;
     const ring = this.pen?.ring ?? [];
+    const before = { color: '#ffffff', weight: 2, dashArray: '4 5', fill: false, interactive: false };
+    if (this.outline.region.length && !region.length) this.layer.addLayer(L.polygon(this.outline.region, before));
+    if (!exclusions.length) for (const rings of this.outline.exclusions) this.layer.addLayer(L.polygon(rings, { ...before, color: '#ff8080' }));
+    const flying = new Set(this.drawn.vehicles ?? this.outline.vehicles.map((one) => one.name));
+    for (const { name, home } of this.outline.vehicles) if (home && !homes[name] && flying.has(name)) this.layer.addLayer(L.circleMarker(home, { radius: 6, color: '#ffffff', weight: 2, fillOpacity: 0.3, interactive: false }).bindTooltip(name, { permanent: true }));
     if (region.length) this.layer.addLayer(L.polygon(region, { color: '#ffd400', weight: 3, fillOpacity: 0.08, interactive: false }));
     for (const one of exclusions) this.layer.addLayer(L.polygon(one, { color: '#d03030', weight: 2, fillColor: '#d03030', fillOpacity: 0.3, interactive: false }));
     if (ring.length) this.layer.addLayer(L.polyline(ring, { color: '#ffd400', weight: 3, dashArray: '6 4', interactive: false }));
@@ -203,6 +285,7 @@ export class Draft {
     try {
       const saved = await ask('/api/drafts', { name: this.name.value, text: this.text.value, drawn: this.drawn });
       this.text.value = saved.scenario;
+      this.take(saved.outline);
       this.showFaults(saved.faults);
       if (kind === 'save' || !saved.is_done) { this.tell(saved.text, saved.is_done); return; }
       const answer = await ask(`/api/drafts/${name}/${kind}`, {});
@@ -223,12 +306,14 @@ export class Draft {
     }
   }
 
-  async start() {
+  async start(confirm = []) {
     this.launch.disabled = true;
     try {
-      const answer = await ask(`/api/drafts/${encodeURIComponent(this.name.value)}/launch`, { approved: this.approved });
-      this.tell(answer.text, answer.is_done);
-      if (answer.is_done) { this.layer.remove(); document.querySelector('[data-view="live"]').click(); }
+      const answer = await ask(`/api/drafts/${encodeURIComponent(this.name.value)}/launch`, { approved: this.approved, confirm });
+      const isGood = answer.state !== 'failed';
+      this.tell(answer.text, isGood);
+      this.look();
+      if (isGood) { document.querySelector('button[data-view="live"]').click(); }
     } catch (error) { this.tell(error.message, false); }
   }
 

@@ -44,7 +44,7 @@ export class Facts {
 
   draw() {
     const { sections } = this.link;
-    this.drawWorst(sections.dose);
+    this.drawWorst(sections.dose, sections.gas ?? []);
     this.drawSources(sections.sources, sections.releases);
     this.drawZones(sections);
     this.drawCoverage(sections.progress, sections.plan);
@@ -62,8 +62,21 @@ export class Facts {
     return [make('span', { class: isOld ? 'age old' : 'age', text }), isOld];
   }
 
-  drawWorst(value) {
+  // The worst gas reading of each unit; a mission may measure dose, gas or both.
+  gasLines(gas) {
+    return gas.flatMap(({ unit, worst, newest }) => {
+      const [mark, isOld] = this.ageMark(newest.heard_s);
+      const told = (one) => (one.is_below_limit ? t('below_limit') : `${one.is_saturated ? '≥ ' : ''}${t('gas_reading', { value: figures(one.value), unit })}`);
+      const place = make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(worst.latitude_deg, worst.longitude_deg), text: placeText(worst.forms) });
+      return [make('h3', { text: t('fact_gas') }), make('p', { class: 'big', text: told(worst) }),
+        make('p', { class: 'line' }, `${t('by_at', { vehicle: worst.vehicle, detector: [worst.sensor, worst.calibration_gas].filter(Boolean).join(', ') })} `, isNumber(worst.latitude_deg) ? place : '', ' ', this.ageMark(worst.heard_s, Infinity)[0]),
+        make('p', { class: isOld ? 'line grey' : 'line' }, `${t('fact_now')}: `, make('strong', { text: told(newest) }), ` ${newest.vehicle} `, mark)];
+    });
+  }
+
+  drawWorst(value, gas) {
     const { worst, newest, trend } = value ?? {};
+    if (!worst && gas.length) { fill(this.boxes.worst, ...this.gasLines(gas)); return; }
     if (!worst) { fill(this.boxes.worst, make('p', { class: 'none', text: t('no_reading') })); return; }
     const [mark, isOld] = this.ageMark(newest.heard_s);
     const now = make('p', { class: isOld ? 'line grey' : 'line' }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
@@ -72,7 +85,7 @@ export class Facts {
     fill(this.boxes.worst,
       make('p', { class: 'big', text: doseRate(worst.dose_rate_usvh) }),
       make('p', { class: 'line' }, `${t('by_at', { vehicle: worst.vehicle, detector: worst.detector })} `, isNumber(worst.latitude_deg) ? place : '', ' ', worstMark, worst.is_saturated ? make('span', { class: 'warn', text: ` ${t('saturated')}` }) : ''),
-      make('h3', { text: t('fact_now') }), now);
+      make('h3', { text: t('fact_now') }), now, ...this.gasLines(gas));
   }
 
   drawSources(value, gas) {

@@ -40,8 +40,8 @@ const facts = new Facts($('#facts'), link, {
 });
 const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
-const draft = new Draft($('#draft'), map, link);
-window.rocsafe = { link, map, orders, facts, video };
+const draft = new Draft($('#draft'), map, link, (text) => orders.tell([], text));
+window.rocsafe = { link, map, orders, facts, video, draft };
 
 function select(name, isChosen) {
   if (isChosen) selection.add(name); else selection.delete(name);
@@ -82,22 +82,24 @@ async function showPlace({ lat, lng }) {
   parts.push(make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { box.hidden = true; } }));
   box.replaceChildren(...parts);
   box.hidden = false;
+  if (document.activeElement === $('#map')) box.querySelector('button, input').focus();
 }
 
 // Views.
 function show(view) {
-  for (const button of document.querySelectorAll('[data-view]')) button.setAttribute('aria-pressed', String(button.dataset.view === view));
+  for (const button of document.querySelectorAll('button[data-view]')) button.setAttribute('aria-pressed', String(button.dataset.view === view));
   $('#facts').hidden = view !== 'live';
   $('#runs').hidden = view !== 'runs';
   $('#draft').hidden = view !== 'draft';
   root.dataset.view = view;
   video.turn();
   if (view === 'runs') runs.show().catch((error) => orders.tell([], error.message));
+  if (view !== 'draft') draft.hide();
   if (view === 'draft') draft.show().catch((error) => orders.tell([], error.message));
   if (view === 'live' && map.source) runs.stop();
   $('#panel').scrollTop = 0;
 }
-for (const button of document.querySelectorAll('[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
+for (const button of document.querySelectorAll('button[data-view]')) button.addEventListener('click', () => show(button.dataset.view));
 
 // Places in degrees, in degrees with minutes and seconds, or in MGRS.
 const namePlaces = () => { $('#places').textContent = t(`places_${placeForm()}`); };
@@ -121,7 +123,7 @@ $('#sound').addEventListener('click', () => { if (!wasWaiting) sound.toggle(); }
 link.addEventListener('sections', ({ detail }) => {
   orders.draw();
   const { mission, session, alarms } = link.sections;
-  $('#mission').replaceChildren(...(mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: mission.phase })] : [t('no_mission')]));
+  $('#mission').replaceChildren(...(mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) })] : [t('no_mission')]));
   const who = $('#who');
   who.hidden = !session;
   if (session) who.textContent = t('who', { user: session.user, role: session.role });
@@ -147,7 +149,7 @@ setInterval(() => {
   if (banner.textContent !== text) banner.textContent = text;
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
-    $('#clock').textContent = `${local} · ${utc} · T+${missionClock(link.sections.progress?.mission_time_s)}`;
+    $('#clock').textContent = `${local} · ${utc} · T+${missionClock(link.sections.progress?.mission_time_s)}`.replace(' · T+–', '');
   }
   if (!isLive) map.schedule();
 }, 500);
@@ -170,9 +172,36 @@ function askLogin(needs, word = '') {
   }
   if (!login.open) login.showModal();
 }
-$('#who').addEventListener('click', async () => {
-  await ask('/api/logout', {}).catch(() => {});
-  location.reload();
+
+// Who is logged in: everybody sees himself, a commander all, and ends their sessions.
+const people = $('#people');
+async function showPeople() {
+  const mayEnd = (link.sections.session?.may ?? []).includes('revoke');
+  const { sessions } = mayEnd ? await ask('/api/sessions').catch(() => ({ sessions: [] })) : { sessions: [] };
+  const logOut = async () => { await ask('/api/logout', {}).catch(() => {}); location.reload(); };
+  const row = (one) => {
+    const end = async () => { await ask(`/api/sessions/${encodeURIComponent(one.public_id)}/revoke`, {}).catch((error) => orders.tell([], error.message)); showPeople(); };
+    return make('li', { class: 'person' }, make('b', { text: t('who', one) }), make('span', { class: 'note', text: `${one.address} ${t('people_since', { time: clockText(one.began_s)[0] })}` }), one.is_own ? make('span', { text: t('people_you') }) : make('button', { type: 'button', class: 'small', text: t('people_end'), onclick: end }));
+  };
+  people.replaceChildren(make('h2', { id: 'people-title', text: t('people_title') }),
+    sessions.length > 1 ? make('ul', {}, ...sessions.map(row)) : make('p', { text: mayEnd ? t('people_none') : t('who', link.sections.session) }),
+    make('p', { class: 'run-buttons' }, make('button', { type: 'button', class: 'small', id: 'log-out', text: t('log_out'), onclick: logOut }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => people.close() })));
+  if (!people.open) people.showModal();
+}
+$('#who').addEventListener('click', showPeople);
+
+// A place that is typed.
+$('#find').addEventListener('submit', async (event) => {
+  event.preventDefault();
+  const input = $('#find-text');
+  try {
+    const { place: [lat, lng] } = await ask(`/api/coordinates?text=${encodeURIComponent(input.value)}`);
+    map.map.setView([lat, lng], Math.max(map.map.getZoom(), 17), { animate: false });
+    map.isFitted = true;
+    input.setAttribute('aria-invalid', 'false');
+    if (!draft.isDrawing) showPlace({ lat, lng });
+    $('#map').focus();
+  } catch (error) { input.setAttribute('aria-invalid', 'true'); orders.tell([], error.message); }
 });
 
 function begin() {
@@ -198,12 +227,14 @@ async function start() {
 }
 
 document.addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) || login.open) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) || document.querySelector('dialog[open]')) return;
   const key = event.key;
   if (key === 't') turnTheme();
   else if (key === 'f') map.fit();
   else if (key === 'a') document.querySelector('#facts [data-alarm]')?.click();
   else if ('123'.includes(key)) show(['live', 'runs', 'draft'][Number(key) - 1]);
+  else if (key === 'g') $('#find-text').focus();
+  else if (key === 'Enter' && event.target.id === 'map') map.chooseMiddle();
   else if (key === '?') showHelp();
   else if (!orders.onKey(key)) return;
   event.preventDefault();

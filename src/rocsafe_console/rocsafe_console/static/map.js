@@ -69,7 +69,7 @@ export class MissionMap {
       preferCanvas: true, zoomAnimation: false, fadeAnimation: false, markerZoomAnimation: false,
       attributionControl: false, zoomControl: false, minZoom: 2, maxZoom: 24, zoomSnap: 0.25, inertia: false,
     }).setView([20, 0], 3);
-    L.control.zoom({ position: 'topleft', zoomInTitle: 'Zoom in', zoomOutTitle: 'Zoom out' }).addTo(this.map);
+    L.control.zoom({ position: 'topleft', zoomInTitle: t('zoom_in'), zoomOutTitle: t('zoom_out') }).addTo(this.map);
     L.control.scale({ position: 'bottomleft', imperial: false }).addTo(this.map);
     this.map.createPane('base').style.zIndex = 210;
     this.map.createPane('images').style.zIndex = 250;
@@ -393,6 +393,9 @@ export class MissionMap {
     if (near) this.onVehicle?.(near, event.originalEvent);
     else this.onPlace?.(event.latlng);
   }
+
+  // By keys, what a click does at the middle of the map.
+  chooseMiddle() { this.onClick({ containerPoint: this.map.getSize().divideBy(2), latlng: this.map.getCenter() }); }
 
   vehicleAt(point) {
     const scale = this.map.options.crs.scale(this.map.getZoom());

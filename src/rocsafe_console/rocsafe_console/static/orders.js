@@ -8,6 +8,7 @@ const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], [
 // Of the whole mission, whatever is selected.
 const OF_ALL = new Set(['replan']);
 const TOUCH_S = 0.6;
+const OUTCOMES = { refused: 'outcome_refused', 'no answer': 'outcome_silent', 'state has changed': 'outcome_stale' };
 
 export const newId = () => [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 
@@ -114,7 +115,7 @@ export class Orders {
   tell(results, title) {
     const bad = results.filter((one) => one.outcome !== 'done');
     const good = results.filter((one) => one.outcome === 'done');
-    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? one.outcome : `${one.outcome}: ${one.text}`));
+    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${one.text}`));
     this.report.replaceChildren(make('div', { class: 'results-head' }, make('b', { text: title }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { this.report.hidden = true; } })), make('ul', {}, ...rows));
     this.report.hidden = false;
   }

@@ -6,6 +6,8 @@ import { ask } from './link.js';
 import { worldOf } from './map.js';
 
 const SPEED = 8;
+// Layers whose pictures are those of the live mission, or of the replay.
+const IMAGES = ['mosaic', 'dose', 'plume'];
 
 export class Runs {
   constructor(panel, bar, map) {
@@ -16,15 +18,40 @@ export class Runs {
 
   async show() {
     const { runs } = await ask('/api/runs');
+    const may = this.map.link.sections.session?.may ?? [];
     const rows = runs.map((run) => make('li', { class: 'run' },
       make('b', { text: run.name }),
       make('span', { class: 'note', text: [run.outcome, run.is_sealed ? t('run_sealed') : ''].filter(Boolean).join(' · ') }),
       make('span', { class: 'run-buttons' },
         make('button', { type: 'button', class: 'small', text: t('run_replay'), onclick: () => this.replay(run.name) }),
-        run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : '')));
+        make('button', { type: 'button', class: 'small', text: t('run_verify'), onclick: (event) => this.verify(run.name, event.target) }),
+        may.includes('seal') ? make('button', { type: 'button', class: 'small', text: t('run_seal'), onclick: (event) => this.seal(run.name, event.target) }) : '',
+        run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : ''),
+      make('output', { class: 'note run-word' })));
     const address = make('output', { class: 'note' });
     const link = make('button', { type: 'button', class: 'small', text: t('link_make'), onclick: async () => { address.textContent = (await ask('/api/links', {})).url; } });
     this.panel.replaceChildren(make('h2', { text: t('runs_title') }), make('p', { class: 'run-buttons' }, link), address, rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }));
+  }
+
+  // Hashes all files of a run, which takes seconds.
+  async verify(name, button) {
+    await this.told(button, async () => {
+      const { faults, seal, signer } = await ask(`/api/runs/${encodeURIComponent(name)}/verify`);
+      const whole = `${t('run_whole', { seal })}, ${signer ? t('run_signed', { signer }) : t('run_unsigned')}`;
+      return faults.length ? t('run_changed', { what: faults.join('; ') }) : whole;
+    });
+  }
+
+  async seal(name, button) {
+    await this.told(button, async () => t('run_new_seal', await ask(`/api/runs/${encodeURIComponent(name)}/seal`, {})));
+  }
+
+  async told(button, work) {
+    const word = button.closest('.run').querySelector('.run-word');
+    word.textContent = t('run_working');
+    button.disabled = true;
+    word.textContent = await work().catch((error) => error.message);
+    button.disabled = false;
   }
 
   async replay(name) {
@@ -34,7 +61,7 @@ export class Runs {
     this.run = run;
     this.map.source = { vehicles, sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
     this.map.images = {};
-    for (const group of ['mosaic', 'dose']) this.map.groups[group].clearLayers();
+    for (const group of IMAGES) this.map.groups[group].clearLayers();
     this.map.isFitted = false;
     this.map.drawSections(null);
     if (!this.map.isFitted) this.fitTracks();
@@ -121,7 +148,7 @@ export class Runs {
     this.bar.hidden = true;
     this.map.source = null;
     this.map.images = {};
-    for (const group of ['mosaic', 'dose']) this.map.groups[group].clearLayers();
+    for (const group of IMAGES) this.map.groups[group].clearLayers();
     this.map.readTracks(this.map.link.sections.tracks ?? {});
     this.map.isFitted = false;
     this.map.drawSections(null);

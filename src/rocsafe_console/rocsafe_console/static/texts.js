@@ -34,10 +34,19 @@ export const TEXTS = {
   runs_title: 'Runs', runs_none: 'no run in this folder', run_replay: 'Replay', run_report: 'Report', run_sealed: 'sealed', replay_stop: 'Back to live', replay_play: 'Play', replay_pause: 'Pause', replay_time: 'Time of the replay',
   layer_mosaic: 'Mosaic', layer_dose: 'Dose map', layer_cordons: 'Cordons', layer_plume: 'Gas', layer_zones: 'Threat zones', layer_routes: 'Planned routes', layer_drive: 'Drive, planned', layer_tracks: 'Flown tracks', layer_footprints: 'Footprints', layer_region: 'Region', layer_exclusions: 'Exclusions', layer_sources: 'Sources, 95 %', layer_homes: 'Homes', layer_marks: 'Marks', layer_grid: 'Grid', layer_base: 'Base map',
   legend: 'Dose rate, µSv/h', legend_gas: 'Gas, ppm', decisions: 'What was decided',
-  help_title: 'Keys', help: 'h Hold · r Resume · b Return · l Land · p Plan anew · Enter Confirm · Esc Cancel · a Seen · t Theme · 1 2 3 Views · f Show all · ? Keys',
-  link_make: 'Address for QGIS', draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import GeoJSON',
+  help_title: 'Keys', help: 'h Hold · r Resume · b Return · l Land · p Plan anew · Enter Confirm · Esc Cancel · a Seen · t Theme · 1 2 3 Views · f Show all · g Go to a place · ? Keys · on the map: arrows, + and -, Enter chooses its middle',
+  link_make: 'Address for QGIS', draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import a region (GeoJSON, KML, QGroundControl, CSV)',
   draft_save: 'Check', draft_plan: 'Plan', draft_preflight: 'Preflight', draft_approve: 'I approve this plan', draft_launch: 'Launch', draft_area: '{area} m², {count} corners', draft_running: 'working …', draft_name: 'Name', draft_text: 'Scenario', draft_fault_line: 'line {line}',
   state_unknown: 'unknown', state_disarmed: 'disarmed', state_armed: 'armed', state_taking_off: 'taking off', state_flying: 'flying', state_holding: 'holding', state_returning: 'returning', state_landing: 'landing', state_landed: 'landed', state_lost: 'lost', state_crashed: 'crashed', state_waiting: 'waiting', state_driving: 'driving', state_parked: 'parked', state_standing: 'standing', state_arrived: 'arrived',
+  views: 'Views', facts: 'Facts', orders: 'Orders', north: 'North is up', zoom_in: 'Zoom in', zoom_out: 'Zoom out',
+  map_keys: 'Map: arrows move it, plus and minus zoom, Enter chooses its middle', find: 'Go', find_label: 'Go to a place', find_hint: 'degrees, DMS, UTM or MGRS',
+  people_title: 'People', people_none: 'Only you are logged in.', people_end: 'End', people_you: 'you', people_since: 'since {time}', log_out: 'Log out',
+  draft_vehicles: 'Vehicles', draft_vehicle_add: 'Add a vehicle', draft_camera: 'Camera', draft_horizontal_fov_deg: 'Field of view, °', draft_image_width_px: 'Width, px', draft_image_height_px: 'Height, px',
+  mission_log: 'What the mission prints', mission_end: 'End the mission', mission_end_sure: 'Press again: end the mission', mission_running: 'is running', mission_done: 'has ended well', mission_failed: 'has failed', mission_unknown: 'not launched by this console', mission_confirm: 'Launch again: real vehicles take off by plan {hash}',
+  run_verify: 'Verify', run_seal: 'Seal', run_whole: 'every byte is as sealed in {seal}', run_signed: 'signed with {signer}', run_unsigned: 'not signed', run_changed: 'changed: {what}', run_working: 'reading all files …', run_new_seal: 'sealed: {seal}',
+  gas_reading: '{value} {unit}', fact_gas: 'Worst gas reading', below_limit: 'below the limit of detection',
+  phase_starting: 'starting', phase_planning: 'planning', phase_flying: 'flying', phase_collecting: 'collecting', phase_mapping: 'mapping', phase_reporting: 'reporting', phase_complete: 'complete', phase_failed: 'failed', phase_cancelled: 'cancelled', phase_driving: 'driving', phase_unknown: 'unknown',
+  outcome_done: 'done', outcome_refused: 'refused', outcome_silent: 'no answer', outcome_stale: 'state has changed',
   critical: 'critical', warning: 'warning', refused: 'Refused: {why}',
 };
 
@@ -50,4 +59,6 @@ export function t(key, values = {}) {
 // Fills the elements that name their text.
 export function fillTexts(within = document) {
   for (const element of within.querySelectorAll('[data-text]')) element.textContent = t(element.dataset.text);
+  for (const element of within.querySelectorAll('[data-label]')) element.setAttribute('aria-label', t(element.dataset.label));
+  for (const element of within.querySelectorAll('[data-hint]')) element.placeholder = t(element.dataset.hint);
 }

@@ -9,6 +9,7 @@ from aiohttp import web
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.drafts import Drafts
+from rocsafe_console.runs.outline import areas_of
 from rocsafe_console.web.context import context_of, session_of
 from rocsafe_console.web.guards import body_of
 
@@ -24,8 +25,18 @@ async def list_drafts(request: web.Request) -> web.Response:
 async def draft_text(request: web.Request) -> web.Response:
     """Send the text of a scenario or draft."""
     session_of(request, Action.DRAFT)
-    text = request.app[DRAFTS].text_of(request.match_info['kind'], request.match_info['name'])
-    return web.json_response({'text': text})
+    drafts = request.app[DRAFTS]
+    text = drafts.text_of(request.match_info['kind'], request.match_info['name'])
+    outline = await asyncio.to_thread(drafts.outline, text)
+    return web.json_response({'text': text, 'outline': outline})
+
+
+async def import_areas(request: web.Request) -> web.Response:
+    """Send the polygons of a file that somebody imports."""
+    session_of(request, Action.DRAFT)
+    body = await body_of(request)
+    areas = await asyncio.to_thread(areas_of, str(body['name']), str(body['text']))
+    return web.json_response({'areas': areas})
 
 
 async def save_draft(request: web.Request) -> web.Response:
@@ -36,7 +47,8 @@ async def save_draft(request: web.Request) -> web.Response:
     text = drafts.save(name, str(body['text']), dict(body.get('drawn') or {}))
     context.write('draft', session.user, name=name)
     step = await asyncio.to_thread(drafts.check, name)
-    return web.json_response({**asdict(step), 'scenario': text})
+    outline = await asyncio.to_thread(drafts.outline, text)
+    return web.json_response({**asdict(step), 'scenario': text, 'outline': outline})
 
 
 async def plan_draft(request: web.Request) -> web.Response:
@@ -64,6 +76,22 @@ async def launch_draft(request: web.Request) -> web.Response:
         context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
     except (OSError, ConsoleError) as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
-    step = await asyncio.to_thread(request.app[DRAFTS].launch, name, approved, confirmed)
-    context.write('outcome', session.user, name=name, **asdict(step))
-    return web.json_response(asdict(step))
+    launch = await asyncio.to_thread(request.app[DRAFTS].launch, name, approved, confirmed)
+    context.write('outcome', session.user, name=name, **asdict(launch))
+    return web.json_response(asdict(launch))
+
+
+async def mission_of_draft(request: web.Request) -> web.Response:
+    """Tell how the mission of a draft stands, and what it has printed."""
+    session_of(request, Action.DRAFT)
+    drafts, name = request.app[DRAFTS], request.match_info['name']
+    return web.json_response(asdict(await asyncio.to_thread(drafts.mission, name)))
+
+
+async def end_mission(request: web.Request) -> web.Response:
+    """End the mission of a draft; it is written to the evidence log first."""
+    context, name = context_of(request), request.match_info['name']
+    session = session_of(request, Action.END)
+    context.write('end', session.user, name=name)
+    request.app[DRAFTS].end(name)
+    return web.json_response({})

@@ -52,7 +52,9 @@ async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
         answer = refused(403, str(error))
     except ConsoleError as error:
         answer = refused(404, str(error))
-    except (ValueError, KeyError, TypeError) as error:
+    except RecursionError:
+        answer = refused(400, 'the body is nested too deeply')
+    except (ValueError, KeyError, TypeError, ArithmeticError) as error:
         answer = refused(400, str(error))
     except web.HTTPException as error:
         answer = refused(error.status, error.reason)

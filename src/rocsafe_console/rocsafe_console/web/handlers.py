@@ -13,6 +13,7 @@ from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.roles import MAY, Action
 from rocsafe_console.people.sessions import Session
 from rocsafe_console.picture.coordinates import coordinates_of
+from rocsafe_console.picture.places import place_of_text
 from rocsafe_console.runs.run_folder import (
     EMPTY_TILE,
     file_of,
@@ -88,9 +89,10 @@ async def log_out(request: web.Request) -> web.Response:
 async def list_sessions(request: web.Request) -> web.Response:
     """List who is logged in."""
     context = context_of(request)
-    session_of(request, Action.REVOKE)
+    own = session_of(request, Action.REVOKE)
     plain = [
-        {**asdict(one), 'role': one.role.value} for one in context.sessions.all(context.clock())
+        {**asdict(one), 'role': one.role.value, 'is_own': one.public_id == own.public_id}
+        for one in context.sessions.all(context.clock())
     ]
     return web.json_response({'sessions': plain})
 
@@ -135,8 +137,11 @@ async def mark(request: web.Request) -> web.Response:
 
 
 async def coordinates(request: web.Request) -> web.Response:
-    """Tell a place in all forms."""
+    """Tell a place in all forms: of a click, or as it was typed."""
     session_of(request, Action.SEE)
+    if (text := request.query.get('text')) is not None:
+        place = place_of_text(text)
+        return web.json_response({'place': place, **asdict(coordinates_of(*place))})
     forms = coordinates_of(float(request.query['latitude']), float(request.query['longitude']))
     return web.json_response(asdict(forms))
 

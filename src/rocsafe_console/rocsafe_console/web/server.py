@@ -5,6 +5,7 @@ import asyncio
 import gzip
 import hashlib
 import ipaddress
+import logging
 import ssl
 from collections.abc import Callable, Coroutine
 from functools import lru_cache, partial
@@ -14,6 +15,7 @@ from threading import Event as Flag
 from threading import Thread
 
 from aiohttp import web
+from aiohttp.http_exceptions import HttpProcessingError
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.runs.drafts import Drafts
@@ -22,6 +24,7 @@ from rocsafe_console.web import (
     handlers,
     order_handlers,
     outward_handlers,
+    seal_handlers,
     video_handlers,
 )
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
@@ -36,6 +39,7 @@ MOST_CONNECTIONS = 400
 QUEUE = 100
 DRAIN_S = 0.5
 STOP_S = 2.0
+_log = logging.getLogger(__name__)
 STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
 VIEW = Path(str(resources.files('rocsafe_view').joinpath('static')))
 TYPES = {
@@ -74,6 +78,7 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     app[CONTEXT] = context
     app[PUSHER] = Pusher(context)
     app[PORT] = port
+    app[seal_handlers.SEALING] = asyncio.Lock()
     get, post = app.router.add_get, app.router.add_post
     get('/', _index)
     get('/static/{path:.+}', _static)
@@ -108,7 +113,12 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/ogc/{secret}/collections', outward_handlers.collections)
     get('/ogc/{secret}/collections/{name}', outward_handlers.collection)
     get('/ogc/{secret}/collections/{name}/items', outward_handlers.items)
+    post('/api/import', draft_handlers.import_areas)
+    get('/api/missions/{name}', draft_handlers.mission_of_draft)
+    post('/api/missions/{name}/end', draft_handlers.end_mission)
     get('/api/runs', handlers.list_runs)
+    get('/api/runs/{run}/verify', seal_handlers.verify)
+    post('/api/runs/{run}/seal', seal_handlers.seal)
     get('/api/runs/{run}/replay', handlers.replay)
     get('/api/runs/{run}/files/{path:.+}', handlers.run_file)
     return app
@@ -163,7 +173,7 @@ class ServerThread:
     async def _serve(self) -> None:
         options = self._context.options
         app = make_app(self._context, self.port)
-        runner = web.AppRunner(app, access_log=None, shutdown_timeout=STOP_S)
+        runner = web.AppRunner(app, access_log=None, shutdown_timeout=STOP_S, logger=_log)
         await runner.setup()
         if runner.server is None:
             raise ConsoleError('the server has not been set up')
@@ -200,6 +210,18 @@ class ServerThread:
                 if str(error) != told:
                     self._say(f'the evidence log cannot be written: {error}')
                 told = str(error)
+
+
+class _NoRequest(logging.Filter):
+    """Drops what is logged of bytes that are no request: anybody could fill the log with it."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Return whether a record is kept."""
+        error = record.exc_info[1] if record.exc_info else None
+        return not isinstance(error, HttpProcessingError)
+
+
+_log.addFilter(_NoRequest())
 
 
 class _Refusal(asyncio.Protocol):
