@@ -154,9 +154,11 @@ def surveyed(place: Place) -> GroundMap:
     )  # fmt: skip
     log = options.log()
     frame = log.frame
+    # Of the counter: what the localizer allows for.
+    response = CPS_PER_USVH * rng.normal(1.0, 0.05)
     for number, (east, north) in enumerate(lanes(lane, speed)):
         fix = frame.position_of([east, north, height])
-        counts = float(rng.poisson(place.rate((east, north), height) * CPS_PER_USVH))
+        counts = float(rng.poisson(place.rate((east, north), height) * response))
         log.add(
             FlightReading(
                 vehicle='rav1', time_ns=number * SECOND, latitude_deg=fix.latitude_deg,
