@@ -262,8 +262,8 @@ def one_run(seed: int) -> Figures:
     dose, highest, outcomes = drive_all(rover, place, ground, (asked, plan), rng)
     ledger = rover.state.ledger
     return row | {
-        'dose': dose, 'highest': highest, 'outcomes': outcomes, 'cpu_s': time.process_time() - begin,
-        'time_s': (ledger.ended_ns - SECOND) / SECOND,
+        'dose': dose, 'highest': highest, 'outcomes': outcomes,
+        'cpu_s': time.process_time() - begin, 'time_s': (ledger.ended_ns - SECOND) / SECOND,
     }  # fmt: skip
 
 
