@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from ground import smooth
 from ground_drives import CPS_PER_USVH, SECOND, STEP_NS, read_rows, route_of
+from scipy.ndimage import distance_transform_edt
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.position import GeoPosition
@@ -71,7 +72,7 @@ class Place:
     grid: RouteGrid
     ground: DrivableGround
     heights_m: FloatArray
-    things: BoolArray
+    clear_m: FloatArray
     sources: FloatArray
 
     def rate(self, place: Iterable[float], up_m: float = 1.0) -> float:
@@ -82,21 +83,24 @@ class Place:
 
     def ground_up_m(self, east_m: float, north_m: float) -> float:
         """Return the height of the ground."""
-        x = min(max((east_m + HALF_M) / CELL_M - 0.5, 0.0), CELLS - 1.001)
-        y = min(max((north_m + HALF_M) / CELL_M - 0.5, 0.0), CELLS - 1.001)
-        c, r = int(x), int(y)
-        near = self.heights_m[r : r + 2, c : c + 2]
-        west, east = near[0] + (y - r) * (near[1] - near[0])
-        return float(west + (x - c) * (east - west))
+        return between(self.heights_m, east_m, north_m)
 
-    def touched(self, place: tuple[float, float, float], _radius_m: float) -> str:
-        """Return what the vehicle would touch; `things` have grown by half its width."""
-        cell = self.grid.cell_of(place[0], place[1])
-        return 'a thing' if cell is None or self.things.ravel()[cell] else ''
+    def touched(self, place: tuple[float, float, float], radius_m: float) -> str:
+        """Return what a ball touches."""
+        return 'a thing' if between(self.clear_m, place[0], place[1]) < radius_m else ''
 
     def first_hit_m(self, *_: Any) -> float:
         """Return that nothing is hit."""
         return math.inf
+
+
+def between(values: FloatArray, east_m: float, north_m: float) -> float:
+    """Return a value at a place, bilinear between the middles of cells."""
+    x, y = (min(max((at + HALF_M) / CELL_M - 0.5, 0.0), CELLS - 1.001) for at in (east_m, north_m))
+    column, row = int(x), int(y)
+    near = values[row : row + 2, column : column + 2]
+    west, east = near[0] + (y - row) * (near[1] - near[0])
+    return float(west + (x - column) * (east - west))
 
 
 def drawn_place(seed: int) -> Place:
@@ -124,10 +128,9 @@ def drawn_place(seed: int) -> Place:
         rng.uniform(-0.6 * HALF_M, 0.6 * HALF_M, (count, 2)), rng.uniform(0.3, 1.5, count),
         10.0 ** rng.uniform(3.5, 5.0, count),
     ])  # fmt: skip
-    half = 0.5 * Chassis().width_m
-    things = _is_near(known | hidden, CELL_M, half) | known | hidden
+    clear_m = (distance_transform_edt(~(known | hidden)) - 0.5) * CELL_M
     return Place(
-        family=family, seed=seed, grid=grid, heights_m=heights, sources=sources, things=things,
+        family=family, seed=seed, grid=grid, heights_m=heights, sources=sources, clear_m=clear_m,
         ground=DrivableGround(reasons=reasons, slowness_spm=1.0 / (speeds * share)),
     )  # fmt: skip
 
@@ -231,9 +234,10 @@ def new_rover(place: Place, plan: DrivePlan) -> Rover:
     return rover
 
 
-def driven(rover: Rover, place: Place, plan: DrivePlan, rng: Any) -> tuple[float, float]:
-    """Drive a plan; return the true dose and the highest true dose rate."""
-    rover.drive(route_of(plan))
+def driven(rover: Rover, place: Place, plan: DrivePlan | None, rng: Any) -> tuple[float, float]:
+    """Drive a plan, or on; return the true dose and the highest true dose rate."""
+    if plan is not None:
+        rover.drive(route_of(plan))
     dose, highest = 0.0, 0.0
     window = CPS_PER_USVH * STEP_NS / SECOND
     while not (rover.is_over and rover.is_idle):
@@ -308,7 +312,9 @@ def drive_all(
             )  # fmt: skip
         except GroundError:
             break
-    return total, peak, outcomes
+    rover.return_home()
+    dose, highest = driven(rover, place, None, rng)
+    return total + dose, max(peak, highest), [*outcomes, 'came home on its tracks']
 
 
 def summary(rows: list[Figures]) -> Figures:

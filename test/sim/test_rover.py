@@ -330,3 +330,35 @@ def test_what_is_confirmed_of_a_prediction_is_trusted_for_its_rest():
     assert reason_to_end(early, options)[0] is DriveOutcome.TURNED_BACK_DOSE
     more = outlook(dose_usv=74.0, predicted_usv=60.0, rest_usv=22.0, back_usv=21.0)
     assert reason_to_end(more, options)[0] is DriveOutcome.TURNED_BACK_DOSE
+
+
+def test_first_readings_tell_nothing_of_a_prediction():
+    """After a detour the tracks home are long and hot, the planned rest is neither."""
+    start = outlook(dose_usv=0.01, predicted_usv=0.0, rest_usv=20.0, back_usv=160.0)
+    assert reason_to_end(start, CautionOptions()) is None
+
+
+def test_way_back_takes_the_dose_that_was_measured_for_it():
+    """Over its many marks as fast as over the few stops of the way there."""
+    rover = rover_of()
+    rover.drive(route_of((*LOOP[:-1], (6.0, 40.0))))
+    while rover.state.place[1] < 38.0:
+        rover.step(rover.state.time_ns + SECOND // 5)
+        rover.read(rover.state.time_ns, 100.0)
+    taken, back = rover.state.ledger.dose_usv, rover._way.dose_usv
+    rover.return_home()
+    driven(rover, lambda _place: 100.0)
+    assert rover.state.ledger.dose_usv - taken == pytest.approx(back, rel=0.04)
+
+
+def test_dose_while_it_waits_for_a_route_counts_in_the_next_drive():
+    """It stands where it was stopped, and its budget is for all of its trip."""
+    rover = rover_of(parts_of(surroundings=Wall()))
+    rover.drive(route_of(((0.0, 0.0), (40.0, 0.0))))
+    driven(rover, lambda _place: 100.0)
+    assert rover.state.ledger.outcome is DriveOutcome.BLOCKED
+    for _ in range(360):
+        rover.step(rover.state.time_ns + SECOND)
+        rover.read(rover.state.time_ns, 100.0)
+    rover.drive(replace(route_of((rover.state.place, (0.0, 0.0))), route_id='drive-2'))
+    assert rover.state.ledger.dose_usv == pytest.approx(10.0, rel=0.01)

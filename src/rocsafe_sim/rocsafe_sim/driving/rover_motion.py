@@ -29,8 +29,9 @@ TICK_NS = 100_000_000
 TICK_S = TICK_NS / NS_PER_S
 # Something that stands ahead is seen so far beyond the distance in which the vehicle stops.
 SEEN_BEYOND_M = 0.6
-# Distance between the places ahead that are looked at.
-AHEAD_STEP_M = 0.3
+# Distance between the places ahead that are looked at, and what is kept from things there: skid,
+# and what is between two such places. Half of the margin of a route.
+AHEAD_STEP_M, CLEARANCE_M = 0.3, 0.15
 # A vehicle that looks so far away from its line stops before it turns.
 WRONG_WAY_RAD = math.radians(60.0)
 # The picture is taken after so much of the stand.
@@ -156,14 +157,15 @@ class RoverMotion:
 
     def _drive_on(self) -> None:
         """Turn in place, or follow the line to the next stop."""
-        state, stops = self.state, self.stops
+        state, place = self.state, self.measured_place()
         chassis, motion = self.parts.chassis, self.parts.chassis.motion
-        line = self._line(stops)
-        place = self.measured_place()
-        left = line.left_m(place)
-        if left <= ARRIVED_M or line.length_m <= ARRIVED_M:
-            self._arrive(stops[state.next_stop])
-            return
+        line = self._line(self.stops)
+        # A stop that is driven through takes no time.
+        while (left := line.left_m(place)) <= ARRIVED_M or line.length_m <= ARRIVED_M:
+            self._arrive(self.stops[state.next_stop])
+            if state.is_standing or not state.mode.is_moving:
+                return
+            line = self._line(self.stops)
         off = abs(math.remainder(line.yaw_rad - state.yaw_rad, math.tau))
         braked = state.speed_mps - 2.0 * motion.acceleration_mps2 * TICK_S
         if off > WRONG_WAY_RAD and braked > 0.0:
@@ -268,11 +270,10 @@ class RoverMotion:
         """Return whether something stands on the way ahead; the vehicle stops before it."""
         if self.parts.surroundings is None:
             return False
-        ahead, thing = next(
-            ((place, thing) for place in self._ahead() if (thing := self.parts.touched(place))),
-            (self.state.place, ''),
-        )
-        if not thing:
+        for ahead in self._ahead():
+            if thing := self.parts.touched(ahead, CLEARANCE_M):
+                break
+        else:
             return False
         seen = self.parts.scan(self.state.place, yaw_rad)
         self.state.ledger.blocked = (ahead, *seen)
