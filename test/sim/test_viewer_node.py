@@ -93,10 +93,13 @@ def test_vehicles_and_lines_are_drawn_while_somebody_looks(
 def test_the_light_changes_or_is_refused_with_the_reason(viewer: Any, operator: Operator) -> None:
     """As that of a vehicle's cameras."""
     request = SetLight.Request(sun_as_scenario=True, fog=0.5)
-    assert operator.call(topics.SET_SCENE_LIGHT.name, request).success
+    assert operator.ask(SetLight, topics.SET_SCENE_LIGHT.name, request).success
     assert viewer._view.lights[0].air.fog == 0.5
-    assert operator.call(topics.SET_SCENE_LIGHT.name, request).message == 'draws without shadows'
-    wrong = operator.call(topics.SET_SCENE_LIGHT.name, SetLight.Request(fog=7.0))
+    assert (
+        operator.ask(SetLight, topics.SET_SCENE_LIGHT.name, request).message
+        == 'draws without shadows'
+    )
+    wrong = operator.ask(SetLight, topics.SET_SCENE_LIGHT.name, SetLight.Request(fog=7.0))
     assert 'fog' in wrong.message
 
 
