@@ -29,6 +29,7 @@ from ground_drives import CPS_PER_USVH, SECOND, STEP_NS, read_rows, route_of
 from scipy.ndimage import distance_transform_edt
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.dose.dose_field import dose_field
 from rocsafe_ground.dose.source_posterior import read_sources
@@ -111,7 +112,7 @@ def drawn_place(seed: int) -> Place:
                      rows=CELLS, columns=CELLS)  # fmt: skip
     known = drawn_things(rng, grid, 90 if family == 'woods' else 15, (0.6, 4.0))
     hidden = drawn_things(rng, grid, 40 if family == 'clutter' else 0, (0.3, 0.8))
-    heights = np.zeros(grid.shape)
+    heights: FloatArray = np.zeros(grid.shape)
     if family == 'hills':
         heights = smooth(rng, CELLS, 20)
         steepest = np.hypot(*np.gradient(heights, CELL_M)).max()
@@ -156,7 +157,7 @@ def surveyed(place: Place) -> GroundMap:
         origin_altitude_m=ORIGIN.altitude_m, model='paper',
     )  # fmt: skip
     log = options.log()
-    frame = log.frame
+    frame = LocalFrame(ORIGIN)
     # Of the counter: what the localizer allows for.
     response = CPS_PER_USVH * rng.normal(1.0, 0.05)
     for number, (east, north) in enumerate(lanes(lane, speed)):
@@ -185,7 +186,7 @@ def lanes(lane_m: float, speed_mps: float) -> Iterator[tuple[float, float]]:
     """Yield the place of a drone at each second."""
     for k, north in enumerate(np.arange(-HALF_M + 0.5 * lane_m, HALF_M, lane_m)):
         for along in np.arange(-HALF_M, HALF_M, speed_mps):
-            yield (along if k % 2 == 0 else -along), float(north)
+            yield float(along if k % 2 == 0 else -along), float(north)
 
 
 def first_request(place: Place, ground: GroundMap) -> DriveRequest | None:
@@ -290,7 +291,8 @@ def drive_all(
 ) -> tuple[float, float, list[str]]:
     """Drive, and plan the rest anew while the vehicle is on its way."""
     asked, plan = first
-    total, peak, outcomes, blocked = 0.0, 0.0, [], ()
+    total, peak, outcomes = 0.0, 0.0, list[str]()
+    blocked: tuple[GeoPosition, ...] = ()
     taken: set[str] = set()
     for _ in range(MOST_PLANS):
         dose, highest = driven(rover, place, plan, rng)
