@@ -1,16 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A window that shows pictures, by Tk, which comes with Python."""
 
-import os
 from typing import Any
 
 from rocsafe_geo.arrays import ImageArray
 from rocsafe_scene.errors import EngineError
-
-
-def has_display() -> bool:
-    """Return whether a window can be opened here."""
-    return bool(os.environ.get('DISPLAY'))
 
 
 class Window:
