@@ -61,6 +61,7 @@ NODES = (
         'simulated vehicles, shown to a ground station',
         'rocsafe_mavlink.view_options:ViewOptions',
     ),
+    ('viewer', 'a live view of the scene', 'rocsafe_sim.viewer_options:ViewerOptions'),
     ('airsim', "AirSim's API", 'rocsafe_airsim.options:AirsimOptions'),
     ('collector', 'image store', 'rocsafe_mapping.options:CollectorOptions'),
     ('mosaic', 'map of all photographs', 'rocsafe_mapping.options:MosaicOptions'),

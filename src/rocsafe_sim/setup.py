@@ -24,6 +24,7 @@ setup(
             'rav = rocsafe_sim.rav_node:main',
             'fleet = rocsafe_sim.fleet_node:main',
             'rgv = rocsafe_sim.rgv_node:main',
+            'viewer = rocsafe_sim.viewer_node:main',
         ],
     },
 )

@@ -219,6 +219,17 @@ def test_a_camera_is_heard_only_while_somebody_looks(console):
     spin(lambda: camera.get_subscription_count() == 0, DEADLINE_S)
 
 
+def test_the_live_view_of_the_scene_is_one_of_the_cameras(console):
+    """Heard under a name of its own."""
+    video, spin = console.live.video, console.ros.spin_until
+    view = topics.create_publisher(console.speaker, topics.SCENE_VIEW)
+    video.join('scene')
+    spin(lambda: view.get_subscription_count() == 1, DEADLINE_S)
+    view.publish(CompressedImage(format='jpeg', data=jpeg_of(9)))
+    spin(lambda: video.newest('scene') is not None, DEADLINE_S)
+    assert video.newest('scene').jpeg == jpeg_of(9)
+
+
 class Rover:
     """A router and a ground vehicle that answer as they are told."""
 

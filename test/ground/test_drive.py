@@ -169,6 +169,16 @@ def test_chance_counts_what_is_not_known_of_the_source(tmp_path):
     assert again.forecast == far.forecast
 
 
+def test_ground_where_a_source_may_be_is_a_wall(tmp_path):
+    """Not only around the place where it was found."""
+    walls = []
+    for name, std_m in (('sure', 0.1), ('unsure', 1.0)):
+        ground = ground_of(write_village(tmp_path / name, place_std_m=std_m))
+        walls.append(int((ground.reasons == Reason.HOT).sum()) * CELL_M**2)
+    assert walls[0] < 4.0
+    assert 2.0 * walls[0] < walls[1] < 60.0
+
+
 @pytest.mark.slow
 def test_hot_ground_is_a_wall(village):
     """No sample of the track has the upper dose rate at which the vehicle turns back."""

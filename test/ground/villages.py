@@ -36,7 +36,9 @@ def text(east_m: float, north_m: float) -> str:
     return f'{place.latitude_deg:.9f},{place.longitude_deg:.9f}'
 
 
-def write_village(folder: Path, *, source=(0.0, 10.0), rate_std_usvh: float = 2500.0) -> Path:
+def write_village(
+    folder: Path, *, source=(0.0, 10.0), rate_std_usvh: float = 2500.0, place_std_m: float = 0.2
+) -> Path:
     """Write mosaic, dose map and sources: a meadow with a road along its northern side.
 
     A red wall runs from the west along north = 20 and ends at east = 10; the strip east of 36 was
@@ -60,7 +62,7 @@ def write_village(folder: Path, *, source=(0.0, 10.0), rate_std_usvh: float = 25
         'place': dict(
             zip(('latitude_deg', 'longitude_deg', 'altitude_m'), place.tolist(), strict=True)
         ),
-        'position_covariance_m2': [[0.04, 0, 0], [0, 0.04, 0], [0, 0, 0.01]],
+        'position_covariance_m2': [[place_std_m**2, 0, 0], [0, place_std_m**2, 0], [0, 0, 0.01]],
         'dose_rate_at_1m_usvh': SOURCE_RATE_USVH,
         'dose_rate_at_1m_std_usvh': rate_std_usvh,
     }

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The `rocsafe` command: what it says to a stranger, and its exit codes."""
 
+import json
 import os
 import re
 import resource
@@ -41,6 +42,24 @@ def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]
     assert len(capsys.readouterr().out.splitlines()) > 5
 
 
+def test_scene_show_becomes_the_viewer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the scene of the scenario, also over the flat ground, and an overview of its region."""
+    from rocsafe_orchestrator.processes import executables
+
+    started: list[list[str]] = []
+    monkeypatch.setattr(executables, 'find_executable', lambda *_names: Path('/viewer'))
+    monkeypatch.setattr('os.execv', lambda _path, words: started.append(words))
+    monkeypatch.setenv('DISPLAY', ':7')
+    main(['scene', 'show', str(DERAILMENT), '--follow', 'rav2'])
+    values = dict(word.split(':=', 1) for word in started[0] if ':=' in word)
+    assert values['scene_file'].endswith('config/scenes/derailment.yaml"')
+    assert (values['window'], values['follow']) == ('true', '"rav2"')
+    east, north, up = json.loads(values['eye_m'])
+    assert abs(east) < 1.0
+    assert north < -100.0 < 100.0 < up
+    assert main(['scene', 'show', str(DERAILMENT), '--follow', 'rav9']) != 0
+
+
 @pytest.mark.parametrize(
     ('arguments', 'line'),
     [
@@ -51,6 +70,7 @@ def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]
         (['plan', 'x.kml', '--height', 'nan'], '--height: nan: must be within 1 to 500 m'),
         (['run'], 'one of the arguments SCENARIO --resume is required'),
         (['run', 'x.yaml', '--resume', 'runs/x'], 'not allowed with argument'),
+        (['scene', 'show', 'x.yaml', '--eye', '1,2'], '--eye: 1,2: must be three numbers'),
         (['fly'], "invalid choice: 'fly'"),
         ([], 'required'),
     ],

@@ -18,6 +18,7 @@ from rocsafe_sim.driving.way_back import Mark, WayBack
 from rocsafe_sim.errors import CommandRefusedError, JournalError
 
 LOOP = ((0.0, 0.0), (12.0, 0.0), (25.0, 3.0), (25.0, 15.0), (6.0, 15.0), (0.0, 0.0))
+POST = (20.5, 0.5)
 
 
 class Wall:
@@ -32,12 +33,23 @@ class Wall:
         return 'wall' if abs(place_enu[0] - 20.0) < 0.2 + radius_m else ''
 
 
+class Post(Wall):
+    """A thin post just behind a bend at 20 m east."""
+
+    def touched(self, place_enu, radius_m):
+        """Return whether a ball touches the post."""
+        return 'post' if math.dist(place_enu[:2], POST) < 0.05 + radius_m else ''
+
+
 class Hill:
-    """Ground that rises by one in ten to the east."""
+    """Ground that rises to the east."""
+
+    def __init__(self, grade):
+        self.grade = grade
 
     def ground_up_m(self, east_m, _north_m):
         """Return its height."""
-        return 0.1 * east_m
+        return self.grade * east_m
 
     def touched(self, _place_enu, _radius_m):
         """Return that nothing stands there."""
@@ -172,16 +184,28 @@ def test_it_stops_before_what_stands_in_its_way():
     assert rover.state.ledger.outcome is DriveOutcome.COMPLETED
 
 
-def test_slope_takes_time_and_charge():
-    """Up and back again."""
-    charges = []
-    for surroundings in (None, Hill()):
+def test_post_behind_a_bend_is_seen_before_the_bend():
+    """The way is looked along, not one place ahead on the present line."""
+    rover = rover_of(parts_of(surroundings=Post(), has_detector=False))
+    rover.drive(route_of(((0.0, 0.0), (20.0, 0.0), (40.0, 6.0)), limit_mps=1.5))
+    driven(rover)
+    assert rover.state.ledger.outcome is DriveOutcome.BLOCKED
+    assert math.dist(rover.state.place, POST) > 0.5 + 0.5 * Chassis().width_m
+
+
+def test_slope_takes_charge_and_a_steep_one_time():
+    """A route tells its speeds; motors do not reach them where it is steep."""
+    ends = []
+    for grade in (0.0, 0.1, 0.5):
+        surroundings = Hill(grade) if grade else None
         rover = rover_of(parts_of(surroundings=surroundings, has_detector=False))
         rover.drive(route_of(((0.0, 0.0), (40.0, 0.0))))
         driven(rover)
-        charges.append((rover.state.charge_j, rover.state.ledger.ended_ns))
-    assert charges[1][0] < charges[0][0]
-    assert charges[1][1] > 1.1 * charges[0][1]
+        ends.append((rover.state.charge_j, rover.state.ledger.ended_ns))
+    (level_j, level_ns), (gentle_j, gentle_ns), (steep_j, steep_ns) = ends
+    assert level_j > gentle_j > steep_j
+    assert gentle_ns == level_ns
+    assert steep_ns > 1.05 * level_ns
 
 
 def test_battery_that_gets_low_brings_it_home():
@@ -306,3 +330,35 @@ def test_what_is_confirmed_of_a_prediction_is_trusted_for_its_rest():
     assert reason_to_end(early, options)[0] is DriveOutcome.TURNED_BACK_DOSE
     more = outlook(dose_usv=74.0, predicted_usv=60.0, rest_usv=22.0, back_usv=21.0)
     assert reason_to_end(more, options)[0] is DriveOutcome.TURNED_BACK_DOSE
+
+
+def test_first_readings_tell_nothing_of_a_prediction():
+    """After a detour the tracks home are long and hot, the planned rest is neither."""
+    start = outlook(dose_usv=0.01, predicted_usv=0.0, rest_usv=20.0, back_usv=160.0)
+    assert reason_to_end(start, CautionOptions()) is None
+
+
+def test_way_back_takes_the_dose_that_was_measured_for_it():
+    """Over its many marks as fast as over the few stops of the way there."""
+    rover = rover_of()
+    rover.drive(route_of((*LOOP[:-1], (6.0, 40.0))))
+    while rover.state.place[1] < 38.0:
+        rover.step(rover.state.time_ns + SECOND // 5)
+        rover.read(rover.state.time_ns, 100.0)
+    taken, back = rover.state.ledger.dose_usv, rover._way.dose_usv
+    rover.return_home()
+    driven(rover, lambda _place: 100.0)
+    assert rover.state.ledger.dose_usv - taken == pytest.approx(back, rel=0.04)
+
+
+def test_dose_while_it_waits_for_a_route_counts_in_the_next_drive():
+    """It stands where it was stopped, and its budget is for all of its trip."""
+    rover = rover_of(parts_of(surroundings=Wall()))
+    rover.drive(route_of(((0.0, 0.0), (40.0, 0.0))))
+    driven(rover, lambda _place: 100.0)
+    assert rover.state.ledger.outcome is DriveOutcome.BLOCKED
+    for _ in range(360):
+        rover.step(rover.state.time_ns + SECOND)
+        rover.read(rover.state.time_ns, 100.0)
+    rover.drive(replace(route_of((rover.state.place, (0.0, 0.0))), route_id='drive-2'))
+    assert rover.state.ledger.dose_usv == pytest.approx(10.0, rel=0.01)

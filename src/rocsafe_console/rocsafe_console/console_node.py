@@ -32,6 +32,7 @@ from rocsafe_console.orders_node import Finish, Orders
 from rocsafe_console.picture.alarms import ERROR, WARN
 from rocsafe_console.picture.live import Live
 from rocsafe_console.picture.map_image import DOSE, PLUME, Scale, corners_of, png_of
+from rocsafe_console.picture.video import SCENE
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
@@ -155,8 +156,11 @@ class ConsoleNode(Node):
         for name in self._cameras.keys() - wanted:
             self.destroy_subscription(self._cameras.pop(name))
         for name in wanted - self._cameras.keys():
+            spec, vehicle = topics.CAMERA_IMAGE_COMPRESSED, name
+            if name == SCENE:
+                spec, vehicle = topics.SCENE_VIEW, ''
             self._cameras[name] = topics.create_subscription(
-                self, topics.CAMERA_IMAGE_COMPRESSED, partial(self._on_camera, name), name
+                self, spec, partial(self._on_camera, name), vehicle
             )
 
     def _on_camera(self, name: str, message: CompressedImage) -> None:

@@ -116,6 +116,7 @@ def _parser() -> argparse.ArgumentParser:
         replay,
         report,
         run,
+        scene_show,
         whatif,
     )
 
@@ -129,7 +130,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     modules = (
         run, join, fleet, check, plan, replan, whatif, preflight, report, replay, clear, airsim,
-        passed_on,
+        passed_on, scene_show,
     )  # fmt: skip
     for module in modules:
         module.add_to(commands)

@@ -369,6 +369,9 @@ DRAWINGS = _fleet(
     'on change',
     'lines, points and texts of clients of AirSim',
 )
+SCENE_VIEW = _fleet(
+    'scene/view', CompressedImage, _stream(), '5 Hz while heard', 'live view: rocsafe scene show'
+)
 SCENE_MARKERS = _fleet('scene/markers', MarkerArray, _latched(), 'once', 'simulated objects')
 STEP_DONE = _fleet('sim/step_done', StepDone, _stream(), 'each step', 'lock-step of time')
 CLOCK = _fleet('/clock', Clock, _stream(), 'each step', 'simulated time')
@@ -406,6 +409,9 @@ LOOK = _call(
 MOVE = _call('move', Move, 'service', Scope.VEHICLE, 'fly freely; simulated vehicles only')
 SET_WIND = _call('set_wind', SetWind, 'service', Scope.VEHICLE, 'wind of simulated vehicles only')
 SET_LIGHT = _call('set_light', SetLight, 'service', Scope.VEHICLE, 'sun and fog of a drawn scene')
+SET_SCENE_LIGHT = _call(
+    'scene/set_light', SetLight, 'service', Scope.FLEET, 'sun and fog of the live view'
+)
 SET_SPEED = _call('set_speed', SetSpeed, 'service', Scope.VEHICLE, 'speed over ground')
 PUSH_FENCE = _call('geofence/push', PushFence, 'service', Scope.VEHICLE, 'replace the fence')
 PUSH_RALLY = _call('rallypoint/push', PushRally, 'service', Scope.VEHICLE, 'replace rally points')

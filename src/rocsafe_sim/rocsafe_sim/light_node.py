@@ -3,11 +3,9 @@
 
 from rocsafe_interfaces.srv import SetLight
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.errors import ViewError
-from rocsafe_scene.scene.moving_sun import LightOrder, MovingSun
-from rocsafe_scene.scene.sunlight import Air
+from rocsafe_sim.messages.light_conversions import light_of
 from rocsafe_sim.rav.rav import Rav
 
 
@@ -30,7 +28,7 @@ class LightService:
         self, request: SetLight.Request, response: SetLight.Response
     ) -> SetLight.Response:
         try:
-            order = self._order_of(request)
+            order = light_of(request, self._rav.vehicle.time_ns)
             for camera in self._rav.parts.cameras:
                 camera.model.camera.set_light(order)
         except (ViewError, ValueError) as refusal:
@@ -38,15 +36,3 @@ class LightService:
             return response
         response.success = True
         return response
-
-    def _order_of(self, request: SetLight.Request) -> LightOrder:
-        air = Air(fog=request.fog, wetness=request.wetness)
-        if request.sun_as_scenario:
-            return LightOrder(air=air)
-        sun = MovingSun(
-            sun_ns=ns_of_stamp(request.sun_time),
-            from_ns=self._rav.vehicle.time_ns,
-            speed=request.sun_speed,
-            step_s=request.sun_step_s,
-        )
-        return LightOrder(sun=sun, air=air)

@@ -9,6 +9,8 @@ MOST_WATCHERS = 20
 MOST_BYTES = 4_000_000
 JPEG_HEAD = b'\xff\xd8'
 # Time of the wall at which the picture was taken, seconds; the JPEG follows.
+# Name of the live view of the scene among the cameras.
+SCENE = 'scene'
 HEAD = struct.Struct('<d')
 
 

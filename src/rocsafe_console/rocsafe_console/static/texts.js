@@ -8,7 +8,7 @@ export const TEXTS = {
   banner_lost: 'Not live: no word from the server for {age}. What you see is old.',
   banner_mission: 'No word from the mission for {age}. Grey is old.',
   fact_worst: 'Worst reading', fact_now: 'Newest reading', fact_sources: 'Sources', fact_zones: 'Zones', fact_wind: 'Wind',
-  fact_coverage: 'Coverage', fact_time: 'Time left', fact_picture: 'Newest picture', fact_camera: 'Camera', video_vehicle: 'Camera of', video_none: 'no camera', video_of: 'Camera of {vehicle}', video_waiting: 'no picture heard yet', video_live: 'taken {age} ago', video_old: 'old: taken {age} ago', fact_vehicles: 'Vehicles',
+  fact_coverage: 'Coverage', fact_time: 'Time left', fact_picture: 'Newest picture', fact_camera: 'Camera', video_vehicle: 'Camera of', video_none: 'no camera', video_scene: 'Scene (rocsafe scene show)', video_of: 'Camera of {vehicle}', video_waiting: 'no picture heard yet', video_live: 'taken {age} ago', video_old: 'old: taken {age} ago', fact_vehicles: 'Vehicles',
   fact_alarms: 'Alarms', fact_mosaic: 'Mosaic', fact_report: 'Incident report',
   no_reading: 'no reading yet', no_source: 'no source is supported by the readings', no_zone: 'no ground above a level',
   no_wind: 'no wind measured', no_picture: 'no photograph yet', no_plan: 'no plan yet', no_alarm: 'no alarm', no_vehicle: 'no vehicle is heard',

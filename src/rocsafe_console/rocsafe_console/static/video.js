@@ -6,6 +6,8 @@ import { STALE_S } from './link.js';
 
 const HEAD_BYTES = 8;
 const AGAIN_S = 1;
+// The live view of `rocsafe scene show`.
+const SCENE = 'scene';
 
 export class Video {
   constructor(element, link) {
@@ -21,11 +23,11 @@ export class Video {
   }
 
   offer() {
-    const names = [...this.link.vehicles.keys()];
+    const names = [...this.link.vehicles.keys(), SCENE];
     if (this.offered === names.join()) return;
     this.offered = names.join();
     const chosen = this.choice.value;
-    this.choice.replaceChildren(make('option', { value: '', text: t('video_none') }), ...names.map((name) => make('option', { value: name, text: name })));
+    this.choice.replaceChildren(make('option', { value: '', text: t('video_none') }), ...names.map((name) => make('option', { value: name, text: name === SCENE ? t('video_scene') : name })));
     this.choice.value = names.includes(chosen) ? chosen : '';
     if (this.choice.value !== chosen) this.turn();
   }

@@ -9,6 +9,7 @@ from aiohttp import web
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.roles import Action
 from rocsafe_console.people.sessions import Session
+from rocsafe_console.picture.video import SCENE
 from rocsafe_console.web.context import Context, context_of, session_of
 
 # Most that is sent to a page; what comes faster is left out.
@@ -22,7 +23,7 @@ async def watch(request: web.Request) -> web.WebSocketResponse:
     context, session = context_of(request), session_of(request, Action.SEE)
     vehicle = request.match_info['vehicle']
     with context.live.lock:
-        if vehicle not in context.live.picture.vehicles:
+        if vehicle != SCENE and vehicle not in context.live.picture.vehicles:
             raise ConsoleError(f'vehicle {vehicle}: there is none')
         if not context.live.video.join(vehicle):
             raise ConsoleError('too many pages look at cameras')

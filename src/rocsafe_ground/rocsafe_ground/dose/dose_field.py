@@ -20,6 +20,10 @@ from rocsafe_ground.drivable.route_grid import RouteGrid
 # Nearer than this to a source a rate is that of this distance, metres.
 LEAST_DISTANCE_M = 0.1
 MEAN, UPPER = 0, 2
+# Where a source may be: so many deviations of its place, and so far beyond. There the upper 95 %
+# is that of draws, because the map tells it of wide cells.
+NEAR_STDS, NEAR_M = 3.0, 2.0
+UPPER_QUANTILE, UPPER_DRAWS, UPPER_SEED = 0.95, 128, 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -80,10 +84,30 @@ def dose_field(
         ratio = _coarse_ratio(dose_map, posterior, grid)
         mean = np.where(np.isnan(mean), np.nan, law * ratio)
         upper = mean * share
-    return DoseField(
+    field = DoseField(
         mean_usvh=mean, upper_usvh=upper, grid=grid,
         posterior=posterior, ratio=ratio,
     )  # fmt: skip
+    cells = _cells_near(posterior, grid)
+    if len(cells):
+        drawn = np.quantile(
+            field.drawn_rates(cells, UPPER_DRAWS, UPPER_SEED), UPPER_QUANTILE, axis=0
+        )
+        row, column = np.divmod(cells, grid.columns)
+        upper[row, column] = np.maximum(upper[row, column], drawn)
+    return field
+
+
+def _cells_near(posterior: SourcePosterior | None, grid: RouteGrid) -> IndexArray:
+    """Return the cells in which a source may be, or which are next to such."""
+    is_near = np.zeros(grid.shape, np.bool_)
+    east, north = grid.places()
+    for source in posterior.sources if posterior else ():
+        at_east, at_north = grid.enu_of(source.position)
+        std_m = float(np.sqrt(np.linalg.eigvalsh(source.covariance_m2[:2, :2])[-1]))
+        reach = NEAR_STDS * std_m + NEAR_M
+        is_near |= np.hypot(east - at_east, north - at_north) < reach
+    return np.flatnonzero(is_near)
 
 
 def _coarse_ratio(

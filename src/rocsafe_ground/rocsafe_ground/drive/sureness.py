@@ -98,6 +98,12 @@ def needed(task: Task, chosen: int) -> Budgets:
 
 
 def _admits(task: Task, chosen: int) -> bool:
+    """Return whether the budgets of a task admit a set of points.
+
+    What is found within two budgets depends on the ways that are known: it is asked as anew.
+    """
+    if math.isfinite(task.budgets.load):
+        task = replace(task, search=task.search.renewed())
     try:
         tour = task.search.within(chosen, task.budgets)
     except BeyondBudgetError:

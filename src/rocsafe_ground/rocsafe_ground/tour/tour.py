@@ -58,6 +58,7 @@ class TourSearch:
         if len(points) > MOST_POINTS:
             raise ValueError(f'{len(points)} evidence points: must be at most {MOST_POINTS}')
         self._points = tuple(points)
+        self._made_of = (searcher, start, self._points, end)
         other = () if end in (None, start) else (end,)
         self._end = len(points) + 1 if other else 0
         self._ways = Ways(searcher, (start, *(point.cell for point in points), *other))
@@ -65,6 +66,10 @@ class TourSearch:
         self._dwells = np.array([point.dwell for point in points]).reshape(-1, 3)
         # Orders of each set that were found at some prices.
         self._tried: dict[int, set[tuple[int, ...]]] = {}
+
+    def renewed(self) -> 'TourSearch':
+        """Return the same search, as it begins: it knows no ways."""
+        return TourSearch(*self._made_of)
 
     def best(self, budgets: Budgets, refused: Collection[int] = ()) -> Tour:
         """Return the fastest trip within the budgets through the worthiest points that fit.

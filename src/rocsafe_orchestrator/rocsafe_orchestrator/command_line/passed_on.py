@@ -28,6 +28,8 @@ class PassedOn:
     summary: str
 
 
+# `rocsafe scene show` reads a scenario: it is a command of this package.
+SCENE, SHOW = 'scene', 'show'
 PASSED_ON = (
     PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
     PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
@@ -38,7 +40,7 @@ PASSED_ON = (
     ),
     PassedOn('mavlink_view', 'rocsafe_mavlink', 'show simulated vehicles to QGroundControl'),
     PassedOn('map', 'rocsafe_mapping', 'map a folder of photographs'),
-    PassedOn('scene', 'rocsafe_scene', 'check, list and render scenes; write terrain heights'),
+    PassedOn(SCENE, 'rocsafe_scene', 'check, list, render and show scenes; write heights'),
     PassedOn('dataset', 'rocsafe_dataset', 'make labelled images of a scene for training'),
     PassedOn('changes', 'rocsafe_mapping', 'find changes between two flights'),
     PassedOn('import', 'rocsafe_mapping', 'import photographs into an image store'),
@@ -58,6 +60,8 @@ def add_to(commands: Commands) -> None:
 
 def passed_on(argv: Sequence[str]) -> PassedOn | None:
     """Return the row for the command line `argv`, None if `rocsafe` itself handles it."""
+    if tuple(argv[:2]) == (SCENE, SHOW):
+        return None
     return next((row for row in PASSED_ON if argv and argv[0] == row.word), None)
 
 

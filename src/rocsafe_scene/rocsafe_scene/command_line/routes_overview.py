@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import yaml
 from numpy.typing import NDArray
@@ -18,14 +17,8 @@ from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_scene.errors import SceneError
-from rocsafe_scene.mesh.lines import resampled
+from rocsafe_scene.live.overlay import COLOURS, WHITE, Overlay
 from rocsafe_scene.mesh.mesh import Floats
-
-# Palette of Okabe and Ito (2008), safe for colour-blind readers; blue, green, red.
-_COLOURS = ((0, 159, 230), (233, 180, 86), (66, 228, 240), (167, 121, 204), (0, 94, 213))
-_STEP_M, _SLACK_M = 1.5, 0.6
-# Points nearer to the camera than this, metres, are not drawn.
-_NEAR_M = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,46 +120,11 @@ def draw_routes(
 
     Objects in front of a line hide it. `pose` is position and rotation of the camera.
     """
-    drawn = image.copy()
+    drawn = Overlay(image=image.copy(), depth_m=depth_m, lens=lens, pose=pose)
     for number, (name, places) in enumerate(routes.planned.items()):
-        colour = _COLOURS[number % len(_COLOURS)]
+        colour = COLOURS[number % len(COLOURS)]
         if name in routes.flown:
-            _draw(drawn, depth_m, _seen(lens, pose, routes.flown[name]), colour, 3)
-        _draw(drawn, depth_m, _seen(lens, pose, places), (255, 255, 255), 1)
-        for u, v, depth in _project(lens, pose, places[1:-1]).tolist():
-            if _is_in_front(depth_m, u, v, depth):
-                cv2.circle(drawn, (round(u), round(v)), 4, colour, -1, cv2.LINE_AA)
-                cv2.circle(drawn, (round(u), round(v)), 4, (255, 255, 255), 1, cv2.LINE_AA)
-    return drawn
-
-
-def _seen(lens: PinholeCamera, pose: tuple[Floats, Floats], places: Floats) -> Floats:
-    return _project(lens, pose, resampled(places, _STEP_M))
-
-
-def _project(lens: PinholeCamera, pose: tuple[Floats, Floats], places: Floats) -> Floats:
-    """Return column, row and depth of `places` (n, 3), (n, 3)."""
-    position, rotation = pose
-    optical = (places - position) @ rotation
-    depth = optical[:, 2]
-    pixels = optical @ lens.matrix.T
-    safe = np.where(depth > _NEAR_M, depth, np.inf)
-    return np.column_stack([pixels[:, 0] / safe, pixels[:, 1] / safe, depth])
-
-
-def _draw(
-    image: NDArray[np.uint8], depth_m: Floats, line: Floats, colour: tuple[int, ...], width: int
-) -> None:
-    clear = [_is_in_front(depth_m, *point) for point in line.tolist()]
-    for start in range(len(line) - 1):
-        if clear[start] and clear[start + 1]:
-            ends = np.rint(16.0 * line[start : start + 2, :2]).astype(int).tolist()
-            cv2.line(image, ends[0], ends[1], colour, width, cv2.LINE_AA, 4)
-
-
-def _is_in_front(depth_m: Floats, u: float, v: float, depth: float) -> bool:
-    """Return whether no nearer surface hides a projected point."""
-    rows, columns = depth_m.shape
-    if depth <= _NEAR_M or not (0.0 <= u < columns - 0.5 and 0.0 <= v < rows - 0.5):
-        return False
-    return bool(depth < depth_m[round(v), round(u)] + _SLACK_M)
+            drawn.line(routes.flown[name], colour, 3)
+        drawn.line(places, WHITE, 1)
+        drawn.dots(places[1:-1], colour, 4)
+    return drawn.image

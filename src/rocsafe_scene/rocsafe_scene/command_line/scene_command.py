@@ -52,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='rocsafe scene',
         description='Check, list and render the scenes that simulated cameras see.',
+        epilog='`rocsafe scene show SCENARIO` looks at a mission while it runs.',
     )
     commands = parser.add_subparsers(title='commands', required=True, metavar='COMMAND')
     checking = commands.add_parser('check', help='check a scene file, and tell what is in it')

@@ -114,7 +114,9 @@ def _must_save_dose(outlook: Outlook, options: CautionOptions) -> bool:
     soon = outlook.rate_usvh * growth * options.reaction_s / 3600.0
     if outlook.dose_usv + soon + outlook.back_usv * options.doubt < limit:
         return False
-    share = max(1.0, outlook.dose_usv / max(outlook.predicted_usv, 1e-9))
+    # Small doses tell nothing of the prediction: they count as if so much had gone as predicted.
+    known = options.least_share * outlook.budget_usv
+    share = max(1.0, (outlook.dose_usv + known) / (outlook.predicted_usv + known))
     # What is wrong with a prediction is mostly the same along the whole way, such as the strength
     # of a source: the measured share tells it the better the more of the way is behind.
     ahead = outlook.rest_usv / max(outlook.rest_usv + outlook.predicted_usv, 1e-9)

@@ -35,6 +35,8 @@ class Chassis:
     mass_kg, rolling_w_s_per_m, idle_w
         Weight, power per speed on level ground, and power at rest. Rolling resistance of tracks
         on soil is about a tenth of the weight.
+    drive_w
+        Power of the motors: up steep slopes it does not reach every speed limit.
     endurance_s
         Driving time at 1 m/s on level ground on a full battery, with the reserve.
     reserve_fraction
@@ -50,6 +52,7 @@ class Chassis:
     mass_kg: float = 50.0
     rolling_w_s_per_m: float = 50.0
     idle_w: float = 30.0
+    drive_w: float = 250.0
     endurance_s: float = 8000.0
     reserve_fraction: float = 0.1
     slip_fraction: float = 0.02
@@ -59,6 +62,7 @@ class Chassis:
     def __post_init__(self) -> None:
         require_between('width_m', self.width_m, 0.1, 10.0, 'm')
         require_positive('endurance_s', self.endurance_s, 's')
+        require_positive('drive_w', self.drive_w, 'W')
         for name in ('mass_kg', 'rolling_w_s_per_m', 'idle_w', 'drift_std_mps'):
             require_not_negative(name, getattr(self, name))
         for name in ('reserve_fraction', 'slip_fraction', 'slip_std'):
@@ -74,9 +78,10 @@ class Chassis:
         climb = self.mass_kg * GRAVITY_MPS2 * math.sin(math.atan(grade)) * speed_mps
         return self.idle_w + max(0.0, self.rolling_w_s_per_m * speed_mps + climb)
 
-    def slope_share(self, grade: float) -> float:
-        """Return the part of a speed limit that is driven on a slope, up or down."""
-        return 1.0 / (1.0 + 2.0 * abs(grade))
+    def fastest_mps(self, grade: float) -> float:
+        """Return the speed that the motors have the power for on a slope, as rise over run."""
+        force = self.rolling_w_s_per_m + self.mass_kg * GRAVITY_MPS2 * math.sin(math.atan(grade))
+        return self.drive_w / force if force > 0.0 else math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -52,6 +52,8 @@ class Ledger:
         Driven.
     dose_usv
         By the vehicle's own readings.
+    after_usv
+        By its readings since the drive ended.
     predicted_usv
         For the lines and stands that are done.
     evidence
@@ -66,6 +68,7 @@ class Ledger:
     ended_ns: int = 0
     distance_m: float = 0.0
     dose_usv: float = 0.0
+    after_usv: float = 0.0
     predicted_usv: float = 0.0
     evidence: tuple[str, ...] = ()
     outcome: DriveOutcome | None = None

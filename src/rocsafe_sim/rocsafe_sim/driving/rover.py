@@ -56,11 +56,16 @@ class Rover(RoverMotion):
             raise CommandRefusedError(
                 f'the route begins {away:.0f} m from here: must be {LARGEST_OFFSET_M:g} m at most'
             )
+        # What it takes while it waits on its way belongs to the next drive, whoever predicts it.
+        waited_usv = state.ledger.after_usv
         if state.mode in (DriveMode.PARKED, DriveMode.ARRIVED):
+            waited_usv = 0.0
             self._way = WayBack([Mark(east_m=state.east_m, north_m=state.north_m, limit_mps=0.5)])
         here = replace(route.stops[0], east_m=state.east_m, north_m=state.north_m)
         state.route = replace(route, stops=(here, *route.stops[1:]))
-        state.ledger = Ledger(began_ns=state.time_ns)
+        state.ledger = Ledger(
+            began_ns=state.time_ns, dose_usv=waited_usv, predicted_usv=waited_usv
+        )
         if state.is_backing:
             state.back()
         self._begin(DriveMode.DRIVING)
@@ -106,8 +111,10 @@ class Rover(RoverMotion):
         """
         if self.state.mode not in (DriveMode.DRIVING, DriveMode.HOLDING):
             raise CommandRefusedError(f'cannot return home: {self.state.mode.value}')
+        ledger = self.state.ledger
         if self.is_over:
-            self.state.ledger.ended_ns = 0
+            ledger.ended_ns = 0
+            ledger.dose_usv, ledger.after_usv = ledger.dose_usv + ledger.after_usv, 0.0
         self._go_back(DriveOutcome.RETURNED_EARLY, 'told to return home')
 
     def set_speed(self, speed: float) -> None:
@@ -136,9 +143,12 @@ class Rover(RoverMotion):
         if time_ns <= state.read_ns:
             return
         gap_s = (time_ns - state.read_ns) / NS_PER_S
-        if state.read_ns and gap_s <= LONGEST_GAP_S and not self.is_over:
+        if state.read_ns and gap_s <= LONGEST_GAP_S:
             dose = 0.5 * (rate_usvh + state.read_usvh) * gap_s / 3600.0
-            state.ledger.dose_usv += dose
+            if self.is_over:
+                state.ledger.after_usv += dose
+            else:
+                state.ledger.dose_usv += dose
             if not state.is_standing and state.mode is DriveMode.DRIVING:
                 self._way.measure(dose)
         state.read_ns, state.read_usvh = time_ns, rate_usvh

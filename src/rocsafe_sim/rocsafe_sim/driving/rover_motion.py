@@ -5,6 +5,7 @@ The step of the simulation therefore does not change a drive.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -16,6 +17,7 @@ from rocsafe_sim.driving.rover_parts import EvidenceShot, RoverParts
 from rocsafe_sim.driving.steering import (
     ARRIVED_M,
     Line,
+    along,
     is_aligned,
     pivoted,
     speed_mps,
@@ -27,6 +29,9 @@ TICK_NS = 100_000_000
 TICK_S = TICK_NS / NS_PER_S
 # Something that stands ahead is seen so far beyond the distance in which the vehicle stops.
 SEEN_BEYOND_M = 0.6
+# Distance between the places ahead that are looked at, and what is kept from things there: skid,
+# and what is between two such places. Half of the margin of a route.
+AHEAD_STEP_M, CLEARANCE_M = 0.3, 0.15
 # A vehicle that looks so far away from its line stops before it turns.
 WRONG_WAY_RAD = math.radians(60.0)
 # The picture is taken after so much of the stand.
@@ -152,14 +157,15 @@ class RoverMotion:
 
     def _drive_on(self) -> None:
         """Turn in place, or follow the line to the next stop."""
-        state, stops = self.state, self.stops
+        state, place = self.state, self.measured_place()
         chassis, motion = self.parts.chassis, self.parts.chassis.motion
-        line = self._line(stops)
-        place = self.measured_place()
-        left = line.left_m(place)
-        if left <= ARRIVED_M or line.length_m <= ARRIVED_M:
-            self._arrive(stops[state.next_stop])
-            return
+        line = self._line(self.stops)
+        # A stop that is driven through takes no time.
+        while (left := line.left_m(place)) <= ARRIVED_M or line.length_m <= ARRIVED_M:
+            self._arrive(self.stops[state.next_stop])
+            if state.is_standing or not state.mode.is_moving:
+                return
+            line = self._line(self.stops)
         off = abs(math.remainder(line.yaw_rad - state.yaw_rad, math.tau))
         braked = state.speed_mps - 2.0 * motion.acceleration_mps2 * TICK_S
         if off > WRONG_WAY_RAD and braked > 0.0:
@@ -173,10 +179,11 @@ class RoverMotion:
             state.speed_mps = 0.0
             state.yaw_rad = pivoted(state.yaw_rad, line.yaw_rad, motion, TICK_S)
             return
-        limit = line.limit_mps * chassis.slope_share(self._grade())
-        line = replace(line, limit_mps=limit, end_mps=min(line.end_mps, limit))
+        fastest = chassis.fastest_mps(self._grade())
+        if fastest < line.limit_mps:
+            line = replace(line, limit_mps=fastest, end_mps=min(line.end_mps, fastest))
         speed = speed_mps(line, left, state.speed_mps, motion, TICK_S)
-        if self._is_blocked(line, left):
+        if self._is_blocked(line.yaw_rad):
             return
         rate = turn_rate_radps(line, place, state.yaw_rad, max(speed, 0.1), motion)
         self._move(speed, rate)
@@ -259,22 +266,32 @@ class RoverMotion:
         state.speed_mps = 0.0
         self._end(outcome, state.ledger.text, DriveMode.ARRIVED)
 
-    def _is_blocked(self, line: Line, left_m: float) -> bool:
-        """Return whether something stands ahead; the vehicle stops before it."""
+    def _is_blocked(self, yaw_rad: float) -> bool:
+        """Return whether something stands on the way ahead; the vehicle stops before it."""
         if self.parts.surroundings is None:
             return False
-        speed = self.state.speed_mps
-        stopping = speed**2 / (4.0 * self.parts.chassis.motion.acceleration_mps2)
-        reach = min(stopping + SEEN_BEYOND_M, left_m)
-        cos, sin = math.cos(line.yaw_rad), math.sin(line.yaw_rad)
-        ahead = (self.state.east_m + reach * cos, self.state.north_m + reach * sin)
-        thing = self.parts.touched(ahead)
-        if not thing:
+        for ahead in self._ahead():
+            if thing := self.parts.touched(ahead, CLEARANCE_M):
+                break
+        else:
             return False
-        seen = self.parts.scan(self.state.place, line.yaw_rad)
+        seen = self.parts.scan(self.state.place, yaw_rad)
         self.state.ledger.blocked = (ahead, *seen)
         self._end(DriveOutcome.BLOCKED, f'{thing} stands in the way', DriveMode.HOLDING)
         return True
+
+    def _ahead(self) -> Iterator[Place]:
+        """Yield places on the way in which it stops, also around the next bends."""
+        stopping = self.state.speed_mps**2 / (4.0 * self.parts.chassis.motion.acceleration_mps2)
+        reach, here = stopping + SEEN_BEYOND_M, self.state.place
+        for stop in self.stops[self.state.next_stop :]:
+            length = min(math.dist(here, stop.place), reach)
+            count = math.ceil(length / AHEAD_STEP_M)
+            for k in range(1, count + 1):
+                yield along(here, stop.place, k * length / count)
+            reach, here = reach - length, stop.place
+            if reach <= 0.0:
+                return
 
     def _turn_round(self) -> None:
         """Make the way back a way to follow."""

@@ -61,12 +61,12 @@ class RoverParts:
         """Return the height of the ground."""
         return 0.0 if self.surroundings is None else self.surroundings.ground_up_m(*place)
 
-    def touched(self, place: Place) -> str:
-        """Return what the vehicle would touch there; empty: nothing."""
+    def touched(self, place: Place, clearance_m: float = 0.0) -> str:
+        """Return what the vehicle would touch there, or come so near to; empty: nothing."""
         if self.surroundings is None:
             return ''
         enu = (*place, self.ground_up_m(place) + BODY_UP_M)
-        return self.surroundings.touched(enu, 0.5 * self.chassis.width_m)
+        return self.surroundings.touched(enu, 0.5 * self.chassis.width_m + clearance_m)
 
     def scan(self, place: Place, yaw_rad: float) -> tuple[Place, ...]:
         """Return where the range finder sees something from a place."""

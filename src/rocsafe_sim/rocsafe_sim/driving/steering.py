@@ -45,6 +45,12 @@ class Line:
         return east * math.cos(yaw) + north * math.sin(yaw)
 
 
+def along(begin: Place, end: Place, distance_m: float) -> Place:
+    """Return the place so far from `begin` on the way to `end`."""
+    share = distance_m / max(math.dist(begin, end), 1e-9)
+    return begin[0] + share * (end[0] - begin[0]), begin[1] + share * (end[1] - begin[1])
+
+
 def speed_mps(
     line: Line, left_m: float, now_mps: float, motion: GroundMotion, tick_s: float
 ) -> float:
