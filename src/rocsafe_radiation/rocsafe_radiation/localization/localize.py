@@ -288,7 +288,7 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         rho=likelihood.setting.rho,
         is_structured=likelihood.setting.background_std > 0.0,
         is_misfit=is_misfit,
-        is_lopsided=likelihood.setting.lopsidedness > 0.0 and bool(estimates),
+        is_lopsided=likelihood.setting.has_shades and bool(estimates),
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
     )
@@ -298,15 +298,17 @@ def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:
     """Return mean (sources, 4) and covariance of all sources over the settings, by evidence."""
     chances = np.exp(np.array([one.evidence - fits[0].evidence for one in fits]))
     chances /= chances.sum()
-    means = [one.likelihood.sources(one.fit.parameters).ravel() for one in fits]
+    means = [
+        one.likelihood.sources(one.fit.parameters)[:, :SOURCE_PARAMETERS].ravel() for one in fits
+    ]
     mean = np.asarray(chances @ np.array(means), np.float64)
     covariance = np.zeros((mean.size, mean.size))
     for chance, one, own in zip(chances, fits, means, strict=True):
         if chance < LEAST_CHANCE:
             continue
         whole = covariance_with_images(one.likelihood, one.fit)
-        head = one.likelihood.head_size
-        covariance += chance * (whole[head:, head:] + np.outer(own - mean, own - mean))
+        places = one.likelihood.sources(np.arange(len(whole)))[:, :SOURCE_PARAMETERS].ravel()
+        covariance += chance * (whole[np.ix_(places, places)] + np.outer(own - mean, own - mean))
     return mean.reshape(-1, SOURCE_PARAMETERS), covariance
 
 
@@ -320,10 +322,9 @@ def _blocks(count: int) -> list[slice]:
 def _estimate(best: Weighed, source: FloatArray, covariance: FloatArray) -> SourceEstimate:
     likelihood, parameters = best.likelihood, best.fit.parameters
     sources = likelihood.sources(parameters)
-    index = int(np.argmin(((sources - source)[:, :2] ** 2).sum(axis=1)))
-    own = _blocks(len(sources))[index]
-    head = likelihood.head_size
-    others = np.delete(parameters, range(head + own.start, head + own.stop))
+    index = int(np.argmin(((sources[:, :UP] - source[:UP]) ** 2).sum(axis=1)))
+    start = likelihood.head_size + likelihood.source_size * index
+    others = np.delete(parameters, range(start, start + likelihood.source_size))
     # All else unchanged, the variance of the readings too.
     weights = likelihood.weights(parameters)
     gain = likelihood.objective(parameters, weights) - likelihood.objective(others, weights)

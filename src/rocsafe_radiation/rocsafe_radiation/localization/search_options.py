@@ -65,7 +65,7 @@ class SearchOptions:
     background_spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
     position_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
     rhos: tuple[float, ...] = (0.0, 0.05, 0.2)
-    lopsidednesses: tuple[float, ...] = (0.0, 0.4)
+    are_shades_tried: bool = True
     near_evidence: float = 4.0
     outlier_share: float = 1e-3
     largest_dispersion: float = 3.0

@@ -7,10 +7,20 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.candidates import best_separated, score_candidates
-from rocsafe_radiation.localization.likelihood import HEAD_MEANS, HEAD_SIZE, Fit, Likelihood
+from rocsafe_radiation.localization.likelihood import (
+    HEAD_MEANS,
+    HEAD_SIZE,
+    SOURCE_PARAMETERS,
+    STRENGTH,
+    Fit,
+    Likelihood,
+)
 from rocsafe_radiation.localization.mirror_image import mirror_images
+from rocsafe_radiation.localization.shade import edges, shares
 
 QUIET_SHARE = 0.2
+# Depths at which a shade begins, and how different those are that are tried.
+DEPTHS, APART = (0.05, 1.5), 1.0
 
 
 def without_sources(likelihood: Likelihood) -> Fit:
@@ -83,3 +93,40 @@ def _weightings(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArr
     )
     alike = np.ones(likelihood.survey.size)
     return [alike] if regular.min() > 0.5 else [alike, regular]
+
+
+def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
+    """Return the best fit with something beside each source, begun at one without.
+
+    Parameters
+    ----------
+    plain, fit
+        The likelihood without shades, and its fit.
+    shaded
+        The likelihood with them, all else alike.
+    """
+    sources = plain.sources(fit.parameters)
+    tried = [_likely_shades(plain, fit.parameters, source) for source in sources]
+    starts = []
+    for shades in zip(*tried, strict=True):
+        start = np.concatenate([fit.parameters[: plain.head_size], np.zeros(shaded.source_size * len(sources))])
+        own = shaded.sources(start)
+        own[:, :SOURCE_PARAMETERS] = sources
+        own[:, SOURCE_PARAMETERS:] = shades
+        starts.append(start)
+    rough = (shaded.fit(start, shaded.setting.search.rough_iterations) for start in starts)
+    return shaded.fit(max(rough, key=_evidence).parameters)
+
+
+def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray) -> FloatArray:
+    """Return the shades of one source that would explain the readings best, shape (tried, 3)."""
+    ways = edges()
+    shades = np.column_stack([ways, np.zeros(len(ways))])
+    offsets = np.broadcast_to(plain.offsets(source[None]), (len(ways), 3, plain.survey.size))
+    distances = np.sqrt(np.einsum('kcn,kcn->kn', offsets, offsets))
+    rates = np.exp(source[STRENGTH]) * plain.setting.kernel.values(distances[0] ** 2)
+    taken = shares(offsets, distances, shades) * (-rates * plain.survey.exposures)
+    gains, depths = score_candidates(plain, parameters, taken, np.ones(plain.survey.size))
+    shades[:, 2] = np.log(np.clip(depths, *DEPTHS))
+    best = best_separated(ways, gains + 1e-9, plain.setting.search.tried_candidates, APART)
+    return np.asarray(shades[best])
