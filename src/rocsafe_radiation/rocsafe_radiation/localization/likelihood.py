@@ -32,8 +32,9 @@ from rocsafe_radiation.localization.shade import (
     SHADE_MEANS,
     SHADE_PARAMETERS,
     SHADE_STDS,
-    logs_and_slopes,
-    shares,
+    left,
+    left_and_slopes,
+    paths,
 )
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
@@ -131,8 +132,7 @@ class Likelihood:
             values = self.setting.kernel.values(squares)
             if self.setting.has_shades:
                 shades = sources[:, SOURCE_PARAMETERS:]
-                taken = shares(offsets, np.sqrt(squares), shades)
-                values = values * np.exp(-np.exp(shades[:, 2:]) * taken)
+                values = values * left(paths(offsets, np.sqrt(squares), shades))
             rates = rates + np.exp(sources[:, STRENGTH]) @ values
         return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
 
@@ -291,8 +291,8 @@ class Likelihood:
         parts[:, STRENGTH] = strengths * values
         if self.setting.has_shades:
             shades = sources[:, SOURCE_PARAMETERS:]
-            logs, slopes = logs_and_slopes(offsets, np.sqrt(squares), shades)
-            parts[:, :SOURCE_PARAMETERS] *= np.exp(logs)[:, None]
+            kept, slopes = left_and_slopes(offsets, np.sqrt(squares), shades)
+            parts[:, :SOURCE_PARAMETERS] *= kept[:, None]
             rates = parts[:, STRENGTH, None]
             parts[:, :3] += rates * slopes[:, :3]
             parts[:, SOURCE_PARAMETERS:] = rates * slopes[:, 3:]

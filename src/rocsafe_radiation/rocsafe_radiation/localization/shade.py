@@ -15,13 +15,14 @@ from rocsafe_geo.arrays import FloatArray
 
 SHADE_PARAMETERS = 3
 # Prior: the slope up to the edge is 1 to 3, the depth 0.04 to 2 within two standard deviations.
-SHADE_MEANS = np.array([0.0, 0.0, math.log(0.3)])
+SHADE_MEANS = np.array([0.0, 0.0, math.log(0.5)])
 SHADE_STDS = np.array([1.5, 1.5, 1.0])
 # Sine of the angle over which the shade begins: sources and edges are not sharp.
-EDGE = 0.1
+EDGE = 0.05
 # Shades from which a fit is begun: directions, slopes up to the edge.
 DIRECTIONS, SLOPES = 12, (0.7, 1.3, 2.5)
 LARGEST_EXPONENT = 40.0
+FLATTEST, LEAST_SLOPE = 0.3, 0.1
 
 
 def edges() -> FloatArray:
@@ -31,8 +32,8 @@ def edges() -> FloatArray:
     return np.concatenate([slope * ways for slope in SLOPES])
 
 
-def shares(offsets: FloatArray, distances: FloatArray, shades: FloatArray) -> FloatArray:
-    """Return which share of its depth each shade has at each reading, (k, n).
+def paths(offsets: FloatArray, distances: FloatArray, shades: FloatArray) -> FloatArray:
+    """Return the mean free paths of each ray in the wall, shape (k, n).
 
     Parameters
     ----------
@@ -43,28 +44,51 @@ def shares(offsets: FloatArray, distances: FloatArray, shades: FloatArray) -> Fl
     shades : shape (k, 3)
         Parameters of the shade of each source.
     """
-    heights = np.einsum('kc,kcn->kn', shades[:, :2], offsets[:, :2]) - offsets[:, 2]
-    exponents = np.clip(heights / (EDGE * distances), -LARGEST_EXPONENT, LARGEST_EXPONENT)
-    return np.asarray(1.0 / (1.0 + np.exp(-exponents)))
+    below, across, _ = _geometry(offsets, distances, shades)
+    return np.asarray(np.exp(shades[:, 2:]) * below / across)
 
 
-def logs_and_slopes(
+def left(taken: FloatArray) -> FloatArray:
+    """Return the share that is left after so many mean free paths, with the build-up 1 + p."""
+    return np.asarray((1.0 + taken) * np.exp(-taken))
+
+
+def left_and_slopes(
     offsets: FloatArray, distances: FloatArray, shades: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the logarithm of what is left of the dose rates, (k, n), and its derivatives.
+    """Return the share of the dose rates that is left, (k, n), and slopes of its logarithm.
 
     Those are by east, north and up of each source, a, b and the logarithm of the depth,
     (k, 6, n).
     """
-    taken = shares(offsets, distances, shades)
-    logs = -np.exp(shades[:, 2:]) * taken
-    # By the height above the plane over the distance.
-    steep = (logs * (1.0 - taken) / (EDGE * distances))[:, None]
+    below, across, is_free = _geometry(offsets, distances, shades)
+    taken = np.exp(shades[:, 2:]) * below / across
+    # Of the logarithm of what is left, by that of the paths.
+    by_path = -taken * taken / (1.0 + taken)
+    # By the height above the plane over the distance, and by the cosine of the ray to the wall.
+    steep = (by_path * (1.0 - below) / (EDGE * distances))[:, None]
+    slant = (-by_path / across * is_free / distances)[:, None]
     ways = offsets / distances[:, None]
     normals = np.column_stack([shades[:, :2], -np.ones(len(shades))])[:, :, None]
     along = (normals * ways).sum(axis=1, keepdims=True)
+    lengths = np.maximum(np.hypot(*shades[:, :2].T), LEAST_SLOPE)[:, None, None]
+    towards = shades[:, :2, None] / lengths
     slopes = np.empty((len(shades), 3 + SHADE_PARAMETERS, offsets.shape[2]))
-    slopes[:, :3] = steep * (along * ways - normals)
+    slopes[:, :3] = steep * (along * ways - normals) + slant * across[:, None] * ways
+    slopes[:, :2] -= slant * towards
     slopes[:, 3:5] = steep * offsets[:, :2]
-    slopes[:, 5] = logs
-    return logs, slopes
+    slopes[:, 3:5] += slant * (offsets[:, :2] - (across * distances)[:, None] * towards) / lengths
+    slopes[:, 5] = by_path
+    return left(taken), slopes
+
+
+def _geometry(
+    offsets: FloatArray, distances: FloatArray, shades: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return whether readings are below the plane, the sine of the ray to the wall, if free."""
+    sides = np.einsum('kc,kcn->kn', shades[:, :2], offsets[:, :2])
+    exponents = (sides - offsets[:, 2]) / (EDGE * distances)
+    below = 1.0 / (1.0 + np.exp(-np.clip(exponents, -LARGEST_EXPONENT, LARGEST_EXPONENT)))
+    lengths = np.maximum(np.hypot(*shades[:, :2].T), LEAST_SLOPE)[:, None]
+    across = sides / (lengths * distances)
+    return below, np.maximum(across, FLATTEST), (across > FLATTEST).astype(np.float64)

@@ -16,11 +16,11 @@ from rocsafe_radiation.localization.likelihood import (
     Likelihood,
 )
 from rocsafe_radiation.localization.mirror_image import mirror_images
-from rocsafe_radiation.localization.shade import edges, shares
+from rocsafe_radiation.localization.shade import SHADE_MEANS, edges, left, paths
 
 QUIET_SHARE = 0.2
-# Depths at which a shade begins, and how different those are that are tried.
-DEPTHS, APART = (0.05, 1.5), 1.0
+# Share of the expected depth at which a shade begins, and how different those are that are tried.
+AMOUNTS, APART, TRIED = (0.2, 4.0), 0.5, 8
 
 
 def without_sources(likelihood: Likelihood) -> Fit:
@@ -121,12 +121,13 @@ def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
 def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray) -> FloatArray:
     """Return the shades of one source that would explain the readings best, shape (tried, 3)."""
     ways = edges()
-    shades = np.column_stack([ways, np.zeros(len(ways))])
+    shades = np.column_stack([ways, np.full(len(ways), SHADE_MEANS[2])])
     offsets = np.broadcast_to(plain.offsets(source[None]), (len(ways), 3, plain.survey.size))
     distances = np.sqrt(np.einsum('kcn,kcn->kn', offsets, offsets))
     rates = np.exp(source[STRENGTH]) * plain.setting.kernel.values(distances[0] ** 2)
-    taken = shares(offsets, distances, shades) * (-rates * plain.survey.exposures)
-    gains, depths = score_candidates(plain, parameters, taken, np.ones(plain.survey.size))
-    shades[:, 2] = np.log(np.clip(depths, *DEPTHS))
-    best = best_separated(ways, gains + 1e-9, plain.setting.search.tried_candidates, APART)
+    lost = (left(paths(offsets, distances, shades)) - 1.0) * rates * plain.survey.exposures
+    gains, amounts = score_candidates(plain, parameters, lost, np.ones(plain.survey.size))
+    # What is lost grows about linearly with the depth.
+    shades[:, 2] += np.log(np.clip(amounts, *AMOUNTS))
+    best = best_separated(ways, gains + 1e-9, TRIED, APART)
     return np.asarray(shades[best])
