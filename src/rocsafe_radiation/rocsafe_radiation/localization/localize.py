@@ -31,6 +31,8 @@ FEWEST_READINGS = 8
 LEAST_CHANCE = 1e-3
 # More readings than this share that fit nothing are no spikes but a field that is not understood.
 MOST_SPIKES_SHARE = 0.01
+# With a wall more likely than this, an ellipse of 95 % cannot be trusted.
+LARGEST_WALL_CHANCE = 0.05
 
 
 class TooFewReadingsError(RadiationError):
@@ -156,7 +158,7 @@ class Localization:
     is_understood
         Whether sources and background explain the readings, but for few spikes.
     is_lopsided
-        Whether sources seem to radiate more to one side, as beside a wall.
+        Whether something beside the sources may take part of their dose rate on one side.
     is_ground_guessed
         Whether nobody has stated where the ground is.
     method
@@ -288,7 +290,7 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         rho=likelihood.setting.rho,
         is_structured=likelihood.setting.background_std > 0.0,
         is_misfit=is_misfit,
-        is_lopsided=likelihood.setting.has_shades and bool(estimates),
+        is_lopsided=found.wall_chance > LARGEST_WALL_CHANCE,
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
     )

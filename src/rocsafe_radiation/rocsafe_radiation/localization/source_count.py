@@ -64,6 +64,13 @@ class OrderSearch:
         """The fits with that number, the best first."""
         return self.settings[self.order]
 
+    @property
+    def wall_chance(self) -> float:
+        """The probability that something beside the sources takes part of their dose rate."""
+        chances = np.exp([one.evidence - self.found[0].evidence for one in self.found])
+        are_shaded = [one.likelihood.setting.has_shades for one in self.found]
+        return float(chances[are_shaded].sum() / chances.sum())
+
     def probabilities(self) -> tuple[float, ...]:
         """Return the probability of each number of sources."""
         logs = self.evidences - self.evidences.max()
@@ -127,7 +134,7 @@ def _is_placed(one: Weighed) -> bool:
 
 
 class _Settings:
-    """The settings over which evidence is summed, alike likely before but for those of a wall."""
+    """The settings over which evidence is summed, alike likely before."""
 
     def __init__(self, survey: RadiationSurvey, known: Setting) -> None:
         self._survey, self._known = survey, known
@@ -222,6 +229,4 @@ class _Settings:
         if likelihood.source_count(fit.parameters):
             equals *= math.prod(sizes[2:])
         evidence = likelihood.evidence(fit) - math.log(equals)
-        if setting.has_shades:
-            evidence += setting.search.log_odds_of_wall
         return Weighed(likelihood=likelihood, fit=fit, evidence=evidence)

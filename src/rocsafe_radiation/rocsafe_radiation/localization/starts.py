@@ -16,10 +16,10 @@ from rocsafe_radiation.localization.likelihood import (
     Likelihood,
 )
 from rocsafe_radiation.localization.mirror_image import mirror_images
-from rocsafe_radiation.localization.shade import SHADE_MEANS, edges, left, paths
+from rocsafe_radiation.localization.shade import first_shades, left, paths
 
 QUIET_SHARE = 0.2
-# Share of the expected depth at which a shade begins, and how different those are that are tried.
+# Share of the expected thickness at which a shade begins, and how different those are that are tried.
 AMOUNTS, APART, TRIED = (0.2, 4.0), 0.5, 8
 
 
@@ -119,15 +119,14 @@ def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
 
 
 def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray) -> FloatArray:
-    """Return the shades of one source that would explain the readings best, shape (tried, 3)."""
-    ways = edges()
-    shades = np.column_stack([ways, np.full(len(ways), SHADE_MEANS[2])])
-    offsets = np.broadcast_to(plain.offsets(source[None]), (len(ways), 3, plain.survey.size))
+    """Return the shades of one source that would explain the readings best, shape (tried, 4)."""
+    shades = first_shades()
+    offsets = np.broadcast_to(plain.offsets(source[None]), (len(shades), 3, plain.survey.size))
     distances = np.sqrt(np.einsum('kcn,kcn->kn', offsets, offsets))
     rates = np.exp(source[STRENGTH]) * plain.setting.kernel.values(distances[0] ** 2)
     lost = (left(paths(offsets, distances, shades)) - 1.0) * rates * plain.survey.exposures
     gains, amounts = score_candidates(plain, parameters, lost, np.ones(plain.survey.size))
-    # What is lost grows about linearly with the depth.
-    shades[:, 2] += np.log(np.clip(amounts, *AMOUNTS))
-    best = best_separated(ways, gains + 1e-9, TRIED, APART)
+    # What is lost grows with the thickness.
+    shades[:, 3] += np.log(np.clip(amounts, *AMOUNTS))
+    best = best_separated(shades[:, :2], gains + 1e-9, TRIED, APART)
     return np.asarray(shades[best])
