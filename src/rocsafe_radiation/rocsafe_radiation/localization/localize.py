@@ -163,6 +163,9 @@ class Localization:
         Whether nobody has stated where the ground is.
     method
         Method by which they were found, one of `METHODS`.
+    without_sources
+        The readings, merged, with the background that explains them best without any source; None
+        if no such background was fitted.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -179,6 +182,7 @@ class Localization:
     is_lopsided: bool = False
     is_ground_guessed: bool = False
     method: str = ML_METHOD
+    without_sources: RadiationSurvey | None = field(default=None, compare=False, repr=False)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -293,6 +297,7 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         is_lopsided=found.wall_chance > LARGEST_WALL_CHANCE,
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
+        without_sources=found.without_sources(),
     )
 
 
