@@ -161,6 +161,8 @@ class Localization:
         Whether something beside the sources may take part of their dose rate on one side.
     is_ground_guessed
         Whether nobody has stated where the ground is.
+    unread_count
+        Readings of a dead detector, which are left out.
     method
         Method by which they were found, one of `METHODS`.
     without_sources
@@ -181,6 +183,7 @@ class Localization:
     is_understood: bool = True
     is_lopsided: bool = False
     is_ground_guessed: bool = False
+    unread_count: int = 0
     method: str = ML_METHOD
     without_sources: RadiationSurvey | None = field(default=None, compare=False, repr=False)
 
@@ -190,6 +193,10 @@ class Localization:
         found = []
         if self.is_ground_guessed:
             found.append('the ground is not given: taken to be as low as the lowest reading')
+        if self.unread_count:
+            found.append(
+                f'{self.unread_count} readings are of a dead detector: nothing is known there'
+            )
         if self.is_lopsided:
             found.append('something beside the sources may take part of their dose rate')
         if self.is_structured:
@@ -290,6 +297,7 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         background_std_usvh=float(background.mean() * level_std),
         reading_count=survey.size,
         is_ground_guessed=survey.is_ground_guessed,
+        unread_count=survey.unread_count,
         dispersion=dispersion,
         rho=likelihood.setting.rho,
         is_structured=likelihood.setting.background_std > 0.0,

@@ -191,6 +191,16 @@ class _Settings:
         is near to that of the best. `fit` is that in the first setting.
         """
         near = self._known.search.near_evidence
+
+        def no_wall(found: dict[Index, Weighed]) -> bool:
+            """Return whether a wall was tried beside a setting without one, and is excluded."""
+            gains = [
+                one.evidence - found[(*key[:4], 0)].evidence
+                for key, one in found.items()
+                if key[4] and (*key[:4], 0) in found
+            ]
+            return bool(gains) and max(gains) < -near
+
         found = {self.first: self._weighed(likelihood, fit)}
         left = {self.first}
         while left:
@@ -200,7 +210,7 @@ class _Settings:
             left.remove(index)
             is_empty = likelihood.source_count(fit.parameters) == 0
             for neighbour in self._neighbours(index, 2 if is_empty else len(self._axes)):
-                if neighbour not in found:
+                if neighbour not in found and not (neighbour[4] > index[4] and no_wall(found)):
                     found[neighbour] = self._moved(self._start(found, index, neighbour), neighbour)
                     left.add(neighbour)
         return tuple(sorted(found.values(), key=lambda one: one.evidence, reverse=True))

@@ -109,7 +109,9 @@ def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
     tried = [_likely_shades(plain, fit.parameters, source) for source in sources]
     starts = []
     for shades in zip(*tried, strict=True):
-        start = np.concatenate([fit.parameters[: plain.head_size], np.zeros(shaded.source_size * len(sources))])
+        start = np.concatenate(
+            [fit.parameters[: plain.head_size], np.zeros(shaded.source_size * len(sources))]
+        )
         own = shaded.sources(start)
         own[:, :SOURCE_PARAMETERS] = sources
         own[:, SOURCE_PARAMETERS:] = shades
