@@ -157,8 +157,8 @@ def _require_above_ground(survey: RadiationSurvey) -> None:
     height_m = float(np.median(survey.heights_m))
     if height_m <= 0.0:
         raise GroundError(
-            f'the readings are {-height_m:.1f} m below the ground: must be above; give --ground in '
-            'the datum of the file, or with --terrain a place of known altitude by --terrain-at'
+            f'the readings are {-height_m:.1f} m below the ground: must be above; give --ground '
+            'in the datum of the file, or with --terrain a place of known altitude by --terrain-at'
         )
 
 

@@ -66,7 +66,7 @@ class StoppingRule:
         if found.unread_count:
             return StoppingVerdict(
                 is_enough=False,
-                reason=f'{found.unread_count} readings are of a dead detector, which proves nothing',
+                reason=f'{found.unread_count} readings are of a dead detector: no proof',
             )
         if not found.is_understood:
             return StoppingVerdict(

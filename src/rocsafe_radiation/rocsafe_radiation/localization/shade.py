@@ -16,8 +16,8 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 
 SHADE_PARAMETERS = 4
-# Prior: the slope up to the edge is 1 to 3, the plate twice to eight times as wide as far away, and
-# 0.1 to 3.7 mean free paths thick, within two standard deviations.
+# Prior: slopes up to the edge of 1 to 3 are likely; within two standard deviations the half width
+# is 1 to 16 times the distance, and the thickness 0.1 to 3.6 mean free paths.
 SHADE_MEANS = np.array([0.0, 0.0, math.log(4.0), math.log(0.6)])
 SHADE_STDS = np.array([1.5, 1.5, 0.7, 0.9])
 # Sine of the angle over which the shade begins: sources and edges are not sharp.

@@ -149,6 +149,16 @@ def _is_placed(one: Weighed) -> bool:
     return all(ELLIPSE_95 * variance < longest_m**2 for variance in variances)
 
 
+def _is_without_wall(found: dict[Index, Weighed], near: float) -> bool:
+    """Return whether all walls tried lose to the same settings without by more than `near`."""
+    gains = [
+        one.evidence - found[(*key[:4], 0)].evidence
+        for key, one in found.items()
+        if key[4] and (*key[:4], 0) in found
+    ]
+    return bool(gains) and max(gains) < -near
+
+
 class _Settings:
     """The settings over which evidence is summed, alike likely before."""
 
@@ -191,16 +201,6 @@ class _Settings:
         is near to that of the best. `fit` is that in the first setting.
         """
         near = self._known.search.near_evidence
-
-        def no_wall(found: dict[Index, Weighed]) -> bool:
-            """Return whether a wall was tried beside a setting without one, and is excluded."""
-            gains = [
-                one.evidence - found[(*key[:4], 0)].evidence
-                for key, one in found.items()
-                if key[4] and (*key[:4], 0) in found
-            ]
-            return bool(gains) and max(gains) < -near
-
         found = {self.first: self._weighed(likelihood, fit)}
         left = {self.first}
         while left:
@@ -210,7 +210,8 @@ class _Settings:
             left.remove(index)
             is_empty = likelihood.source_count(fit.parameters) == 0
             for neighbour in self._neighbours(index, 2 if is_empty else len(self._axes)):
-                if neighbour not in found and not (neighbour[4] > index[4] and no_wall(found)):
+                is_new_wall = neighbour[4] > index[4]
+                if neighbour not in found and not (is_new_wall and _is_without_wall(found, near)):
                     found[neighbour] = self._moved(self._start(found, index, neighbour), neighbour)
                     left.add(neighbour)
         return tuple(sorted(found.values(), key=lambda one: one.evidence, reverse=True))

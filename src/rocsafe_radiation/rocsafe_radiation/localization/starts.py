@@ -19,8 +19,9 @@ from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.shade import first_shades, left, paths
 
 QUIET_SHARE = 0.2
-# Share of the expected thickness at which a shade begins, and how different those are that are tried.
-AMOUNTS, APART, TRIED = (0.2, 4.0), 0.5, 8
+# Thickness over that expected at which a shade begins, and how many are tried that differ by how
+# much.
+AMOUNTS, TRIED, APART = (0.2, 4.0), 8, 0.5
 
 
 def without_sources(likelihood: Likelihood) -> Fit:
