@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.shade import (
     SHADE_MEANS,
@@ -116,6 +116,10 @@ class Likelihood:
     def sources(self, parameters: FloatArray) -> FloatArray:
         """Return the parameters of each source, shape (sources, source_size)."""
         return parameters[self.head_size :].reshape(-1, self.source_size)
+
+    def source_rows(self, count: int) -> IndexArray:
+        """Return which of `count` parameters are those of each source, (sources, source_size)."""
+        return np.arange(self.head_size, count, dtype=np.intp).reshape(-1, self.source_size)
 
     def background_usvh(self, parameters: FloatArray) -> FloatArray:
         """Return the background at each reading, shape (n,)."""
@@ -238,7 +242,7 @@ class Likelihood:
         information = (slopes * (shares / expected)[:, None]).T @ slopes
         information.flat[:: len(parameters) + 1] += precisions
         # A Gaussian as wide as the area of all places: readings may tell nothing of a place.
-        places = self.sources(np.arange(len(parameters)))[:, :UP]
+        places = self.source_rows(len(parameters))[:, :UP]
         information[places, places] += 2.0 * math.pi / self._area_m2
         return information, gradient
 

@@ -322,7 +322,7 @@ def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:
         if chance < LEAST_CHANCE:
             continue
         whole = covariance_with_images(one.likelihood, one.fit)
-        places = one.likelihood.sources(np.arange(len(whole)))[:, :SOURCE_PARAMETERS].ravel()
+        places = one.likelihood.source_rows(len(whole))[:, :SOURCE_PARAMETERS].ravel()
         covariance += chance * (whole[np.ix_(places, places)] + np.outer(own - mean, own - mean))
     return mean.reshape(-1, SOURCE_PARAMETERS), covariance
 

@@ -152,9 +152,9 @@ def _is_placed(one: Weighed) -> bool:
 def _is_without_wall(found: dict[Index, Weighed], near: float) -> bool:
     """Return whether all walls tried lose to the same settings without by more than `near`."""
     gains = [
-        one.evidence - found[(*key[:4], 0)].evidence
+        one.evidence - found[plain].evidence
         for key, one in found.items()
-        if key[4] and (*key[:4], 0) in found
+        if key[4] and (plain := (key[0], key[1], key[2], key[3], 0)) in found
     ]
     return bool(gains) and max(gains) < -near
 
@@ -190,7 +190,7 @@ class _Settings:
             background_spacing_heights=spacing,
             position_std_m=position_std_m,
             rho=rho,
-            has_shades=has_shades,
+            has_shades=bool(has_shades),
         )
         return Likelihood(self._survey, setting, self._bases[index[1]])
 
