@@ -19,9 +19,9 @@ from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.shade import first_shades, left, paths
 
 QUIET_SHARE = 0.2
-# Thickness over that expected at which a shade begins, and how many are tried that differ by how
-# much.
-AMOUNTS, TRIED, APART = (0.2, 4.0), 8, 0.5
+# Thickness over that expected at which a shade begins, how many are tried that differ by how much,
+# and the gain in log likelihood below which only the best one is tried.
+AMOUNTS, TRIED, APART, LEAST_GAIN = (0.2, 4.0), 8, 0.5, 2.0
 
 
 def without_sources(likelihood: Likelihood) -> Fit:
@@ -109,7 +109,8 @@ def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
     sources = plain.sources(fit.parameters)
     tried = [_likely_shades(plain, fit.parameters, source) for source in sources]
     starts = []
-    for shades in zip(*tried, strict=True):
+    for rank in range(max(map(len, tried))):
+        shades = [own[min(rank, len(own) - 1)] for own in tried]
         start = np.concatenate(
             [fit.parameters[: plain.head_size], np.zeros(shaded.source_size * len(sources))]
         )
@@ -117,8 +118,10 @@ def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
         own[:, :SOURCE_PARAMETERS] = sources
         own[:, SOURCE_PARAMETERS:] = shades
         starts.append(start)
-    rough = (shaded.fit(start, shaded.setting.search.rough_iterations) for start in starts)
-    return shaded.fit(max(rough, key=_evidence).parameters)
+    if len(starts) > 1:
+        rough = (shaded.fit(start, shaded.setting.search.rough_iterations) for start in starts)
+        starts = [max(rough, key=_evidence).parameters]
+    return shaded.fit(starts[0])
 
 
 def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray) -> FloatArray:
@@ -131,5 +134,5 @@ def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray
     gains, amounts = score_candidates(plain, parameters, lost, np.ones(plain.survey.size))
     # What is lost grows with the thickness.
     shades[:, 3] += np.log(np.clip(amounts, *AMOUNTS))
-    best = best_separated(shades[:, :2], gains + 1e-9, TRIED, APART)
-    return np.asarray(shades[best])
+    best = best_separated(shades[:, :2], gains - LEAST_GAIN, TRIED, APART)
+    return np.asarray(shades[best or [int(np.argmax(gains))]])
