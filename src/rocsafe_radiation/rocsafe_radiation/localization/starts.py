@@ -114,9 +114,9 @@ def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
         start = np.concatenate(
             [fit.parameters[: plain.head_size], np.zeros(shaded.source_size * len(sources))]
         )
-        own = shaded.sources(start)
-        own[:, :SOURCE_PARAMETERS] = sources
-        own[:, SOURCE_PARAMETERS:] = shades
+        rows = shaded.sources(start)
+        rows[:, :SOURCE_PARAMETERS] = sources
+        rows[:, SOURCE_PARAMETERS:] = shades
         starts.append(start)
     if len(starts) > 1:
         rough = (shaded.fit(start, shaded.setting.search.rough_iterations) for start in starts)
