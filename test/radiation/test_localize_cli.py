@@ -200,7 +200,7 @@ def test_a_wrong_rate_of_errors_is_refused(table, capsys):
     """With its limit."""
     with pytest.raises(SystemExit):
         main([str(table(HEAD)), '--errors', '0.7'])
-    assert 'errors = 0.7: must be within 1e-06 to 0.49' in capsys.readouterr().err
+    assert 'argument --errors: 0.7: must be within 1e-06 to 0.49' in capsys.readouterr().err
 
 
 def test_saturated_readings_are_left_out_and_counted(table):

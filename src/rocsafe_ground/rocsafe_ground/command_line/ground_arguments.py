@@ -5,9 +5,10 @@ import argparse
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
+from rocsafe_geo.argument import number
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DEFAULT_TURN_BACK_USVH, DriveRequest
 
@@ -61,23 +62,23 @@ def _add_task(found: argparse.ArgumentParser) -> None:
         '--labels objects (drums, flasks, wagons); may be repeated',
     )  # fmt: skip
     found.add_argument(
-        '--dose-budget', required=True, type=number('dose-budget', 1e-6, 1e12), metavar='USV',
+        '--dose-budget', required=True, type=number(1e-6, 1e12), metavar='USV',
         help='largest dose of the whole drive, uSv',
     )  # fmt: skip
     found.add_argument(
-        '--load-budget', type=number('load-budget', 1e-9, 1e9), default=math.inf, metavar='TIMES',
+        '--load-budget', type=number(1e-9, 1e9), default=math.inf, metavar='TIMES',
         help='largest toxic load of the gas that was found, by its upper 95 %%, times that of its '
         'level 2 (default: not limited)',
     )  # fmt: skip
     found.add_argument(
-        '--turn-back', type=number('turn-back', 1e-3, 1e9), default=DEFAULT_TURN_BACK_USVH,
+        '--turn-back', type=number(1e-3, 1e9), default=DEFAULT_TURN_BACK_USVH,
         metavar='USVH',
         help='no place above this dose rate is entered, uSv/h '
         f'(default: {DEFAULT_TURN_BACK_USVH:g})',
     )  # fmt: skip
     options = {field.name: field.default for field in dataclasses.fields(DriveRequest)}
     found.add_argument(
-        '--confidence', type=number('confidence', 0.5, 0.999), default=options['confidence'],
+        '--confidence', type=number(0.5, 0.999), default=options['confidence'],
         metavar='P',
         help=f'probability that the budget is kept (default: {options["confidence"]:g})',
     )  # fmt: skip
@@ -98,14 +99,14 @@ def _add_vehicle(group: argparse._ArgumentGroup) -> None:
     for option, name, low, high, unit, text in rows:
         default = getattr(known, name)
         group.add_argument(
-            f'--{option}', dest=name, type=number(option, low, high), default=default,
+            f'--{option}', dest=name, type=number(low, high), default=default,
             metavar=unit, help=f'{text} (default: {default:g})',
         )  # fmt: skip
 
 
 def _add_map(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
-        '--cell', type=number('cell', 0.05, 100.0), default=DEFAULT_CELL_M, metavar='M',
+        '--cell', type=number(0.05, 100.0), default=DEFAULT_CELL_M, metavar='M',
         help=f'side of a cell, metres (default: {DEFAULT_CELL_M:g})',
     )  # fmt: skip
     group.add_argument('--dose-map', type=Path, metavar='FILE', help='GeoTIFF of dose rates')
@@ -137,20 +138,3 @@ def joined(words: Sequence[str]) -> list[str]:
         else:
             found.append(word)
     return found
-
-
-def number(name: str, low: float, high: float) -> Callable[[str], float]:
-    """Return a reader of a number within limits; its error names value and limits."""
-
-    def parse(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(
-                f'{name} = {text}: must be within {low:g} to {high:g}'
-            )
-        return value
-
-    return parse

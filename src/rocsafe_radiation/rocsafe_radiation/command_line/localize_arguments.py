@@ -3,9 +3,9 @@
 
 import argparse
 import math
-from collections.abc import Callable
 from pathlib import Path
 
+from rocsafe_geo.argument import number
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL
 from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
@@ -62,14 +62,14 @@ def _add_physics(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         '--sensitivity',
-        type=_number('sensitivity', 1e-6, 1e7),
+        type=number(1e-6, 1e7),
         default=0.0,
         metavar='CPS',
         help='counts a second for 1 uSv/h (default: from counts and dose rate)',
     )
     group.add_argument(
         '--height',
-        type=_number('height', 0.0, 1e4),
+        type=number(0.0, 1e4),
         default=math.nan,
         metavar='M',
         help='height above the ground of a file without altitudes, metres',
@@ -88,7 +88,7 @@ def _add_measurement(group: argparse._ArgumentGroup) -> None:
     known = LocalizationOptions()
     group.add_argument(
         '--fix-error',
-        type=_number('fix-error', 0.0, 100.0),
+        type=number(0.0, 100.0),
         default=known.position_std_m,
         metavar='M',
         help='standard deviation of each coordinate of the fixes, metres '
@@ -96,7 +96,7 @@ def _add_measurement(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         '--source-height',
-        type=_number('source-height', -100.0, 1e3),
+        type=number(-100.0, 1e3),
         nargs=2,
         default=(known.source_up_m, known.source_up_std_m),
         metavar=('M', 'STD'),
@@ -108,7 +108,7 @@ def _add_measurement(group: argparse._ArgumentGroup) -> None:
 def _add_ground(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         '--ground',
-        type=_number('ground', -1e3, 1e4),
+        type=number(-1e3, 1e4),
         default=math.nan,
         metavar='M',
         help='altitude of level ground, in the datum of the file, metres (default: that of the '
@@ -123,7 +123,7 @@ def _add_ground(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         '--terrain-at',
-        type=_number('terrain-at', -180.0, 1e4),
+        type=number(-180.0, 1e4),
         nargs=3,
         action='append',
         default=[],
@@ -144,7 +144,7 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         '--errors',
-        type=_number('errors', 1e-6, 0.49),
+        type=number(1e-6, 0.49),
         default=rule.false_alarm,
         metavar='P',
         help='probability of each wrong decision at which the evidence is enough '
@@ -152,7 +152,7 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         '--ellipse',
-        type=_number('ellipse', 1e-3, 1e4),
+        type=number(1e-3, 1e4),
         default=rule.ellipse_95_m,
         metavar='M',
         help='longest half axis of a 95 %% ellipse that is precise enough, metres '
@@ -160,7 +160,7 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         '--smallest',
-        type=_number('smallest', 1e-3, 1e9),
+        type=number(1e-3, 1e9),
         default=rule.smallest_usvh,
         metavar='USVH',
         help='dose rate at 1 m of the weakest source that matters, uSv/h '
@@ -171,7 +171,7 @@ def _add_method(group: argparse._ArgumentGroup) -> None:
 def _add_output(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         '--levels',
-        type=_number('level', 1e-3, 1e9),
+        type=number(1e-3, 1e9),
         nargs='+',
         metavar='USVH',
         help='dose rates of cordons, uSv/h at 1 m (default: 2.5 25 100 1000 100000)',
@@ -192,18 +192,3 @@ def _add_output(group: argparse._ArgumentGroup) -> None:
         help='also write sources.json and, for places in degrees, sources.geojson, '
         'cordons.geojson, cordons.kml and dose_map.tif',
     )
-
-
-def _number(name: str, low: float, high: float) -> Callable[[str], float]:
-    def parse(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not low <= value <= high:
-            raise argparse.ArgumentTypeError(
-                f'{name} = {text}: must be within {low:g} to {high:g}'
-            )
-        return value
-
-    return parse
