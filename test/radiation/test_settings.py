@@ -171,20 +171,6 @@ def test_a_plate_beside_a_source_is_found_makes_no_others_and_is_never_enough():
     assert 'beside' in StoppingRule().verdict(found, evidence).reason
 
 
-def test_half_of_the_dose_rate_to_one_side_is_within_the_ellipse():
-    """All readings to the north-east see six tenths of it, none knows."""
-    truth = (140.0, 150.0, 2000.0)
-    flown = survey([truth])
-    places = flown.positions_enu_m[:, :2] - truth[:2]
-    squares = (places**2).sum(axis=1) + 32.0**2
-    behind = np.where(places.sum(axis=1) > 12.0, 0.6, 1.0)
-    counts = np.random.default_rng(1).poisson(550.0 * (0.1 + truth[2] * behind / squares))
-    found = localize(dataclasses.replace(flown, counts=counts.astype(float)), LOSSLESS)
-    (source,) = found.sources
-    miss = source.position_enu_m[:2] - truth[:2]
-    assert miss @ np.linalg.solve(source.covariance_m2[:2, :2], miss) < 12.0
-
-
 @pytest.mark.parametrize(
     ('change', 'message'),
     [
