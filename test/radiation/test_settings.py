@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
-from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
+from rocsafe_radiation.decision.stopping import ABSENT, StoppingRule
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
@@ -64,7 +64,14 @@ def test_hills_of_background_as_wide_as_a_source_shows_are_no_sources():
 @pytest.mark.parametrize('slope', [0.1, 0.4])
 def test_a_slope_of_the_background_is_no_source(slope):
     """As steep as 40 % to each side of the middle."""
-    assert localize(uneven([], 2, share=0.0, slope=slope), LOSSLESS).sources == ()
+    readings = uneven([], 2, share=0.0, slope=slope)
+    found = localize(readings, LOSSLESS)
+    assert found.sources == ()
+    # Over the slope that was fitted, there is no room for a source that matters.
+    setting = Setting(kernel=LOSSLESS.kernel)
+    evidence = sequential_evidence(found.without_sources, setting, 92.0)
+    assert StoppingRule().decision(evidence) == ABSENT
+    assert StoppingRule().verdict(found, evidence).is_enough
 
 
 @pytest.mark.parametrize('factor', [3.0, 20.0])
@@ -94,12 +101,12 @@ def test_the_evidence_is_the_integral_of_likelihood_and_prior():
     """Of a background alone, by a sum over its level: all else is nearly fixed."""
     flown = survey([])
     likelihood = Likelihood(flown, Setting(kernel=LOSSLESS.kernel), np.empty((flown.size, 0)))
-    fit = likelihood.fit(np.array([math.log(0.1), 0.7, 0.0, 0.0, 0.0, 0.0]))
+    fit = likelihood.fit(np.array([math.log(0.1), 0.7, 0.0, 0.0]))
     # The height is the same everywhere, its prior integrates to one; so do both sides.
     steps = np.linspace(-0.05, 0.05, 41)
     ways = np.stack(np.meshgrid(steps, steps, steps), axis=-1).reshape(-1, 3)
     logs = np.array(
-        [likelihood.objective(fit.parameters + np.insert(way, (1, 3, 3), 0.0)) for way in ways]
+        [likelihood.objective(fit.parameters + np.insert(way, 1, 0.0)) for way in ways]
     )
     priors = 1.5 * math.log(2.0 * math.pi) + math.log(3.0 * 0.3 * 0.3)
     integral = float(np.log(np.exp(logs).sum()) + 3.0 * math.log(steps[1] - steps[0]))
@@ -144,18 +151,24 @@ def test_a_field_without_air_is_one_source_to_an_estimator_that_knows_of_air(see
     assert math.dist(source.position_enu_m[:2], truth[:2]) < 1.0
 
 
-def test_a_wall_on_one_side_widens_the_ellipse_of_a_source_and_makes_no_others():
-    """All readings to the north-east see six tenths of it, none knows."""
+def test_a_plate_beside_a_source_is_found_makes_no_others_and_is_never_enough():
+    """Of 1.2 mean free paths, to the north-east, up to a slope of 1.5: the place is right."""
     truth = (140.0, 150.0, 2000.0)
     flown = survey([truth])
-    places = flown.positions_enu_m[:, :2] - truth[:2]
-    squares = (places**2).sum(axis=1) + 32.0**2
-    behind = np.where(places.sum(axis=1) > 12.0, 0.6, 1.0)
-    counts = np.random.default_rng(1).poisson(550.0 * (0.1 + truth[2] * behind / squares))
-    found = localize(dataclasses.replace(flown, counts=counts.astype(float)), LOSSLESS)
+    ways = flown.positions_enu_m - [*truth[:2], 0.0]
+    to_m, along_m = (ways[:, 0] + ways[:, 1]) / 2**0.5, (ways[:, 1] - ways[:, 0]) / 2**0.5
+    distances = np.linalg.norm(ways, axis=1)
+    meets = (1.5 * to_m > ways[:, 2]) & (np.abs(along_m) < 4.0 * to_m)
+    paths = 1.2 * distances / np.where(meets, to_m, math.inf)
+    left = (1.0 + paths) * np.exp(-paths)
+    rates = 0.1 + truth[2] * left / distances**2
+    counts = np.random.default_rng(1).poisson(550.0 * rates).astype(float)
+    found = localize(dataclasses.replace(flown, counts=counts), LOSSLESS)
     (source,) = found.sources
-    miss = source.position_enu_m[:2] - truth[:2]
-    assert miss @ np.linalg.solve(source.covariance_m2[:2, :2], miss) < 12.0
+    assert math.dist(source.position_enu_m[:2], truth[:2]) < 1.0
+    assert found.is_lopsided
+    evidence = SequentialEvidence(log_ratio=99.0, log_ratio_smallest=99.0)
+    assert 'beside' in StoppingRule().verdict(found, evidence).reason
 
 
 @pytest.mark.parametrize(

@@ -98,10 +98,8 @@ def test_slopes_of_the_likelihood_follow_the_ground():
     """The gradient is that of differences."""
     ground = slope()
     survey = level_flight(ground)
-    likelihood = Likelihood(
-        survey, Setting(source_up_std_m=1.0, lopsidedness=0.4), np.empty((survey.size, 0))
-    )
-    start = np.array([-2.3, 0.7, 0.1, -0.1, 0.3, -0.2, 203.0, 83.0, 0.3, 9.0])
+    likelihood = Likelihood(survey, Setting(source_up_std_m=1.0), np.empty((survey.size, 0)))
+    start = np.array([-2.3, 0.7, 0.1, -0.1, 203.0, 83.0, 0.3, 9.0])
     weights = np.ones(survey.size)
     _, gradient = likelihood.information_and_gradient(start, weights)
     for index in range(len(start)):
@@ -297,7 +295,7 @@ def test_localize_takes_a_terrain(file, tmp_path, capsys, monkeypatch):
 @pytest.mark.parametrize(
     ('head', 'arguments', 'message'),
     [
-        ('', [], 'm below the terrain: must be above; give a place of known altitude'),
+        ('', [], 'm below the ground: must be above; give --ground'),
         ('east_m,north_m,up_m', [], '--terrain needs places in degrees'),
         ('', ['--terrain-at', '53.28', '-9.0633'], 'expected 3 arguments'),
         ('', ['--terrain=/none.tif'], 'terrain /none.tif: no such file'),
