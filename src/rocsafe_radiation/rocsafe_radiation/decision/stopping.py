@@ -77,16 +77,15 @@ class StoppingRule:
                 is_enough=False,
                 reason='something beside the sources may take part of their dose rate',
             )
+        if not found.sources:
+            return self._verdict_of_none(evidence)
+        ratio = _log_ratio_to_rival(found.order_probabilities)
         count = len(found.sources)
-        what = f'{count or "no"} source{"s" if count != 1 else ""}'
-        # A background that was fitted may hide a source: the test of none does not see it.
-        is_weighed = bool(count) or found.without_sources is not None
-        if is_weighed and _log_ratio_to_rival(found.order_probabilities) < self._upper:
+        what = f'{count} source{"s" if count > 1 else ""}'
+        if ratio < self._upper:
             return StoppingVerdict(
                 is_enough=False, reason=f'{what} found, but the number is not decided'
             )
-        if not found.sources:
-            return self._verdict_of_none(evidence)
         widest = max(source.ellipse_95()[0] for source in found.sources)
         # A width is never stated as 0.0 m.
         within = f'placed within {max(widest, 0.1):.1f} m (95 %)'

@@ -165,9 +165,6 @@ class Localization:
         Readings of a dead detector, which are left out.
     method
         Method by which they were found, one of `METHODS`.
-    without_sources
-        The readings, merged, with the background that explains them best without any source; None
-        if no such background was fitted.
     """
 
     sources: tuple[SourceEstimate, ...]
@@ -185,7 +182,6 @@ class Localization:
     is_ground_guessed: bool = False
     unread_count: int = 0
     method: str = ML_METHOD
-    without_sources: RadiationSurvey | None = field(default=None, compare=False, repr=False)
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -305,7 +301,6 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         is_lopsided=found.wall_chance > LARGEST_WALL_CHANCE,
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
-        without_sources=found.without_sources(),
     )
 
 

@@ -71,22 +71,6 @@ class OrderSearch:
         are_shaded = [one.likelihood.setting.has_shades for one in self.found]
         return float(chances[are_shaded].sum() / chances.sum())
 
-    def without_sources(self) -> RadiationSurvey:
-        """Return the readings, but for spikes, with the background that explains them best."""
-        likelihood, parameters = self.settings[0][0].likelihood, self.settings[0][0].fit.parameters
-        natural, survey = likelihood.background_usvh(parameters), likelihood.survey
-        regular = likelihood.regular_shares(
-            likelihood.expected(parameters), likelihood.weights(parameters)
-        )
-        kept = regular > 0.5
-        return replace(
-            survey,
-            positions_enu_m=survey.positions_enu_m[kept],
-            counts=survey.counts[kept],
-            exposures=survey.exposures[kept],
-            background_shape=natural[kept] / natural[kept].mean(),
-        )
-
     def probabilities(self) -> tuple[float, ...]:
         """Return the probability of each number of sources."""
         logs = self.evidences - self.evidences.max()

@@ -120,10 +120,8 @@ def assess(
     found, belief = FINDERS[options.method](survey, options, agents)
     counted = known.kernel.at_height(survey.height_m(known.source_up_m))
     setting = Setting(kernel=counted, source_up_m=known.source_up_m, rho=found.rho)
-    merged = found.without_sources
-    if merged is None:
-        cell_m = 0.25 * survey.height_m(known.source_up_m)
-        merged = survey.merged(cell_m, known.search.most_readings)
+    cell_m = 0.25 * survey.height_m(known.source_up_m)
+    merged = survey.merged(cell_m, known.search.most_readings)
     evidence = sequential_evidence(merged, setting, options.rule.smallest_usvh)
     lowest = min(options.levels_usvh)
     dose = dose_map(found, survey, counted, lowest, largest_cells=largest_cells)
