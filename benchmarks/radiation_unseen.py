@@ -128,7 +128,7 @@ def outcome(one: Drawn, search: SearchOptions) -> Outcome:
     found = localize(survey, options)
     rule = StoppingRule()
     setting = Setting(kernel=options.kernel, source_up_m=options.source_up_m)
-    evidence = sequential_evidence(found.without_sources or survey, setting, rule.smallest_usvh)
+    evidence = sequential_evidence(survey, setting, rule.smallest_usvh)
     seconds = time.process_time() - begin
     pairs = _pairs(one, found) if len(found.sources) == len(one.sources) else []
     chances = [*found.order_probabilities, *[0.0] * 4]

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
-from rocsafe_radiation.decision.stopping import ABSENT, StoppingRule
+from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
+from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
@@ -64,14 +64,7 @@ def test_hills_of_background_as_wide_as_a_source_shows_are_no_sources():
 @pytest.mark.parametrize('slope', [0.1, 0.4])
 def test_a_slope_of_the_background_is_no_source(slope):
     """As steep as 40 % to each side of the middle."""
-    readings = uneven([], 2, share=0.0, slope=slope)
-    found = localize(readings, LOSSLESS)
-    assert found.sources == ()
-    # Over the slope that was fitted, there is no room for a source that matters.
-    setting = Setting(kernel=LOSSLESS.kernel)
-    evidence = sequential_evidence(found.without_sources, setting, 92.0)
-    assert StoppingRule().decision(evidence) == ABSENT
-    assert StoppingRule().verdict(found, evidence).is_enough
+    assert localize(uneven([], 2, share=0.0, slope=slope), LOSSLESS).sources == ()
 
 
 @pytest.mark.parametrize('factor', [3.0, 20.0])
