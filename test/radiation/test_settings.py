@@ -199,3 +199,31 @@ def test_more_readings_than_a_fit_takes_are_merged_into_larger_cells():
     merged = readings.merged(1.0, 100)
     assert 50 < merged.size <= 100
     assert merged.counts.sum() == readings.counts.sum()
+
+
+@pytest.mark.parametrize(
+    'truths',
+    [
+        [(17.4, 19.3, 1246.0), (21.1, -71.0, 1018.0)],
+        [(-44.0, 19.7, 1272.0), (10.6, 86.3, 284.0), (37.9, -44.0, 1091.0)],
+    ],
+    ids=['two', 'three'],
+)
+def test_sources_are_told_from_an_uneven_background_although_one_alone_explains_little(truths):
+    """From 36 m above 100 m x 230 m: a source shows as wide as a hill of the background would."""
+    generator = np.random.default_rng(1)
+    axes = np.meshgrid(np.linspace(-50.0, 50.0, 21), np.linspace(-115.0, 115.0, 21))
+    places = np.column_stack([*(axis.ravel() for axis in axes), np.full(441, 36.0)])
+    rates = np.full(441, 0.1)
+    for east, north, strength in truths:
+        rates += strength / ((places - [east, north, 0.0]) ** 2).sum(axis=1)
+    flown = RadiationSurvey(
+        positions_enu_m=places + generator.normal(0.0, 1.5, places.shape),
+        counts=generator.poisson(200.0 * rates).astype(float),
+        exposures=np.full(441, 200.0),
+    )
+    found = localize(flown, dataclasses.replace(LOSSLESS, position_std_m=1.5))
+    assert len(found.sources) == len(truths)
+    for truth in truths:
+        misses = [math.dist(one.position_enu_m[:2], truth[:2]) for one in found.sources]
+        assert min(misses) < 6.0

@@ -77,7 +77,7 @@ def test_a_slope_taken_for_level_biases_the_strength(ground, is_biased):
     survey = level_flight(ground)
     setting = Setting(kernel=Kernel(is_lossy=False), source_up_m=0.5, source_up_std_m=1.0)
     likelihood = Likelihood(survey, setting, np.empty((survey.size, 0)))
-    fit = likelihood.fit(np.array([-2.3, 0.7, *[0.0] * 4, *SOURCE[:2], 0.5, math.log(SOURCE[2])]))
+    fit = likelihood.fit(np.array([-2.3, 0.7, 0.0, 0.0, *SOURCE[:2], 0.5, math.log(SOURCE[2])]))
     height, strength = fit.parameters[-2], math.exp(fit.parameters[-1]) / SOURCE[2]
     assert bool(strength > 1.3) is is_biased
     assert bool(abs(height) > 4.0) is is_biased

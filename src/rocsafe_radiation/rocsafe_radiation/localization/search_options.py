@@ -60,7 +60,7 @@ class SearchOptions:
     tried_candidates: int = 4
     rough_iterations: int = 8
     log_odds_of_source: float = -2.0
-    background_stds: tuple[float, ...] = (0.0, 0.03, 0.1, 0.3)
+    background_stds: tuple[float, ...] = (0.0, 0.03, 0.1)
     background_spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
     position_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
     rhos: tuple[float, ...] = (0.0, 0.05, 0.2)

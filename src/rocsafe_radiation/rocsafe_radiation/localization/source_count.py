@@ -78,6 +78,9 @@ class OrderSearch:
 
 
 def _summed(fits: tuple[Weighed, ...]) -> float:
+    """Return the logarithm of the sum of evidences, -inf if no fit places all sources."""
+    if not fits:
+        return -math.inf
     logs = np.array([one.evidence for one in fits])
     return float(logs.max() + math.log(np.exp(logs - logs.max()).sum()))
 
@@ -85,7 +88,7 @@ def _summed(fits: tuple[Weighed, ...]) -> float:
 def search(
     survey: RadiationSurvey, setting: Setting, largest_order: int = LARGEST_ORDER
 ) -> OrderSearch:
-    """Return the fits to `survey` with each number of sources, until one more is worse.
+    """Return the fits to `survey` with each number of sources, until more are worse.
 
     Parameters
     ----------
@@ -107,12 +110,11 @@ def search(
         if more is None:
             break
         fit = more
-        fits = settings.around(fit, first)
-        if not _is_placed(fits[0]):
-            break
-        found.append(fits)
+        found.append(tuple(one for one in settings.around(fit, first) if _is_placed(one)))
         evidences = OrderSearch(settings=tuple(found)).evidences
-        if evidences[-1] < evidences.max() - setting.search.near_evidence:
+        # One of two sources alone explains little: a field that is uneven enough for the other
+        # explains both. Only two numbers in a row that are worse end the search.
+        if evidences[-2:].max() < evidences.max() - setting.search.near_evidence:
             break
     return OrderSearch(settings=tuple(found))
 
