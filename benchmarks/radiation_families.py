@@ -22,7 +22,14 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 
-SPLITS = {'develop': 101, 'validate': 202, 'opened': 303}
+SPLITS = {
+    'develop': 101,
+    'validate': 202,
+    'opened': 303,
+    'develop-again': 1401,
+    'validate-again': 2402,
+    'opened-again': 93503,
+}
 FAMILIES = ('even', 'drift', 'slope', 'hills', 'spikes', 'steel')
 POSITION_STD_M = 1.5
 SOURCE_UP_M, SOURCE_UP_STD_M = 0.5, 1.0

@@ -154,7 +154,7 @@ def trials(
 def bound_m2(trial: Trial) -> FloatArray:
     """Return the Cramer-Rao bound of the place of each true source, shape (sources, 2, 2)."""
     likelihood = Likelihood(trial.survey, Setting(), np.empty((trial.survey.size, 0)))
-    head = [math.log(BACKGROUND_USVH), *[0.0] * 5]
+    head = [math.log(BACKGROUND_USVH), *[0.0] * 3]
     places = [[x, y, 0.0, math.log(strength)] for x, y, strength in trial.truth]
     parameters = np.array([*head, *np.ravel(places)])
     information, _ = likelihood.information_and_gradient(parameters, np.ones(trial.survey.size))

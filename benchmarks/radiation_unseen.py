@@ -67,8 +67,7 @@ ABLATIONS = {
         {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
     ),
     'rho': Ablation({'rhos': (0.0,)}),
-    'the wall': Ablation({'lopsidednesses': (0.0,)}),
-    'odds of the wall': Ablation({'log_odds_of_wall': 0.0}),
+    'the wall': Ablation({'are_shades_tried': False}),
     'spikes': Ablation({'outlier_share': 1e-30}),
     'starts without spikes': Ablation(
         {}, ((starts, '_weightings', lambda likelihood, _: [np.ones(likelihood.survey.size)]),)
@@ -129,8 +128,7 @@ def outcome(one: Drawn, search: SearchOptions) -> Outcome:
     found = localize(survey, options)
     rule = StoppingRule()
     setting = Setting(kernel=options.kernel, source_up_m=options.source_up_m)
-    merged = survey.merged(0.25 * survey.height_m(options.source_up_m), search.most_readings)
-    evidence = sequential_evidence(merged, setting, rule.smallest_usvh)
+    evidence = sequential_evidence(survey, setting, rule.smallest_usvh)
     seconds = time.process_time() - begin
     pairs = _pairs(one, found) if len(found.sources) == len(one.sources) else []
     chances = [*found.order_probabilities, *[0.0] * 4]

@@ -92,11 +92,12 @@ def test_the_gradient_is_that_of_the_objective():
     basis = np.random.default_rng(1).uniform(size=(readings.size, 2))
     setting = Setting(
         kernel=Kernel(), background_std=0.3, rho=0.05, source_up_std_m=1.0, position_std_m=1.5,
-        lopsidedness=0.4,
+        has_shades=True,
     )  # fmt: skip
     likelihood = Likelihood(readings, setting, basis)
-    head = [math.log(0.12), 0.5, 0.2, -0.1, 0.3, -0.4, 0.1, -0.2]
-    place = np.array([*head, 133.0, 158.0, 0.3, math.log(2500.0)])
+    head = [math.log(0.12), 0.5, 0.2, -0.1, 0.1, -0.2]
+    shade = [0.9, -0.7, 0.9, -0.3]
+    place = np.array([*head, 133.0, 158.0, 0.3, math.log(2500.0), *shade])
     weights = likelihood.weights(place)
     _, gradient = likelihood.information_and_gradient(place, weights)
     for index, step in enumerate(np.diag(np.full(len(place), 1e-4))):

@@ -6,6 +6,7 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rasterio
 
@@ -80,6 +81,17 @@ def test_a_guessed_ground_is_told_and_a_given_one_is_taken(table, capsys):
     assert readings.is_ground_guessed
     assert readings.frame.origin.altitude_m == pytest.approx(98.0, abs=0.1)
     assert not read_readings(Path(path), ground_altitude_m=66.0).is_ground_guessed
+
+
+def test_errors_of_altitudes_are_no_take_off_and_readings_are_above_the_ground(table, capsys):
+    """1.5 m of them, and a ground 100 m too high."""
+    ups = np.random.default_rng(1).normal(98.0, 1.5, 500)
+    rows = ''.join(f'{k},rav1,53.28,-9.{k:04d},{up:.2f},0.1\n' for k, up in enumerate(ups, 1000))
+    path = str(table(HEAD + rows))
+    assert main([path]) == 2
+    assert 'show a take-off' in capsys.readouterr().err
+    assert main([path, '--ground', '200']) == 2
+    assert 'below the ground: must be above' in capsys.readouterr().err
 
 
 def test_a_file_without_altitudes_was_flown_above_the_ground_not_on_it(table):
@@ -289,6 +301,8 @@ def test_dose_rates_in_another_unit_than_their_counts_are_left_out(table):
     ('rates', 'is_refused'),
     [
         pytest.param([100 if k % 3 == 0 else 0.1 for k in range(60)], True, id='each third row'),
+        pytest.param([100 if k >= 40 else 0.1 for k in range(60)], True, id='from one row on'),
+        pytest.param([100 if k % 2 else 0.1 for k in range(60)], True, id='each second row'),
         pytest.param([0.1 + 4600 / (1 + (k - 30) ** 2) for k in range(60)], False, id='source'),
         pytest.param([4600 if k in (20, 40) else 0.1 for k in range(60)], False, id='few'),
     ],
@@ -298,7 +312,7 @@ def test_several_units_in_one_column_are_refused_and_sources_are_not(table, rate
     rows = ''.join(f'{k},0,1,{rate}\n' for k, rate in enumerate(rates))
     path = table('east_m,north_m,up_m,dose_rate_usvh\n' + rows)
     if is_refused:
-        with pytest.raises(ReadingsFileError, match=r'lines 2, 5, 8, 11, 14 and more'):
+        with pytest.raises(ReadingsFileError, match=r'several units in one column'):
             read_readings(path)
     else:
         assert len(read_readings(path).observations) == 60

@@ -77,7 +77,7 @@ def test_a_slope_taken_for_level_biases_the_strength(ground, is_biased):
     survey = level_flight(ground)
     setting = Setting(kernel=Kernel(is_lossy=False), source_up_m=0.5, source_up_std_m=1.0)
     likelihood = Likelihood(survey, setting, np.empty((survey.size, 0)))
-    fit = likelihood.fit(np.array([-2.3, 0.7, *[0.0] * 4, *SOURCE[:2], 0.5, math.log(SOURCE[2])]))
+    fit = likelihood.fit(np.array([-2.3, 0.7, 0.0, 0.0, *SOURCE[:2], 0.5, math.log(SOURCE[2])]))
     height, strength = fit.parameters[-2], math.exp(fit.parameters[-1]) / SOURCE[2]
     assert bool(strength > 1.3) is is_biased
     assert bool(abs(height) > 4.0) is is_biased
@@ -98,10 +98,8 @@ def test_slopes_of_the_likelihood_follow_the_ground():
     """The gradient is that of differences."""
     ground = slope()
     survey = level_flight(ground)
-    likelihood = Likelihood(
-        survey, Setting(source_up_std_m=1.0, lopsidedness=0.4), np.empty((survey.size, 0))
-    )
-    start = np.array([-2.3, 0.7, 0.1, -0.1, 0.3, -0.2, 203.0, 83.0, 0.3, 9.0])
+    likelihood = Likelihood(survey, Setting(source_up_std_m=1.0), np.empty((survey.size, 0)))
+    start = np.array([-2.3, 0.7, 0.1, -0.1, 203.0, 83.0, 0.3, 9.0])
     weights = np.ones(survey.size)
     _, gradient = likelihood.information_and_gradient(start, weights)
     for index in range(len(start)):
@@ -297,7 +295,7 @@ def test_localize_takes_a_terrain(file, tmp_path, capsys, monkeypatch):
 @pytest.mark.parametrize(
     ('head', 'arguments', 'message'),
     [
-        ('', [], 'm below the terrain: must be above; give a place of known altitude'),
+        ('', [], 'm below the ground: must be above; give --ground'),
         ('east_m,north_m,up_m', [], '--terrain needs places in degrees'),
         ('', ['--terrain-at', '53.28', '-9.0633'], 'expected 3 arguments'),
         ('', ['--terrain=/none.tif'], 'terrain /none.tif: no such file'),

@@ -289,5 +289,6 @@ def _localization(
         rho=0.0,
         is_structured=False,
         is_ground_guessed=survey.is_ground_guessed,
+        unread_count=survey.unread_count,
         method=BELIEF_METHOD,
     )

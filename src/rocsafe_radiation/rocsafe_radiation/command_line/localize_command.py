@@ -34,7 +34,7 @@ from rocsafe_radiation.products.source_document import (
     source_document,
 )
 from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
-from rocsafe_radiation.readings.readings_file import ReadingsFile, read_readings
+from rocsafe_radiation.readings.readings_file import DEAD, ReadingsFile, read_readings
 from rocsafe_radiation.readings.spectral_window import background_shape
 from rocsafe_radiation.readings.survey import RadiationSurvey, survey_of
 
@@ -42,6 +42,9 @@ EXIT_OK, EXIT_REFUSED = 0, 2
 MOST_LINES_NAMED = 5
 # A file whose readings rise less above the lowest one does not begin on the ground.
 LEAST_CLIMB_M = 5.0
+# Nor does one that rises by less than so many times the median deviation of its altitudes: the
+# lowest of 10 000 readings with Gaussian errors lies 6 of them below the median.
+LEAST_CLIMB_SPREADS = 9.0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -103,11 +106,13 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
 
 def _survey(readings: ReadingsFile, options: argparse.Namespace) -> RadiationSurvey:
     survey = survey_of(readings.observations, options.sensitivity)
+    survey = dataclasses.replace(survey, unread_count=len(readings.dropped.get(DEAD, ())))
     if survey.size and not options.terrain and readings.is_ground_guessed:
         _require_climb(survey)
         survey = dataclasses.replace(survey, is_ground_guessed=True)
     if survey.size and options.terrain:
         survey = dataclasses.replace(survey, ground=_ground(readings, survey, options))
+    if survey.size:
         _require_above_ground(survey)
     reference = np.array(readings.reference_counts, np.float64)
     if not reference.sum() > 0.0:
@@ -139,10 +144,12 @@ def _ground(
 
 def _require_climb(survey: RadiationSurvey) -> None:
     climb_m = float(np.median(survey.heights_m))
-    if climb_m < LEAST_CLIMB_M:
+    spread_m = float(np.median(np.abs(survey.heights_m - climb_m)))
+    least_m = max(LEAST_CLIMB_M, LEAST_CLIMB_SPREADS * spread_m)
+    if climb_m < least_m:
         raise GroundError(
             f'the ground is not known: the lowest reading is only {climb_m:.1f} m below the '
-            f'median, {LEAST_CLIMB_M:g} m show a take-off; give --ground or --terrain'
+            f'median, {least_m:.1f} m show a take-off; give --ground or --terrain'
         )
 
 
@@ -150,8 +157,8 @@ def _require_above_ground(survey: RadiationSurvey) -> None:
     height_m = float(np.median(survey.heights_m))
     if height_m <= 0.0:
         raise GroundError(
-            f'the readings are {-height_m:.1f} m below the terrain: must be above; give a place '
-            'of known altitude by --terrain-at if the datums differ'
+            f'the readings are {-height_m:.1f} m below the ground: must be above; give --ground '
+            'in the datum of the file, or with --terrain a place of known altitude by --terrain-at'
         )
 
 

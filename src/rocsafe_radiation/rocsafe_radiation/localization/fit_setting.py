@@ -27,9 +27,8 @@ class Setting:
         Spacing of its bumps, heights.
     rho
         Share of the dose rate of the sources by which readings scatter beyond their counts.
-    lopsidedness
-        Prior standard deviation of the logarithm of the dose rate to one side; 0: sources radiate
-        alike to all sides.
+    has_shades
+        Whether something beside each source may take part of its dose rate on one side.
     search
         Numbers that tune the search.
     """
@@ -41,5 +40,5 @@ class Setting:
     background_std: float = 0.0
     background_spacing_heights: float = 2.0
     rho: float = 0.0
-    lopsidedness: float = 0.0
+    has_shades: bool = False
     search: SearchOptions = field(default_factory=SearchOptions)

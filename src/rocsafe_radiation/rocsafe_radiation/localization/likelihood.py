@@ -7,10 +7,10 @@ background
     b = exp(c0 + ch (h0 - h) / 120 m + cx e + cy n + sum of c_j phi_j)
 
 at the height h, east e and north n in half extents of the survey: a level, a trend and a random
-field of few bumps phi_j, whose coefficients have a Gaussian prior. A wall or a container beside
-the sources leaves more to one side than to the other: f = exp((a e + b n) / d), with the way e
-east and n north from source to reading. Parameters: c0, ch, cx, cy, a, b, c_j, then for each
-source east, north, height above the ground there and the logarithm of its strength.
+field of few bumps phi_j, whose coefficients have a Gaussian prior. f_k is what a wall beside the
+source leaves of it (`shade`), 1 in settings without walls. Parameters: c0, ch, cx, cy, c_j, then
+for each source east, north, height above the ground there, the logarithm of its strength, and the
+parameters of its shade.
 
 Counts scatter beyond Poisson by errors of the fixes, in all three coordinates, times the slope of
 m (errors in variables, Fuller 1987), and by a share rho of what the sources add. This variance v
@@ -26,8 +26,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.shade import (
+    SHADE_MEANS,
+    SHADE_PARAMETERS,
+    SHADE_STDS,
+    left,
+    left_and_slopes,
+    paths,
+)
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 SOURCE_PARAMETERS = 4
@@ -36,11 +44,10 @@ SMALLEST_COUNTS = 1e-9
 # Radiation of the ground falls by a factor of e in so many metres of height.
 GROUND_DECAY_M = 120.0
 # Priors of the head: logarithm of the level in uSv/h, share of the ground in the background, slope
-# of the logarithm over half of the extent. All levels occur. Two more: a and b.
-HEAD_MEANS = np.array([math.log(0.1), 0.7, 0.0, 0.0, 0.0, 0.0])
+# of the logarithm over half of the extent. All levels occur.
+HEAD_MEANS = np.array([math.log(0.1), 0.7, 0.0, 0.0])
 TREND_STDS = np.array([3.0, 0.5, 0.3, 0.3])
 HEAD_SIZE = len(HEAD_MEANS)
-SIDES = slice(4, HEAD_SIZE)
 # Standard deviation of what is fixed.
 FIXED_STD = 1e-4
 # Prior of the logarithm of the strength, uSv/h at 1 m: 10 MBq to 1 TBq of Cs-137 within two
@@ -81,11 +88,12 @@ class Likelihood:
         places = survey.positions_enu_m[:, :2]
         half_m = max(0.5 * float(np.ptp(places, axis=0).max()), 1.0)
         trend = (places - places.mean(axis=0)) / half_m
-        bumps = basis if setting.background_std > 0.0 else basis[:, :0]
-        self.basis = np.column_stack(
-            [np.ones(survey.size), below, trend, np.zeros((survey.size, 2)), bumps]
-        )
+        field = basis if setting.background_std > 0.0 else basis[:, :0]
+        self.basis = np.column_stack([np.ones(survey.size), below, trend, field])
         self.head_size = self.basis.shape[1]
+        self.source_size = SOURCE_PARAMETERS
+        if setting.has_shades:
+            self.source_size += SHADE_PARAMETERS
         counts = survey.counts
         # With this constant the log likelihood of a perfect fit is 0, so that no large numbers are
         # compared.
@@ -103,11 +111,15 @@ class Likelihood:
 
     def source_count(self, parameters: FloatArray) -> int:
         """Return the number of sources that `parameters` describe."""
-        return (len(parameters) - self.head_size) // SOURCE_PARAMETERS
+        return (len(parameters) - self.head_size) // self.source_size
 
     def sources(self, parameters: FloatArray) -> FloatArray:
-        """Return east, north, height and log strength of each source, shape (sources, 4)."""
-        return parameters[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
+        """Return the parameters of each source, shape (sources, source_size)."""
+        return parameters[self.head_size :].reshape(-1, self.source_size)
+
+    def source_rows(self, count: int) -> IndexArray:
+        """Return which of `count` parameters are those of each source, (sources, source_size)."""
+        return np.arange(self.head_size, count, dtype=np.intp).reshape(-1, self.source_size)
 
     def background_usvh(self, parameters: FloatArray) -> FloatArray:
         """Return the background at each reading, shape (n,)."""
@@ -119,12 +131,12 @@ class Likelihood:
         rates = self.background_usvh(parameters)
         sources = self.sources(parameters)
         if len(sources):
-            offsets = self._offsets(sources)
+            offsets = self.offsets(sources)
             squares = self._squares(offsets)
             values = self.setting.kernel.values(squares)
-            if self.setting.lopsidedness > 0.0:
-                sides = np.einsum('c,kcn->kn', parameters[SIDES], offsets[:, :2])
-                values = values * np.exp(sides / np.sqrt(squares))
+            if self.setting.has_shades:
+                shades = sources[:, SOURCE_PARAMETERS:]
+                values = values * left(paths(offsets, np.sqrt(squares), shades))
             rates = rates + np.exp(sources[:, STRENGTH]) @ values
         return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
 
@@ -134,7 +146,7 @@ class Likelihood:
         sources = self.sources(parameters)
         if not len(sources) or (setting.position_std_m == 0.0 and setting.rho == 0.0):
             return np.ones(self.survey.size)
-        parts, _ = self._source_slopes(parameters)
+        parts = self._source_slopes(parameters)
         parts *= self.survey.exposures
         slopes = parts[:, :3].sum(axis=0)
         added = parts[:, STRENGTH].sum(axis=0)
@@ -230,7 +242,7 @@ class Likelihood:
         information = (slopes * (shares / expected)[:, None]).T @ slopes
         information.flat[:: len(parameters) + 1] += precisions
         # A Gaussian as wide as the area of all places: readings may tell nothing of a place.
-        places = np.arange(self.head_size, len(parameters)).reshape(-1, SOURCE_PARAMETERS)[:, :UP]
+        places = self.source_rows(len(parameters))[:, :UP]
         information[places, places] += 2.0 * math.pi / self._area_m2
         return information, gradient
 
@@ -261,43 +273,36 @@ class Likelihood:
         slopes[:, : self.head_size] = self.basis * rates[:, None]
         sources = self.sources(parameters)
         if len(sources):
-            parts, sides = self._source_slopes(parameters)
-            slopes[:, SIDES] = np.einsum('kn,kcn->nc', parts[:, STRENGTH], sides)
+            parts = self._source_slopes(parameters)
             rates = rates + parts[:, STRENGTH].sum(axis=0)
             self.survey.ground.follow(parts, sources)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
         expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
         return slopes * exposures[:, None], expected
 
-    def _source_slopes(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the derivatives of the dose rate of each source.
+    def _source_slopes(self, parameters: FloatArray) -> FloatArray:
+        """Return derivatives of the dose rate of each source by its parameters, (k, size, n).
 
-        Returns
-        -------
-        parts : shape (k, 4, n)
-            By each parameter of the source; by the last it is the dose rate itself.
-        sides : shape (k, 2, n)
-            Of its logarithm by a and b.
+        That by the logarithm of the strength is the dose rate itself.
         """
         sources = self.sources(parameters)
-        offsets = self._offsets(sources)
+        offsets = self.offsets(sources)
         squares = self._squares(offsets)
         values, by_square = self.setting.kernel.values_and_slopes(squares)
         strengths = np.exp(sources[:, STRENGTH])[:, None]
-        parts = np.empty((len(sources), SOURCE_PARAMETERS, self.survey.size))
+        parts = np.empty((len(sources), self.source_size, self.survey.size))
         parts[:, :3] = (-2.0 * strengths * by_square)[:, None, :] * offsets
         parts[:, STRENGTH] = strengths * values
-        distances = np.sqrt(squares)[:, None]
-        sides = offsets[:, :2] / distances
-        if self.setting.lopsidedness > 0.0:
-            logs = np.einsum('c,kcn->kn', parameters[SIDES], sides)[:, None]
-            parts *= np.exp(logs)
-            rates = parts[:, STRENGTH:]
-            parts[:, :3] += rates * logs * offsets / distances**2
-            parts[:, :2] -= rates * parameters[SIDES][:, None] / distances
-        return parts, sides
+        if self.setting.has_shades:
+            shades = sources[:, SOURCE_PARAMETERS:]
+            kept, slopes = left_and_slopes(offsets, np.sqrt(squares), shades)
+            parts[:, :SOURCE_PARAMETERS] *= kept[:, None]
+            rates = parts[:, STRENGTH, None]
+            parts[:, :3] += rates * slopes[:, :3]
+            parts[:, SOURCE_PARAMETERS:] = rates * slopes[:, 3:]
+        return parts
 
-    def _offsets(self, sources: FloatArray) -> FloatArray:
+    def offsets(self, sources: FloatArray) -> FloatArray:
         """Return the vector from each source to each reading, shape (sources, 3, n)."""
         return self._columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
@@ -312,8 +317,9 @@ class Likelihood:
         step: FloatArray = np.asarray(np.linalg.solve(matrix, gradient), np.float64)
         head = step[: self.head_size]
         np.clip(head, -LARGEST_LOG_STEP, LARGEST_LOG_STEP, out=head)
-        sources = step[self.head_size :].reshape(-1, SOURCE_PARAMETERS)
-        limits = np.array([LARGEST_STEP_M] * 3 + [LARGEST_LOG_STEP])
+        sources = self.sources(step)
+        limits = np.full(self.source_size, LARGEST_LOG_STEP)
+        limits[:STRENGTH] = LARGEST_STEP_M
         np.clip(sources, -limits, limits, out=sources)
         return step
 
@@ -327,14 +333,14 @@ class Likelihood:
         """Return mean and precision of each parameter; a precision of 0: equally likely."""
         means, precisions = np.zeros((2, len(parameters)))
         means[:HEAD_SIZE] = HEAD_MEANS
-        precisions[: SIDES.start] = TREND_STDS**-2.0
-        precisions[SIDES] = max(self.setting.lopsidedness, FIXED_STD) ** -2.0
+        precisions[:HEAD_SIZE] = TREND_STDS**-2.0
         if self.head_size > HEAD_SIZE:
             precisions[HEAD_SIZE : self.head_size] = self.setting.background_std**-2
-        up_std = max(self.setting.source_up_std_m, FIXED_STD)
-        ups, strengths = (
-            slice(self.head_size + part, None, SOURCE_PARAMETERS) for part in (UP, STRENGTH)
-        )
-        means[ups], precisions[ups] = self.setting.source_up_m, up_std**-2
-        means[strengths], precisions[strengths] = STRENGTH_MEAN, STRENGTH_STD**-2
+        own_means, own = self.sources(means), self.sources(precisions)
+        own_means[:, UP] = self.setting.source_up_m
+        own[:, UP] = max(self.setting.source_up_std_m, FIXED_STD) ** -2.0
+        own_means[:, STRENGTH], own[:, STRENGTH] = STRENGTH_MEAN, STRENGTH_STD**-2
+        if self.source_size > SOURCE_PARAMETERS:
+            own_means[:, SOURCE_PARAMETERS:] = SHADE_MEANS
+            own[:, SOURCE_PARAMETERS:] = SHADE_STDS**-2.0
         return means, precisions

@@ -31,6 +31,8 @@ FEWEST_READINGS = 8
 LEAST_CHANCE = 1e-3
 # More readings than this share that fit nothing are no spikes but a field that is not understood.
 MOST_SPIKES_SHARE = 0.01
+# With a wall more likely than this, an ellipse of 95 % cannot be trusted.
+LARGEST_WALL_CHANCE = 0.05
 
 
 class TooFewReadingsError(RadiationError):
@@ -156,9 +158,11 @@ class Localization:
     is_understood
         Whether sources and background explain the readings, but for few spikes.
     is_lopsided
-        Whether sources seem to radiate more to one side, as beside a wall.
+        Whether something beside the sources may take part of their dose rate on one side.
     is_ground_guessed
         Whether nobody has stated where the ground is.
+    unread_count
+        Readings of a dead detector, which are left out.
     method
         Method by which they were found, one of `METHODS`.
     """
@@ -176,6 +180,7 @@ class Localization:
     is_understood: bool = True
     is_lopsided: bool = False
     is_ground_guessed: bool = False
+    unread_count: int = 0
     method: str = ML_METHOD
 
     @property
@@ -184,6 +189,10 @@ class Localization:
         found = []
         if self.is_ground_guessed:
             found.append('the ground is not given: taken to be as low as the lowest reading')
+        if self.unread_count:
+            found.append(
+                f'{self.unread_count} readings are of a dead detector: nothing is known there'
+            )
         if self.is_lopsided:
             found.append('something beside the sources may take part of their dose rate')
         if self.is_structured:
@@ -284,11 +293,12 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         background_std_usvh=float(background.mean() * level_std),
         reading_count=survey.size,
         is_ground_guessed=survey.is_ground_guessed,
+        unread_count=survey.unread_count,
         dispersion=dispersion,
         rho=likelihood.setting.rho,
         is_structured=likelihood.setting.background_std > 0.0,
         is_misfit=is_misfit,
-        is_lopsided=likelihood.setting.lopsidedness > 0.0 and bool(estimates),
+        is_lopsided=found.wall_chance > LARGEST_WALL_CHANCE,
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
     )
@@ -298,15 +308,17 @@ def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:
     """Return mean (sources, 4) and covariance of all sources over the settings, by evidence."""
     chances = np.exp(np.array([one.evidence - fits[0].evidence for one in fits]))
     chances /= chances.sum()
-    means = [one.likelihood.sources(one.fit.parameters).ravel() for one in fits]
+    means = [
+        one.likelihood.sources(one.fit.parameters)[:, :SOURCE_PARAMETERS].ravel() for one in fits
+    ]
     mean = np.asarray(chances @ np.array(means), np.float64)
     covariance = np.zeros((mean.size, mean.size))
     for chance, one, own in zip(chances, fits, means, strict=True):
         if chance < LEAST_CHANCE:
             continue
         whole = covariance_with_images(one.likelihood, one.fit)
-        head = one.likelihood.head_size
-        covariance += chance * (whole[head:, head:] + np.outer(own - mean, own - mean))
+        places = one.likelihood.source_rows(len(whole))[:, :SOURCE_PARAMETERS].ravel()
+        covariance += chance * (whole[np.ix_(places, places)] + np.outer(own - mean, own - mean))
     return mean.reshape(-1, SOURCE_PARAMETERS), covariance
 
 
@@ -320,10 +332,9 @@ def _blocks(count: int) -> list[slice]:
 def _estimate(best: Weighed, source: FloatArray, covariance: FloatArray) -> SourceEstimate:
     likelihood, parameters = best.likelihood, best.fit.parameters
     sources = likelihood.sources(parameters)
-    index = int(np.argmin(((sources - source)[:, :2] ** 2).sum(axis=1)))
-    own = _blocks(len(sources))[index]
-    head = likelihood.head_size
-    others = np.delete(parameters, range(head + own.start, head + own.stop))
+    index = int(np.argmin(((sources[:, :UP] - source[:UP]) ** 2).sum(axis=1)))
+    start = likelihood.head_size + likelihood.source_size * index
+    others = np.delete(parameters, range(start, start + likelihood.source_size))
     # All else unchanged, the variance of the readings too.
     weights = likelihood.weights(parameters)
     gain = likelihood.objective(parameters, weights) - likelihood.objective(others, weights)

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Fit, Likelihood
+from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 
 
 def mirror_images(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArray]:
@@ -21,7 +21,7 @@ def mirror_images(likelihood: Likelihood, parameters: FloatArray) -> list[FloatA
         place = _image(likelihood, source[:2])
         if place is not None:
             image = parameters.copy()
-            start = likelihood.head_size + SOURCE_PARAMETERS * index
+            start = likelihood.head_size + likelihood.source_size * index
             image[start : start + 2] = place
             images.append(image)
     return images

@@ -27,13 +27,13 @@ class SearchOptions:
         compared: only the best is fitted to the end.
     log_odds_of_source
         Prior evidence of each source: sources are rare.
-    log_odds_of_wall
-        Prior evidence of sources that radiate more to one side.
-    background_stds, background_spacings, position_factors, rhos, lopsidednesses
+    are_shades_tried
+        Whether something beside the sources may take part of their dose rate on one side; alike
+        likely as not.
+    background_stds, background_spacings, position_factors, rhos
         Settings over which the evidence is summed: standard deviation of the background's random
         field and spacing of its bumps in heights, standard deviation of the fixes as a multiple of
-        that given, share by which readings scatter in proportion to the sources, and standard
-        deviation of the logarithm of what a wall or a container leaves to one side.
+        that given, and share by which readings scatter in proportion to the sources.
     near_evidence
         Settings whose evidence is lower than that of the best by more are not looked beyond.
     outlier_share
@@ -60,12 +60,11 @@ class SearchOptions:
     tried_candidates: int = 4
     rough_iterations: int = 8
     log_odds_of_source: float = -2.0
-    log_odds_of_wall: float = -2.0
-    background_stds: tuple[float, ...] = (0.0, 0.03, 0.1, 0.3)
+    background_stds: tuple[float, ...] = (0.0, 0.03, 0.1)
     background_spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
     position_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
     rhos: tuple[float, ...] = (0.0, 0.05, 0.2)
-    lopsidednesses: tuple[float, ...] = (0.0, 0.4)
+    are_shades_tried: bool = True
     near_evidence: float = 4.0
     outlier_share: float = 1e-3
     largest_dispersion: float = 3.0

@@ -2,7 +2,8 @@
 """How many sources there are: the evidence of 0, 1, 2 ... sources, summed over settings.
 
 A setting is how uneven the background is and over which lengths, how large the errors of the fixes
-are, and how much readings scatter in proportion to the sources. The readings decide: for each
+are, how much readings scatter in proportion to the sources, and whether there are walls beside
+these. The readings decide: for each
 number of sources, settings beside the best one are fitted until they add nothing, and their
 evidence is added up.
 """
@@ -18,15 +19,15 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import HEAD_SIZE, SOURCE_PARAMETERS, Fit, Likelihood
-from rocsafe_radiation.localization.starts import with_one_more, without_sources
+from rocsafe_radiation.localization.likelihood import HEAD_SIZE, Fit, Likelihood
+from rocsafe_radiation.localization.starts import with_one_more, with_shades, without_sources
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_ORDER = 4
 # Quantile 0.95 of chi-square with two degrees of freedom.
 ELLIPSE_95 = 5.991
 # Indices of background_stds, background_spacings, standard deviations of the fixes, rhos and
-# lopsidednesses.
+# whether there are shades.
 Index = tuple[int, int, int, int, int]
 # A fairly uneven background; sources are looked for there, with fixes as good as stated.
 FIRST: Index = (2, 1, 0, 0, 0)
@@ -63,6 +64,13 @@ class OrderSearch:
         """The fits with that number, the best first."""
         return self.settings[self.order]
 
+    @property
+    def wall_chance(self) -> float:
+        """The probability that something beside the sources takes part of their dose rate."""
+        chances = np.exp([one.evidence - self.found[0].evidence for one in self.found])
+        are_shaded = [one.likelihood.setting.has_shades for one in self.found]
+        return float(chances[are_shaded].sum() / chances.sum())
+
     def probabilities(self) -> tuple[float, ...]:
         """Return the probability of each number of sources."""
         logs = self.evidences - self.evidences.max()
@@ -70,6 +78,9 @@ class OrderSearch:
 
 
 def _summed(fits: tuple[Weighed, ...]) -> float:
+    """Return the logarithm of the sum of evidences, -inf if no fit places all sources."""
+    if not fits:
+        return -math.inf
     logs = np.array([one.evidence for one in fits])
     return float(logs.max() + math.log(np.exp(logs - logs.max()).sum()))
 
@@ -77,7 +88,7 @@ def _summed(fits: tuple[Weighed, ...]) -> float:
 def search(
     survey: RadiationSurvey, setting: Setting, largest_order: int = LARGEST_ORDER
 ) -> OrderSearch:
-    """Return the fits to `survey` with each number of sources, until one more is worse.
+    """Return the fits to `survey` with each number of sources, until more are worse.
 
     Parameters
     ----------
@@ -99,12 +110,11 @@ def search(
         if more is None:
             break
         fit = more
-        fits = settings.around(fit, first)
-        if not _is_placed(fits[0]):
-            break
-        found.append(fits)
+        found.append(tuple(one for one in settings.around(fit, first) if _is_placed(one)))
         evidences = OrderSearch(settings=tuple(found)).evidences
-        if evidences[-1] < evidences.max() - setting.search.near_evidence:
+        # One of two sources alone explains little: a field that is uneven enough for the other
+        # explains both. Only two numbers in a row that are worse end the search.
+        if evidences[-2:].max() < evidences.max() - setting.search.near_evidence:
             break
     return OrderSearch(settings=tuple(found))
 
@@ -119,14 +129,24 @@ def _is_placed(one: Weighed) -> bool:
     diagonal_m = float(np.linalg.norm(np.ptp(places, axis=0)))
     longest_m = likelihood.setting.search.largest_ellipse_share * diagonal_m
     covariance = one.fit.covariance
-    starts = range(likelihood.head_size, len(covariance), SOURCE_PARAMETERS)
+    starts = range(likelihood.head_size, len(covariance), likelihood.source_size)
     blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
     variances = [float(np.linalg.eigvalsh(block)[-1]) for block in blocks]
     return all(ELLIPSE_95 * variance < longest_m**2 for variance in variances)
 
 
+def _is_without_wall(found: dict[Index, Weighed], near: float) -> bool:
+    """Return whether all walls tried lose to the same settings without by more than `near`."""
+    gains = [
+        one.evidence - found[plain].evidence
+        for key, one in found.items()
+        if key[4] and (plain := (key[0], key[1], key[2], key[3], 0)) in found
+    ]
+    return bool(gains) and max(gains) < -near
+
+
 class _Settings:
-    """The settings over which evidence is summed, alike likely before but for those of a wall."""
+    """The settings over which evidence is summed, alike likely before."""
 
     def __init__(self, survey: RadiationSurvey, known: Setting) -> None:
         self._survey, self._known = survey, known
@@ -137,7 +157,7 @@ class _Settings:
             options.background_spacings,
             tuple(stds_m),
             options.rhos,
-            options.lopsidednesses,
+            (False, True)[: 1 + options.are_shades_tried],
         )
         height = survey.height_m(known.source_up_m)
         self._bases = [
@@ -147,7 +167,7 @@ class _Settings:
 
     def likelihood(self, index: Index) -> Likelihood:
         """Return the likelihood in the setting at `index`."""
-        std, spacing, position_std_m, rho, lopsidedness = (
+        std, spacing, position_std_m, rho, has_shades = (
             axis[k] for axis, k in zip(self._axes, index, strict=True)
         )
         setting = replace(
@@ -156,7 +176,7 @@ class _Settings:
             background_spacing_heights=spacing,
             position_std_m=position_std_m,
             rho=rho,
-            lopsidedness=lopsidedness,
+            has_shades=bool(has_shades),
         )
         return Likelihood(self._survey, setting, self._bases[index[1]])
 
@@ -176,10 +196,19 @@ class _Settings:
             left.remove(index)
             is_empty = likelihood.source_count(fit.parameters) == 0
             for neighbour in self._neighbours(index, 2 if is_empty else len(self._axes)):
-                if neighbour not in found:
-                    found[neighbour] = self._moved(found[index], neighbour)
+                is_new_wall = neighbour[4] > index[4]
+                if neighbour not in found and not (is_new_wall and _is_without_wall(found, near)):
+                    found[neighbour] = self._moved(self._start(found, index, neighbour), neighbour)
                     left.add(neighbour)
         return tuple(sorted(found.values(), key=lambda one: one.evidence, reverse=True))
+
+    @staticmethod
+    def _start(found: dict[Index, Weighed], index: Index, new: Index) -> Weighed:
+        """Return the fit to begin at: that at `index`, or the best one with shades for another."""
+        alike = [one for key, one in found.items() if key[4] == new[4]]
+        if index[4] or not new[4] or not alike:
+            return found[index]
+        return max(alike, key=lambda one: one.evidence)
 
     def _neighbours(self, index: Index, axes: int) -> Iterator[Index]:
         """Yield settings one step away along the first `axes`; an even background has no bumps."""
@@ -195,8 +224,12 @@ class _Settings:
     def _moved(self, one: Weighed, index: Index) -> Weighed:
         """Return the fit at `index`, begun at that of a neighbour."""
         old, new = one.likelihood, self.likelihood(index)
-        start = np.zeros(new.head_size + len(one.fit.parameters) - old.head_size)
-        start[new.head_size :] = one.fit.parameters[old.head_size :]
+        if new.setting.has_shades and not old.setting.has_shades:
+            return self._weighed(new, with_shades(old, one.fit, new))
+        sources = old.sources(one.fit.parameters)
+        start = np.zeros(new.head_size + new.source_size * len(sources))
+        same = min(old.source_size, new.source_size)
+        new.sources(start)[:, :same] = sources[:, :same]
         kept = old.head_size if old.head_size == new.head_size else HEAD_SIZE
         start[:kept] = one.fit.parameters[:kept]
         return self._weighed(new, new.fit(start))
@@ -209,6 +242,4 @@ class _Settings:
         if likelihood.source_count(fit.parameters):
             equals *= math.prod(sizes[2:])
         evidence = likelihood.evidence(fit) - math.log(equals)
-        if setting.lopsidedness > 0.0:
-            evidence += setting.search.log_odds_of_wall
         return Weighed(likelihood=likelihood, fit=fit, evidence=evidence)

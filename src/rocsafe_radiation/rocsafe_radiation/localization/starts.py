@@ -7,10 +7,21 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.candidates import best_separated, score_candidates
-from rocsafe_radiation.localization.likelihood import HEAD_MEANS, HEAD_SIZE, Fit, Likelihood
+from rocsafe_radiation.localization.likelihood import (
+    HEAD_MEANS,
+    HEAD_SIZE,
+    SOURCE_PARAMETERS,
+    STRENGTH,
+    Fit,
+    Likelihood,
+)
 from rocsafe_radiation.localization.mirror_image import mirror_images
+from rocsafe_radiation.localization.shade import first_shades, left, paths
 
 QUIET_SHARE = 0.2
+# Thickness over that expected at which a shade begins, how many are tried that differ by how much,
+# and the gain in log likelihood below which only the best one is tried.
+AMOUNTS, TRIED, APART, LEAST_GAIN = (0.2, 4.0), 8, 0.5, 2.0
 
 
 def without_sources(likelihood: Likelihood) -> Fit:
@@ -83,3 +94,45 @@ def _weightings(likelihood: Likelihood, parameters: FloatArray) -> list[FloatArr
     )
     alike = np.ones(likelihood.survey.size)
     return [alike] if regular.min() > 0.5 else [alike, regular]
+
+
+def with_shades(plain: Likelihood, fit: Fit, shaded: Likelihood) -> Fit:
+    """Return the best fit with something beside each source, begun at one without.
+
+    Parameters
+    ----------
+    plain, fit
+        The likelihood without shades, and its fit.
+    shaded
+        The likelihood with them, all else alike.
+    """
+    sources = plain.sources(fit.parameters)
+    tried = [_likely_shades(plain, fit.parameters, source) for source in sources]
+    starts = []
+    for rank in range(max(map(len, tried))):
+        shades = [own[min(rank, len(own) - 1)] for own in tried]
+        start = np.concatenate(
+            [fit.parameters[: plain.head_size], np.zeros(shaded.source_size * len(sources))]
+        )
+        rows = shaded.sources(start)
+        rows[:, :SOURCE_PARAMETERS] = sources
+        rows[:, SOURCE_PARAMETERS:] = shades
+        starts.append(start)
+    if len(starts) > 1:
+        rough = (shaded.fit(start, shaded.setting.search.rough_iterations) for start in starts)
+        starts = [max(rough, key=_evidence).parameters]
+    return shaded.fit(starts[0])
+
+
+def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray) -> FloatArray:
+    """Return the shades of one source that would explain the readings best, shape (tried, 4)."""
+    shades = first_shades()
+    offsets = np.broadcast_to(plain.offsets(source[None]), (len(shades), 3, plain.survey.size))
+    distances = np.sqrt(np.einsum('kcn,kcn->kn', offsets, offsets))
+    rates = np.exp(source[STRENGTH]) * plain.setting.kernel.values(distances[0] ** 2)
+    lost = (left(paths(offsets, distances, shades)) - 1.0) * rates * plain.survey.exposures
+    gains, amounts = score_candidates(plain, parameters, lost, np.ones(plain.survey.size))
+    # What is lost grows with the thickness.
+    shades[:, 3] += np.log(np.clip(amounts, *AMOUNTS))
+    best = best_separated(shades[:, :2], gains - LEAST_GAIN, TRIED, APART)
+    return np.asarray(shades[best or [int(np.argmax(gains))]])

@@ -31,9 +31,8 @@ FAR_MEDIANS, FAR_M = 20.0, 1000.0
 FEWEST_EMPTY, FEWEST_COUNTS = 8, 5.0
 # Units of dose rates differ by 1000 or more; responses of one detector differ by less than this.
 LARGEST_RATIO = 300.0
-# Readings beside a rise of a true dose rate that lie between both levels, for each reading on it.
+# Lesser steps, beside a true source, for each one of such a ratio.
 FEWEST_BETWEEN = 0.1
-NEAR_READINGS = 4
 
 
 def out_of_range(values: Mapping[str, float]) -> str:
@@ -100,22 +99,22 @@ def of_other_units(
 
 
 def jumping(vehicles: Sequence[str], rates: FloatArray) -> BoolArray:
-    """Return which dose rates (n,) differ from those before and after as another unit would.
+    """Return which dose rates (n,) differ from most others by sudden steps as of another unit.
 
-    The dose rate near a source rises over some readings. Rates that are 300 times those beside
-    them, or a 300th, with few in between, are in another unit.
+    The dose rate near a source rises over some readings. From one reading to the next it is 300
+    times as high, or a 300th, with few lesser steps: the unit is another from there on.
     """
-    steps = np.zeros(len(rates))
+    levels = np.zeros(len(rates), np.int64)
+    sudden, lesser = 0, 0
     for rows in _by_vehicle(vehicles):
         own = rows[rates[rows] > 0.0]
-        if own.size > 2 * NEAR_READINGS:
-            logs = np.pad(np.log(rates[own]), NEAR_READINGS, mode='reflect')
-            windows = np.lib.stride_tricks.sliding_window_view(logs, 2 * NEAR_READINGS + 1)
-            steps[own] = np.abs(np.log(rates[own]) - np.median(windows, axis=1))
-    are_far = steps > math.log(LARGEST_RATIO)
-    between = int((steps > math.log(LARGEST_RATIO) / 2.0).sum()) - int(are_far.sum())
-    is_sudden = between < FEWEST_BETWEEN * int(are_far.sum())
-    return np.asarray(are_far & is_sudden, dtype=bool)
+        steps = np.diff(np.log(rates[own]))
+        are_far = np.abs(steps) > math.log(LARGEST_RATIO)
+        sudden += int(are_far.sum())
+        lesser += int((np.abs(steps) > math.log(LARGEST_RATIO) / 2.0).sum() - are_far.sum())
+        levels[own[1:]] = np.cumsum(np.sign(steps) * are_far)
+        levels[own] -= np.int64(np.median(levels[own])) if own.size else 0
+    return np.asarray((levels != 0) & (lesser < FEWEST_BETWEEN * sudden), dtype=bool)
 
 
 def _by_vehicle(vehicles: Sequence[str]) -> Iterator[IndexArray]:

@@ -62,6 +62,8 @@ class RadiationSurvey:
         Ground below the readings.
     is_ground_guessed
         Whether nobody has stated where the ground is.
+    unread_count
+        Readings of a dead detector, which are left out.
     """
 
     positions_enu_m: FloatArray
@@ -70,6 +72,7 @@ class RadiationSurvey:
     background_shape: FloatArray | None = None
     ground: Ground = LEVEL
     is_ground_guessed: bool = False
+    unread_count: int = 0
 
     def __post_init__(self) -> None:
         size = len(self.counts)
@@ -130,6 +133,7 @@ class RadiationSurvey:
             background_shape=shape,
             ground=self.ground,
             is_ground_guessed=self.is_ground_guessed,
+            unread_count=self.unread_count,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             exposures=exposures,
