@@ -101,7 +101,11 @@ def test_releases_zones_and_places_to_measure_come_from_readings(ros, tmp_path):
     place = FRAME.enu_of(
         GeoPosition(release.position.latitude, release.position.longitude, ORIGIN.altitude_m)
     )
-    assert np.hypot(*(place[:2] - RELEASE.place_m)) < 15.0
+    miss = place[:2] - RELEASE.place_m
+    covariance = np.reshape(release.position_covariance, (2, 2))
+    # Quantile 0.95 of chi-square with two degrees of freedom.
+    assert miss @ np.linalg.solve(covariance, miss) < 5.991
+    assert np.hypot(*miss) < 25.0
     assert release.rate_low_g_s < RELEASE.rate_g_s < release.rate_high_g_s
     ros.spin_until(lambda: bool(plumes) and bool(zones), DEADLINE_S)
     assert max(plumes[-1].data) > 0
