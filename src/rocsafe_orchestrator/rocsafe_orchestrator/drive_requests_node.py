@@ -55,7 +55,8 @@ class DriveRequests:
         assessors: Sequence[Client],
     ) -> None:
         self._scenario, self._monitor = scenario, monitor
-        self._leases, self._unassessed = leases, list(assessors)
+        self._leases, self._assessors = leases, tuple(assessors)
+        self._unassessed: list[Client] = []
         self._mission: Mission | None = None
         self._so_far = DriveSoFar()
         self._route: GroundRoute | None = None
@@ -73,8 +74,10 @@ class DriveRequests:
         self.vehicle.destroy()
 
     def send_assess(self, order: Order) -> None:
-        """Ask whether all readings are assessed; repeated until they are."""
-        for assessor in self._unassessed:
+        """Ask whether all readings are assessed; repeated until they are, before each drive."""
+        if not self._unassessed:
+            self._unassessed = list(self._assessors)
+        for assessor in tuple(self._unassessed):
             answer = assessor.call_async(SuggestViewpoints.Request(count=1))
             answer.add_done_callback(partial(self._on_assessed, order, assessor))
 
@@ -82,8 +85,9 @@ class DriveRequests:
         answer = future.result()
         if self._mission is None or answer is None or answer.status == answer.NOT_YET:
             return
-        if assessor in self._unassessed:
-            self._unassessed.remove(assessor)
+        if assessor not in self._unassessed:
+            return
+        self._unassessed.remove(assessor)
         if not self._unassessed:
             self._mission.answered(order)
 
