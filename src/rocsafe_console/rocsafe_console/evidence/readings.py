@@ -10,7 +10,7 @@ from typing import Any
 from rocsafe_console.evidence.chain import line_of
 
 DATUM = 'WGS84'
-# Of products, besides the hash: what was estimated, and how sure.
+# The log keeps, besides the hash of a product, what was estimated and how sure it is.
 _TOLD_KEYS = (
     'stamp_s',
     'plan_id',

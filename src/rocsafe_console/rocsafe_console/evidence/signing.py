@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Who seals: the key of the user of this machine, and the version of the code."""
+"""Identity of a seal: the key of the user of this machine and the version of the code."""
 
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version

@@ -106,7 +106,7 @@ class Agent:
         self._exchange = Exchange(self.ledger, self._count)
         self._places: dict[int, tuple[tuple[int, int], Place]] = {}
         self._route = first.routes.get(own, ())
-        # Of each vehicle in the newest plan here that it was a member of.
+        # For each vehicle: the newest plan known here of which it was a member.
         self._routes = dict(first.routes)
         self._live = self._everyone
         self._next_beat_s = now_s

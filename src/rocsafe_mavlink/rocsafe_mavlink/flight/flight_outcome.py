@@ -34,7 +34,7 @@ _WORDS = (
     # Remote control, terrain, and what nobody here has heard of yet.
     ('failsafe', FlightOutcome.FAILSAFE_OTHER),
 )
-# Such a text says that there is none, or not yet: before arming, a warning, one that is over.
+# These texts announce no failsafe: checks before arming, warnings, failsafes that have ended.
 _BEFORE_ARMING = ('prearm:', 'arm:')
 _HARMLESS = ('cleared', 'failsafe warning', 'deactivated')
 

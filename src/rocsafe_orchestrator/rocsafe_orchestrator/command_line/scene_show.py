@@ -9,6 +9,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from rocsafe_geo.argument import number
 from rocsafe_orchestrator.command_line import Commands
 from rocsafe_orchestrator.command_line.passed_on import SCENE, SHOW
 
@@ -41,7 +42,11 @@ def add_to(commands: Commands) -> None:
         '--size', type=_size, default=SIZE, metavar='WxH', help='pixels (default: 960x600)'
     )
     parser.add_argument(
-        '--rate', type=float, default=5.0, metavar='HZ', help='most pictures a second (default: 5)'
+        '--rate',
+        type=number(0.1, 60.0, ' Hz'),
+        default=5.0,
+        metavar='HZ',
+        help='most pictures a second (default: 5)',
     )
     parser.add_argument(
         '--no-window', action='store_true', help='for the console only, also where a display is'

@@ -66,7 +66,7 @@ def left_and_slopes(
     """
     rays = _Rays.of(offsets, distances, shades)
     slopes = rays.slopes(offsets, distances, shades)
-    # Of the logarithm of what is left, by that of the paths.
+    # Derivative of the logarithm of the share left by the logarithm of the paths.
     by_path = -rays.paths * rays.paths / (1.0 + rays.paths)
     return left(rays.paths), slopes * by_path[:, None]
 
@@ -124,7 +124,7 @@ class _Rays:
         lengths, widths = _lengths(shades)[:, :, None], np.exp(shades[:, 2])[:, None, None]
         ways = offsets / distances[:, None]
         ends = np.hypot(widths, 1.0)
-        # Of the exponents of both edges, and of the logarithm of the slant.
+        # Derivatives of the exponents of both edges, and of the logarithm of the slant.
         low = ((1.0 - self.below) / (EDGE * distances))[:, None]
         end = ((1.0 - self.within) / (EDGE * distances))[:, None] / ends
         slant = ((self.across > FLATTEST) / np.maximum(self.to_m, 1e-9))[:, None]
