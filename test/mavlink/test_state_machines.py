@@ -14,8 +14,6 @@ import pytest
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.hostile_vehicle import (
     FAILSAFE,
-    HOME_E7,
-    OTHER,
     OURS,
     PILOT,
     Channel,
@@ -24,7 +22,7 @@ from test.mavlink.hostile_vehicle import (
     modes_of,
     spite_of,
 )
-from test.mavlink.test_advice import adsb
+from test.mavlink.misfortunes import MISFORTUNES
 from test.mavlink.test_flight import plan
 
 from rocsafe_geo.frame import LocalFrame
@@ -43,7 +41,7 @@ from rocsafe_mavlink.wire.authority import COMMANDS
 
 RUNS = int(os.environ.get('ROCSAFE_STATE_RUNS', '100'))
 SHARDS = 10
-STEP_S, FLIGHT_S = 0.25, 60.0
+STEP_S, FLIGHT_S, CALM_S = 0.25, 100.0, 45.0
 # No operation may take longer: a start with 13 items, with every answer at the last moment.
 DEADLINE_S = 420.0
 # A mode that the bridge asked for so recently may be its own doing.
@@ -79,7 +77,7 @@ class Watch:
         self.has_failed |= self.is_armed and any(word in said for word in FAILSAFE_WORDS)
         if message.name == 'MISSION_CURRENT':
             self.total = message.fields.get('total', 0)
-        if message.name != 'HEARTBEAT':
+        if message.name != 'HEARTBEAT' or id(message) not in run.vehicle.owners:
             return
         _, owner = run.vehicle.owners[id(message)]
         mode, is_armed = message['custom_mode'], bool(message['base_mode'] & 0x80)
@@ -176,33 +174,36 @@ class Run:
         late_s = rng.choice((0.0, 0.0, 0.4, 2.5))
         self.down, self.up = (Channel(rng, bad, bad / 2.0, late_s) for _ in range(2))
         self.now_s = 0.0
-        # When somebody else changed the mission, and when the last order came.
-        self.changed_s, self.ordered_s = -1.0, 0.0
+        self.ordered_s, self.cut_until_s = 0.0, -1.0
         self.watch = Watch(self)
         self.begun = {}
         self.plans = [mission_of(flown, kind).items for flown in PLANS.values()]
         self.first = kind.first_own_item
         self.ids = count()
-        self.busy, self.wild = rng.choice((0.03, 0.15)), rng.choice((0.01, 0.01, 0.06))
+        self.busy, self.wild = rng.choice((0.02, 0.1)), rng.choice((0.01, 0.03, 0.08))
+        self.is_calm_on_ground = rng.random() < 0.7
 
     @property
     def was_just_changed(self):
         """Whether the mission was changed after the order came that is carried out."""
         flight = self.drone.session.flight
         is_starting = flight is not None and flight.is_beginning
-        return self.changed_s >= 0.0 and (is_starting or self.changed_s >= self.ordered_s)
+        changed_s = self.vehicle.changed_s
+        return changed_s >= 0.0 and (is_starting or changed_s >= self.ordered_s)
 
     def is_planned(self, stored):
         """Whether the items of one of the plans lie on the vehicle."""
         return any(_same(stored, items, self.first) for items in self.plans)
 
     def fly(self):
-        """Fly; orders and misfortunes come at random."""
+        """Fly; orders and misfortunes come at random, after the first start or in the air."""
         calm, is_calm = (self.down._loss, self.up._loss), True
         self.down._loss = self.up._loss = 0.0
         while self.now_s < FLIGHT_S:
-            if is_calm and self.now_s > 8.0:
+            session = self.drone.session
+            if is_calm and self._is_calm_over():
                 self.down._loss, self.up._loss, is_calm = *calm, False
+            if self.now_s > 8.0 and not session.is_flying and self.rng.random() < 0.1:
                 self.order(self._start)
             if not is_calm:
                 self.meddle()
@@ -210,10 +211,16 @@ class Run:
         while self.pending():
             self.step()
 
+    def _is_calm_over(self):
+        limit_s = CALM_S if self.is_calm_on_ground else 8.0
+        return self.vehicle.is_flying or self.now_s > limit_s
+
     def step(self):
         """Let time pass."""
         self.now_s += STEP_S
         now_s, session = self.now_s, self.drone.session
+        if now_s > self.cut_until_s:
+            self.down.is_cut = self.up.is_cut = False
         for message in self.vehicle.step(now_s):
             self.down.put(now_s, message)
         for message in self.down.due(now_s):
@@ -253,7 +260,7 @@ class Run:
         """Send what the session wants sent."""
         for message in self.drone.session.outgoing():
             if message.name == 'MISSION_COUNT' and not message['mission_type']:
-                self.changed_s = -1.0
+                self.vehicle.changed_s = -1.0
             self.watch.judge(message)
             self.up.put(self.now_s, message)
 
@@ -281,6 +288,8 @@ class Run:
                     (
                         self._start,
                         lambda: commands.hold(now_s),
+                        lambda: commands.hold(now_s),
+                        lambda: commands.resume(now_s),
                         lambda: commands.resume(now_s),
                         lambda: commands.resume(now_s),
                         lambda: commands.return_home(now_s),
@@ -307,101 +316,6 @@ def _same(stored, items, first):
         and (item.command in WITHOUT_HEIGHT or abs(kept[8] - item.z_m) < 0.1)
         for kept, item in pairs
     )
-
-
-def _pilot(run):
-    mode = run.rng.choice(run.vehicle.modes['pilot'])
-    if run.vehicle.is_armed:
-        run.vehicle.take(PILOT, mode, run.now_s)
-
-
-def _pilot_presses_return(run):
-    if run.vehicle.is_armed:
-        run.vehicle.take(PILOT, run.vehicle.modes[run.rng.choice(('return', 'land'))], run.now_s)
-
-
-def _other_station(run):
-    if run.vehicle.is_armed:
-        mode = run.vehicle.modes[run.rng.choice(('mission', 'guided', 'hold'))]
-        run.vehicle.take(OTHER, mode, run.now_s)
-
-
-def _failsafe(run):
-    if run.vehicle.is_armed:
-        run.vehicle.fail(run.now_s)
-
-
-def _reboot(run):
-    run.vehicle.reboot(run.now_s)
-    run.changed_s = run.now_s
-
-
-def _overwrite(run):
-    run.vehicle.overwrite()
-    run.changed_s = run.now_s
-
-
-def _motors_stop(run):
-    run.vehicle._land(run.now_s)
-
-
-def _pilot_arms(run):
-    run.vehicle.is_armed = True
-    run.vehicle.take(PILOT, run.rng.choice(run.vehicle.modes['pilot']), run.now_s)
-
-
-def _cut(run):
-    run.down.is_cut = not run.down.is_cut
-    if run.rng.random() < 0.5:
-        run.up.is_cut = run.down.is_cut
-
-
-def _home_moves(run):
-    run.vehicle.home = (HOME_E7[0] + 9000, HOME_E7[1])
-
-
-def _home_rises(run):
-    run.vehicle.home_mm = run.rng.choice((480_000, 488_000, 530_000))
-
-
-def _odd_heartbeat(run):
-    run.vehicle.beat_oddly()
-
-
-def _odd_clock(run):
-    run.vehicle.boot_s += run.rng.choice((-500.0, -3.0, 1.0, 3.0))
-
-
-def _stuck(run):
-    run.vehicle.is_stuck = not run.vehicle.is_stuck
-
-
-def _noise(run):
-    vehicle, rng = run.vehicle, run.rng
-    kind = rng.randrange(3)
-    rng.choice(
-        (
-            lambda: vehicle.say('COMMAND_ACK', command=rng.choice(list(COMMANDS)), result=0),
-            lambda: vehicle.say('MISSION_ACK', type=rng.randrange(20), mission_type=kind),
-            lambda: vehicle.say('MISSION_REQUEST_INT', seq=rng.randrange(9), mission_type=kind),
-            lambda: vehicle.say('MISSION_COUNT', count=rng.randrange(70000), mission_type=kind),
-            lambda: vehicle.say('MISSION_ITEM_REACHED', seq=rng.randrange(70)),
-            lambda: vehicle.say(
-                'MISSION_CURRENT', seq=rng.randrange(70), mission_state=9, total=rng.randrange(9)
-            ),
-            lambda: vehicle.say('FENCE_STATUS', breach_status=0),
-            lambda: vehicle.say('WIND', speed=30.0 * rng.random()),
-            lambda: vehicle.say('ADSB_VEHICLE', **adsb(0.0, 900.0 * rng.random()).fields),
-            lambda: vehicle.say('EXTENDED_SYS_STATE', landed_state=rng.randrange(9)),
-        )
-    )()
-
-
-MISFORTUNES = (
-    *(_pilot, _pilot, _pilot_presses_return, _other_station, _failsafe, _failsafe, _reboot),
-    *(_overwrite, _motors_stop, _pilot_arms, _cut, _cut, _home_moves, _noise, _noise, _noise),
-    *(_overwrite, _home_rises, _odd_heartbeat, _odd_heartbeat, _odd_clock, _stuck),
-)
 
 
 # Each broke a rule of an older bridge. 770: motors that the pilot started while a

@@ -92,7 +92,8 @@ class CommandStep:
 
     def on_message(self, message: Message, now_s: float) -> tuple['CommandStep', list[Message]]:
         """Take a message of the vehicle."""
-        return replace(self, call=self.call.on_message(message, now_s)), []
+        call = self.call.on_message(message, now_s)
+        return self if call is self.call else replace(self, call=call), []
 
     def on_tick(
         self, vehicle: VehicleTelemetry, now_s: float
@@ -194,7 +195,8 @@ class TransferStep:
     def _moved(
         self, answer: tuple[Transfer, list[Message]]
     ) -> tuple['TransferStep', list[Message]]:
-        return replace(self, moving=answer[0]), answer[1]
+        moving, sent = answer
+        return self if moving is self.moving else replace(self, moving=moving), sent
 
 
 Step = CommandStep | TransferStep
@@ -275,6 +277,8 @@ class CommandSequence:
         if not self.is_begun:
             return self, []
         step, sent = self.steps[0].on_message(message, now_s)
+        if step is self.steps[0]:
+            return self, sent
         return replace(self, steps=(step, *self.steps[1:])), sent
 
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
