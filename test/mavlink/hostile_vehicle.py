@@ -23,22 +23,46 @@ TEXTS = (
     'EKF Failsafe: changed to LAND Mode',
     'Circle fence breached',
 )
+# Positions and the like come this often, as on a slow radio.
+FAST_S = 1.0
 PIECE = 50
+READING = ('PARAM_REQUEST_READ', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT')
 REAL32 = 9
 # Settings with which a flight may begin.
 SETTINGS = {
     ARDUPILOT: {
-        **{'WPNAV_SPEED': 500.0, 'WPNAV_ACCEL': 250.0, 'WPNAV_RADIUS': 200.0},
-        **{'FS_GCS_ENABLE': 1.0, 'BATT_FS_LOW_ACT': 2.0, 'FS_OPTIONS': 0.0, 'FS_THR_ENABLE': 1.0},
-        **{'FENCE_ENABLE': 0.0, 'FENCE_TYPE': 7.0, 'FENCE_ACTION': 1.0, 'FENCE_RADIUS': 900.0},
-        **{'FENCE_ALT_MAX': 110.0, 'WP_YAW_BEHAVIOR': 0.0, 'SYSID_MYGCS': 255.0},
-        **{'RTL_ALT': 3000.0, 'ARMING_CHECK': 1.0, 'RALLY_LIMIT_KM': 0.3, 'RALLY_INCL_HOME': 1.0},
+        'WPNAV_SPEED': 500.0,
+        'WPNAV_ACCEL': 250.0,
+        'WPNAV_RADIUS': 200.0,
+        'FS_GCS_ENABLE': 1.0,
+        'BATT_FS_LOW_ACT': 2.0,
+        'FS_OPTIONS': 0.0,
+        'FS_THR_ENABLE': 1.0,
+        'FENCE_ENABLE': 0.0,
+        'FENCE_TYPE': 7.0,
+        'FENCE_ACTION': 1.0,
+        'FENCE_RADIUS': 900.0,
+        'FENCE_ALT_MAX': 110.0,
+        'WP_YAW_BEHAVIOR': 0.0,
+        'SYSID_MYGCS': 255.0,
+        'RTL_ALT': 3000.0,
+        'ARMING_CHECK': 1.0,
+        'RALLY_LIMIT_KM': 0.3,
+        'RALLY_INCL_HOME': 1.0,
         'OA_TYPE': 0.0,
     },
     PX4: {
-        **{'MPC_XY_CRUISE': 5.0, 'MPC_ACC_HOR': 3.0, 'NAV_ACC_RAD': 5.0, 'NAV_DLL_ACT': 2.0},
-        **{'COM_LOW_BAT_ACT': 3.0, 'GF_ACTION': 3.0, 'COM_DLL_EXCEPT': 0.0, 'NAV_RCL_ACT': 2.0},
-        **{'RTL_RETURN_ALT': 30.0, 'RTL_TYPE': 0.0, 'GF_MAX_HOR_DIST': 0.0},
+        'MPC_XY_CRUISE': 5.0,
+        'MPC_ACC_HOR': 3.0,
+        'NAV_ACC_RAD': 5.0,
+        'NAV_DLL_ACT': 2.0,
+        'COM_LOW_BAT_ACT': 3.0,
+        'GF_ACTION': 3.0,
+        'COM_DLL_EXCEPT': 0.0,
+        'NAV_RCL_ACT': 2.0,
+        'RTL_RETURN_ALT': 30.0,
+        'RTL_TYPE': 0.0,
+        'GF_MAX_HOR_DIST': 0.0,
         'GF_MAX_VER_DIST': 0.0,
     },
 }
@@ -157,7 +181,7 @@ class HostileVehicle:
 
     def receive(self, message, now_s):
         """Take a message of the bridge."""
-        if self.obeys_another:
+        if self.obeys_another and message.name not in READING:
             return
         if message.name in ('COMMAND_LONG', 'COMMAND_INT'):
             self._command(message, now_s)
@@ -286,7 +310,7 @@ class HostileVehicle:
             self.fails_in_upload = False
             self.fail(now_s)
         self._fly(now_s)
-        if now_s - self._fast_s >= 0.5 and not self.is_stuck:
+        if now_s - self._fast_s >= FAST_S and not self.is_stuck:
             self._fast_s = now_s
             self._tell(now_s)
         if now_s - self._beat_s >= 1.0:
@@ -416,10 +440,19 @@ _KEPT = (
 )
 
 
+# A vehicle that does what it is told.
+KIND = {
+    **dict.fromkeys(('refusing', 'lying', 'silent', 'torn', 'deaf'), 0.0),
+    **dict.fromkeys(('rebooting', 'rehomes', 'late', 'untold'), 0.0),
+    'endless': False,
+    'stuck': 0,
+}
+
+
 def spite_of(rng):
     """Draw how the vehicle misbehaves: not at all, in one way, or in all at once."""
-    amount = dict.fromkeys(('refusing', 'lying', 'silent', 'torn', 'deaf'), 0.0)
-    for name in amount:
+    amount = dict(KIND)
+    for name in ('refusing', 'lying', 'silent', 'torn', 'deaf'):
         if rng.random() < 0.15:
             amount[name] = rng.choice((0.05, 0.2, 0.6))
     for name in ('rebooting', 'rehomes', 'late', 'untold'):

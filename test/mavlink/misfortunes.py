@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happens to a vehicle at random during a run of `test_state_machines`: each takes the run."""
+"""What happens at random during a run of `test_state_machines`: each is called with the run."""
 
-from test.mavlink.hostile_vehicle import FAILSAFE, HOME_E7, OTHER, PILOT
+from test.mavlink.hostile_vehicle import HOME_E7, OTHER, PILOT
 from test.mavlink.test_advice import adsb
 
 from rocsafe_mavlink.wire.authority import COMMANDS
@@ -35,6 +35,13 @@ def _reboot(run):
 
 def _overwrite(run):
     run.vehicle.overwrite(run.now_s)
+
+
+def _swap_before_resume(run):
+    """It holds by order, another station writes another mission, and the operator resumes."""
+    run.order(lambda: run.drone.commands.hold(run.now_s))
+    run.vehicle.overwrite(run.now_s)
+    run.resume_s = run.now_s + run.rng.choice((1.0, 3.0, 8.0))
 
 
 def _motors_stop(run):
@@ -133,9 +140,10 @@ def _noise(run):
 
 
 MISFORTUNES = (
-    *(_pilot, _pilot, _pilot_presses_return, _other_station, _failsafe, _failsafe, _reboot),
-    *(_overwrite, _motors_stop, _pilot_arms, _cut, _cut, _home_moves, _noise, _noise, _noise),
-    *(_overwrite, _home_rises, _odd_heartbeat, _odd_heartbeat, _odd_clock, _stuck),
-    *(_clock_wraps, _fails_in_upload, _component_beats, _component_beats, _old_count),
-    *(_estimate_jumps, _obeys_another, _passing_mode, _failsafe, _failsafe, _failsafe, _pilot),
+    *(_pilot, _pilot, _pilot, _pilot_presses_return, _pilot_arms, _passing_mode, _other_station),
+    *(_failsafe, _failsafe, _failsafe, _failsafe, _failsafe, _fails_in_upload, _motors_stop),
+    *(_overwrite, _overwrite, _swap_before_resume, _swap_before_resume, _old_count, _reboot),
+    *(_cut, _cut, _stuck, _noise, _noise, _noise, _odd_heartbeat, _odd_heartbeat),
+    *(_component_beats, _component_beats, _odd_clock, _clock_wraps, _obeys_another),
+    *(_home_moves, _home_rises, _estimate_jumps),
 )

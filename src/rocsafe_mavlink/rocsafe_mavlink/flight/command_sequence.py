@@ -376,7 +376,9 @@ class CommandSequence:
             return 'somebody else started the motors'
         mode = self.autopilot.mode_name(vehicle.custom_mode)
         own = step.modes if self.is_begun else frozenset[int]()
-        late = self.late_modes if now_s < self.late_until_s else frozenset[int]()
+        # A mode that comes with a critical status is more likely that of a failsafe.
+        is_late = now_s < self.late_until_s and not vehicle.is_in_failsafe
+        late = self.late_modes if is_late else frozenset[int]()
         if vehicle.custom_mode not in {self.mode, *own, *late}:
             return f'the vehicle was switched to {mode}'
         if vehicle.is_in_failsafe and not self.is_always_taken:
