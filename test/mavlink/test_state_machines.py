@@ -15,6 +15,7 @@ import pytest
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.hostile_vehicle import (
     FAILSAFE,
+    KIND,
     OURS,
     PILOT,
     Channel,
@@ -197,13 +198,19 @@ class Run:
         return any(_same(stored, items, self.first) for items in self.plans)
 
     def fly(self):
-        """Fly; orders and misfortunes come at random, after the first start or in the air."""
+        """Fly; orders and misfortunes come at random, after the first start or in the air.
+
+        Before that the link is good, and where they come in the air the vehicle does as told.
+        """
         calm, is_calm = (self.down._loss, self.up._loss), True
         self.down._loss = self.up._loss = 0.0
+        spite = self.vehicle.spite
+        self.vehicle.spite = KIND if self.is_calm_on_ground else spite
         while self.now_s < FLIGHT_S:
             session = self.drone.session
             if is_calm and self._is_calm_over():
                 self.down._loss, self.up._loss, is_calm = *calm, False
+                self.vehicle.spite = spite
             if self.now_s > 8.0 and not session.is_flying and self.rng.random() < 0.1:
                 self.order(self._start)
             if not is_calm:
