@@ -19,7 +19,7 @@ from rasterio.vrt import WarpedVRT
 from rasterio.warp import calculate_default_transform, transform_bounds
 
 from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, write_whole
-from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
+from rocsafe_mapping.drawing.grid import FINEST_ZOOM, TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.products.cog import CACHE_BYTES, LOCAL_WKT
 
@@ -104,13 +104,12 @@ def write_mbtiles(cog: Path, path: Path) -> None:
 def _on_tiles(source: DatasetReader) -> WarpedVRT:
     """Return a map in Web Mercator whose edges are edges of tiles.
 
-    Otherwise GDAL shifts the map
-    by up to a pixel.
+    Otherwise GDAL shifts the map by up to a pixel.
     """
     wished, _, _ = calculate_default_transform(
         source.crs, f'EPSG:{WEB_MERCATOR_EPSG}', source.width, source.height, *source.bounds
     )
-    zoom = round(math.log2(2.0 * WORLD_M / TILE_PX / wished.a))
+    zoom = min(round(math.log2(2.0 * WORLD_M / TILE_PX / wished.a)), FINEST_ZOOM)
     pixel_m = 2.0 * WORLD_M / TILE_PX / 2**zoom
     side_m = TILE_PX * pixel_m
     west, south, east, north = transform_bounds(
