@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares the error that fixes leave in a map with the one that their residuals show.
 
-The surveys are those of `mapping_families`, but without photographs: a block of known shape is laid
-on its fixes by shift, turn and scale. So thousands of surveys take seconds, and what the noise of
-the fixes alone does is seen. Beside it stands what could be stated if the noise of the fixes were
-known exactly: the error of one survey is one draw, and no statement can foretell it.
+The surveys are those of `mapping_families`, but without photographs: a block of known shape is
+laid on its fixes by shift, turn and scale. So thousands of surveys take seconds, and what the
+noise of the fixes alone does is seen. Beside it stands what could be stated if the noise of the
+fixes were known exactly: the error of one survey is one draw, and no statement can foretell it.
 """
 
 import argparse

@@ -122,6 +122,53 @@ def test_photographs_far_from_the_others_are_left_out_by_name():
     assert 'km from most other photographs' in said[1]
 
 
+def test_fixes_that_are_all_alike_do_not_shrink_the_map():
+    """A receiver that hangs tells one place: the told heights keep the scale."""
+    flown = texture.flight(5, rows=2, columns=3)
+    place = {
+        name: getattr(flown[0].record, name)
+        for name in ('latitude_deg', 'longitude_deg', 'altitude_m')
+    }
+    maker = Mapmaker(MapOptions())
+    maker.add_all(
+        [
+            Shot(
+                name=shot.record.shot_id,
+                record=dataclasses.replace(shot.record, **place),
+                read=lambda shot=shot: shot.jpeg,
+            )
+            for shot in flown
+        ]
+    )
+    alignment = maker.align()
+    true_m = texture.HEIGHT_M / texture.CAMERA.matrix[0, 0]
+    assert maker.finest_resolution_m == pytest.approx(true_m, rel=0.1)
+    assert violations(alignment, maker.block.state)
+
+
+def test_two_cameras_of_unlike_pixels_are_tied():
+    """The second shows the ground twice as large: what its focal length says."""
+    import cv2
+
+    shots = []
+    for number, shot in enumerate(texture.flight(5, rows=3, columns=3, spacing_m=(9.0, 8.0))):
+        record, jpeg = shot.record, shot.jpeg
+        if number % 2:
+            half = cv2.imdecode(np.frombuffer(jpeg, np.uint8), 1)[75:225, 100:300]
+            jpeg = bytes(cv2.imencode('.jpg', cv2.resize(half, (400, 300)))[1])
+            camera = record.camera
+            camera = dataclasses.replace(
+                camera, fx_px=2.0 * camera.fx_px, fy_px=2.0 * camera.fy_px
+            )
+            record = dataclasses.replace(record, camera=camera, lens='zoomed')
+        shots.append(Shot(name=record.shot_id, record=record, read=lambda jpeg=jpeg: jpeg))
+    maker = Mapmaker(MapOptions())
+    maker.add_all(shots)
+    alignment = maker.align()
+    assert {placement.placed_by for placement in alignment.placements.values()} == {'features'}
+    assert alignment.groups == (9,)
+
+
 def test_places_are_told_apart_by_gaps():
     """A long survey is one place; the date line and the poles are no gap."""
     line = [(10.0, -180.0 + 0.01 * (step - 50) % 360.0 - 0.0) for step in range(100)]

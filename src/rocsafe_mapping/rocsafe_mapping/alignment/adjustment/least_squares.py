@@ -113,9 +113,7 @@ def _draw_fixes(
         found = [state.poses[names[at]].centre[:2] for at in order]
         fixes = [photos[names[at]].prior.centre[:2] for at in order]
         claimed_m = float(np.median([photos[names[at]].horizontal_std_m for at in order]))
-        errors_m = fix_errors_m(
-            np.array(fixes), np.array(found), claimed_m, draws.shape[1], rng
-        )
+        errors_m = fix_errors_m(np.array(fixes), np.array(found), claimed_m, draws.shape[1], rng)
         for at, error_m in zip(order, errors_m, strict=True):
             std_m = photos[names[at]].horizontal_std_m * state.noise.fix_factor
             draws[POSE_SIZE * at : POSE_SIZE * at + 2] = error_m / std_m
