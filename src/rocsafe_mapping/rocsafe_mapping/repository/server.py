@@ -3,9 +3,9 @@
 
 Sending: ``HEAD /uploads/<sha256>`` returns the offset; ``PATCH /uploads/<sha256>`` with
 ``Upload-Offset`` adds a piece; ``PUT /images/<shot_id>`` with the record, and the SHA-256 of the
-bytes as ``Idempotency-Key``, makes them a photograph: 201 new, 200 there already, 409 other bytes of that name, 412 not all bytes are there,
-413 too large, 422 no photograph, 503 too many unfinished uploads, 507 disk full. Each body is
-checked against ``Content-Digest`` (RFC 9530).
+bytes as ``Idempotency-Key``, makes them a photograph: 201 new, 200 there already, 409 other bytes
+of that name, 412 not all bytes are there, 413 too large, 422 no photograph, 503 too many
+unfinished uploads, 507 disk full. Each body is checked against ``Content-Digest`` (RFC 9530).
 
 Reading: ``GET /images`` lists the photographs as JSON, ``GET /images/<shot_id>`` is one.
 
