@@ -10,12 +10,12 @@ from test.console.caller import FORGED, Caller, forge_many, revisions_of
 from test.console.stage import TOKEN, Stage, served
 
 from rocsafe_console.errors import ConsoleError
-from rocsafe_console.evidence.chain import checked
 from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
 from rocsafe_console.people.users import User
 from rocsafe_console.web.context import WebOptions
 from rocsafe_console.web.server import require_safe
+from rocsafe_geo.storage.evidence_log import checked
 
 PASSWORD = 'correct horse battery'  # noqa: S105 - of a test
 LAYERS = (
@@ -59,10 +59,10 @@ def test_an_order_is_written_down_and_sent_and_answered(stage, caller, tmp_path)
 def test_an_order_that_cannot_be_written_down_is_not_sent(stage, caller, monkeypatch):
     """A full disk: nothing flies without a line in the log."""
 
-    def full(event: object) -> None:
+    def full(*_: object) -> None:
         raise OSError(28, 'No space left on device')
 
-    monkeypatch.setattr(stage.context.desk, '_write', lambda _mission, event: full(event))
+    monkeypatch.setattr(stage.context.desk, 'write', full)
     status, answer = caller.order('return', revisions_of(stage))
     assert status == 403
     assert 'nothing was sent' in answer['error']

@@ -10,7 +10,8 @@ const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', 
 // The same states on wheels.
 const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
 const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
-const ROWS_AT_ONCE = 30;
+// Rows that are made in one go: the page answers between them.
+const ROWS_AT_ONCE = 12;
 const M_PER_WORLD = 40075016;
 
 // Replaces children only if the text differs, so that nothing flickers and focus stays.
@@ -175,11 +176,10 @@ export class Facts {
     if (!this.link.vehicles.size) { fill(box, make('p', { class: 'none', text: t('no_vehicle') })); this.rows.clear(); return; }
     if (!this.rows.size) { delete box.dataset.made; box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
     for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
-    // A large fleet is listed some at a time, so that the page can be used at once.
     let room = ROWS_AT_ONCE;
     for (const vehicle of this.link.vehicles.values()) {
       let row = this.rows.get(vehicle.name);
-      if (!row && !room) break;
+      if (!row && !room) { setTimeout(() => this.drawVehicles(this.link.sections.vehicle_facts ?? {}), 0); break; }
       if (!row) { room -= 1; row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.append(row); this.watch.observe(row); }
       row.classList.toggle('grey', this.link.isStale(vehicle));
       if (row.isSeen !== false) this.drawRow(row, vehicle, facts[vehicle.name] ?? {});

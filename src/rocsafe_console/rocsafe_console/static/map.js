@@ -83,6 +83,8 @@ export class MissionMap {
     this.groups.grid.addLayer(new CanvasLayer((...all) => this.drawGrid(...all), { pane: 'images' }));
     this.trackLayer = new CanvasLayer((...all) => this.drawTracks(...all), { pane: 'tracks' });
     this.groups.tracks.addLayer(this.trackLayer);
+    this.homeLayer = new CanvasLayer((...all) => this.drawHomes(...all), { pane: 'tracks' });
+    this.groups.homes.addLayer(this.homeLayer);
     this.vehicleLayer = new CanvasLayer((...all) => this.drawVehicles(...all), { pane: 'vehicles' }).addTo(this.map);
     for (const [name, group] of Object.entries(this.groups)) if (this.shown[name]) group.addTo(this.map);
     new ResizeObserver(() => this.map.invalidateSize({ animate: false })).observe(element);
@@ -157,7 +159,7 @@ export class MissionMap {
     if (has('mosaic')) this.drawImage('mosaic', sections.mosaic, 1);
     if (has('dose_map')) this.drawImage('dose', sections.dose_map, 1, 'dose_map');
     if (has('plume')) { this.drawImage('plume', sections.plume, 1); this.drawLegend(); }
-    if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.drawHomes();
+    if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.showHomes();
     if (!this.isFitted && (sections.region || sections.plan)) this.fit(false);
   }
 
@@ -252,11 +254,24 @@ export class MissionMap {
     }
   }
 
-  drawHomes() {
-    this.groups.homes.clearLayers();
+  showHomes() {
+    const key = [...this.vehicles.values()].map((vehicle) => vehicle.facts?.home).join('|');
+    if (this.homes === key) return;
+    this.homes = key;
+    this.homeLayer.redraw();
+  }
+
+  drawHomes(context, toPixel) {
+    context.lineWidth = 3;
+    context.fillStyle = 'rgb(255 255 255 / 90%)';
     for (const vehicle of this.vehicles.values()) {
       const home = vehicle.facts?.home;
-      if (home) this.groups.homes.addLayer(L.circleMarker([home[0], home[1]], { radius: 6, color: this.colourOf(vehicle), weight: 3, fillColor: '#ffffff', fillOpacity: 0.9, interactive: false }));
+      if (!home) continue;
+      context.strokeStyle = this.colourOf(vehicle);
+      context.beginPath();
+      context.arc(...toPixel(worldOf(home[0], home[1])), 6, 0, 7);
+      context.fill();
+      context.stroke();
     }
   }
 

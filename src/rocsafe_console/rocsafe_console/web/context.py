@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from aiohttp import web
 
-from rocsafe_console.evidence.desk import Desk, Event
+from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
 from rocsafe_console.outward.event_target import EventTarget
 from rocsafe_console.people.roles import Action, Role, require
@@ -18,6 +18,7 @@ from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
 from rocsafe_console.people.users import Users
 from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
+from rocsafe_geo.storage.evidence_log import Event
 
 # Orders of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0

@@ -6,12 +6,13 @@ from dataclasses import asdict
 
 from aiohttp import web
 
-from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.errors import RefusedError
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.drafts import Drafts
 from rocsafe_console.runs.outline import areas_of
 from rocsafe_console.web.context import context_of, session_of
 from rocsafe_console.web.guards import body_of
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 DRAFTS: web.AppKey[Drafts] = web.AppKey('drafts', Drafts)
 
@@ -74,7 +75,7 @@ async def launch_draft(request: web.Request) -> web.Response:
     confirmed = [str(one) for one in body.get('confirm', [])]
     try:
         context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
-    except (OSError, ConsoleError) as error:
+    except (OSError, EvidenceError) as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
     launch = await asyncio.to_thread(request.app[DRAFTS].launch, name, approved, confirmed)
     context.write('outcome', session.user, name=name, **asdict(launch))

@@ -10,6 +10,7 @@ from aiohttp import web
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.people.roles import Role
 from rocsafe_console.web.context import SESSION, WebOptions, context_of
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 LOOPBACK_NAMES = ('127.0.0.1', 'localhost', '[::1]')
 OPEN = frozenset({'/api/login', '/api/token', '/api/hello'})
@@ -52,6 +53,8 @@ async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
         answer = refused(403, str(error))
     except ConsoleError as error:
         answer = refused(404, str(error))
+    except EvidenceError as error:
+        answer = refused(503, str(error))
     except RecursionError:
         answer = refused(400, 'the body is nested too deeply')
     except (ValueError, KeyError, TypeError, ArithmeticError) as error:

@@ -9,11 +9,12 @@ from typing import Any, TypeVar
 
 from aiohttp import web
 
-from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.errors import RefusedError
 from rocsafe_console.orders.order_book import TARGETS, Order, Result, stale
 from rocsafe_console.people.roles import Action
 from rocsafe_console.web.context import Context, Fleet, context_of, session_of
 from rocsafe_console.web.guards import body_of, refused
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 ORDER_S = 7.0
 # Of a search for a way; large maps take some seconds.
@@ -69,7 +70,7 @@ async def confirm_order(request: web.Request) -> web.Response:
     names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
     try:
         context.write('order', order.user, **_order_plain(order, names))
-    except (OSError, ConsoleError) as error:
+    except (OSError, EvidenceError) as error:
         context.orders.finish(request_id, ())
         raise RefusedError(
             f'nothing was sent: the evidence log cannot be written: {error}'

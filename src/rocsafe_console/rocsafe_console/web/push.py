@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sends the picture to all pages, ten times a second.
+"""Sends the picture to all pages, ten times a second, and alarms at once.
 
 What all of them get is encoded once. A page that does not keep up gets less often, and then all
 vehicles at once; it never slows others, nor ROS. Sections are never lost: each page gets those
@@ -9,6 +9,7 @@ that changed after the last ones it has.
 import asyncio
 import contextlib
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -42,6 +43,12 @@ class Client:
     missed: bool = True
     wake: asyncio.Event = field(default_factory=asyncio.Event)
     parcel: list[str | bytes] = field(default_factory=list)
+    is_sending: bool = False
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether what it was given before is still being sent."""
+        return self.is_sending or len(self.parcel) > 1
 
 
 class Pusher:
@@ -55,7 +62,10 @@ class Pusher:
 
     async def run(self) -> None:
         """Send until cancelled."""
-        ticks = 0
+        loop, ticks = asyncio.get_running_loop(), 0
+        sections = self._context.live.picture.sections
+        # Called by the thread of ROS, which may outlive this loop.
+        sections.on_urgent = partial(_call_soon, loop, self._send_sections)
         while True:
             await asyncio.sleep(TICK_S)
             ticks += 1
@@ -123,24 +133,30 @@ class Pusher:
                 live.picture.refresh()
             frames = live.picture.frames(now_s)
             mission_s = live.picture.clock.newest_s
-            sections = live.picture.sections
-            newest = sections.newest
-            behind = {client.change for client in self._clients if client.change < newest}
-            texts = {change: message_of(sections.after(change)) for change in behind}
+        self._send_sections()
         whole, delta = self._encoded(frames, now_s, mission_s, is_full=is_full)
         for client in list(self._clients):
             if not self._context.sessions.is_alive(client.session, now_s):
                 self._clients.discard(client)
                 asyncio.ensure_future(client.socket.close(code=REVOKED))  # noqa: RUF006
-            elif client.parcel:
+            elif client.is_busy:
                 client.missed = True
             else:
-                if client.change in texts:
-                    client.parcel.append(texts[client.change])
-                    client.change = newest
                 client.parcel.append(whole if client.missed else delta)
                 client.missed = False
                 client.wake.set()
+
+    def _send_sections(self) -> None:
+        """Give each page that keeps up the sections that it lacks."""
+        with self._context.live.lock:
+            sections = self._context.live.picture.sections
+            newest = sections.newest
+            waiting = [c for c in self._clients if c.change < newest and not c.is_busy]
+            texts = {c: message_of(sections.after(c)) for c in {one.change for one in waiting}}
+        for client in waiting:
+            client.parcel.append(texts[client.change])
+            client.change = newest
+            client.wake.set()
 
     def _encoded(
         self, frames: list[VehicleFrame], now_s: float, mission_s: float, *, is_full: bool
@@ -162,22 +178,30 @@ class Pusher:
         while client in self._clients:
             await client.wake.wait()
             client.wake.clear()
+            parcel, client.parcel = client.parcel, []
+            client.is_sending = True
             try:
-                for part in client.parcel:
-                    await asyncio.wait_for(_sent(client.socket, part), SEND_S)
+                await asyncio.wait_for(_sent(client.socket, parcel), SEND_S)
             except (asyncio.TimeoutError, ConnectionError):
                 self._clients.discard(client)
                 if client.transport is not None:
                     client.transport.abort()
                 return
-            client.parcel.clear()
+            client.is_sending = False
 
 
-async def _sent(socket: web.WebSocketResponse, part: str | bytes) -> None:
-    if isinstance(part, str):
-        await socket.send_str(part)
-    else:
-        await socket.send_bytes(part)
+async def _sent(socket: web.WebSocketResponse, parcel: list[str | bytes]) -> None:
+    for part in parcel:
+        if isinstance(part, str):
+            await socket.send_str(part)
+        else:
+            await socket.send_bytes(part)
+
+
+def _call_soon(loop: asyncio.AbstractEventLoop, task: Callable[[], object]) -> None:
+    # The loop may have been closed meanwhile.
+    with contextlib.suppress(RuntimeError):
+        loop.call_soon_threadsafe(task)
 
 
 def _point(point: tuple[float, float, float]) -> list[float | None]:

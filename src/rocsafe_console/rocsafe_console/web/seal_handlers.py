@@ -5,13 +5,14 @@ import asyncio
 
 from aiohttp import web
 
-from rocsafe_console.errors import EvidenceError, RefusedError
+from rocsafe_console.errors import RefusedError
 from rocsafe_console.evidence.seal import seal_run, seals_of, signer_of, verify_run
 from rocsafe_console.evidence.signing import code_version, usual_key
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.run_folder import is_flying, run_in
 from rocsafe_console.web.context import context_of, session_of
 from rocsafe_console.web.guards import body_of
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 # Hashing a run keeps a disk busy: one at a time.
 SEALING: web.AppKey[asyncio.Lock] = web.AppKey('sealing', asyncio.Lock)

@@ -37,7 +37,6 @@ MOST_BODY_BYTES = 2**20
 # the length of the queue.
 MOST_CONNECTIONS = 400
 QUEUE = 100
-DRAIN_S = 0.5
 STOP_S = 2.0
 _log = logging.getLogger(__name__)
 STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
@@ -196,20 +195,7 @@ class ServerThread:
 
     def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
         events = send_events(self._context, self._say)
-        return app[PUSHER].run(), self._drain(), events
-
-    async def _drain(self) -> None:
-        """Write events to the evidence log, beside the loop."""
-        told = ''
-        while True:
-            await asyncio.sleep(DRAIN_S)
-            try:
-                await asyncio.to_thread(self._context.desk.drain)
-                told = ''
-            except (OSError, ConsoleError) as error:
-                if str(error) != told:
-                    self._say(f'the evidence log cannot be written: {error}')
-                told = str(error)
+        return app[PUSHER].run(), events
 
 
 class _NoRequest(logging.Filter):
