@@ -7,7 +7,7 @@ log has their number, the hash of all of them, and the highest.
 """
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,60 +80,60 @@ class EvidenceEvents:
     clock
         Returns the time on the wall, seconds since 1970.
     told
-        Hashes of messages that are in the log already: late subscribers hear them again.
+        Topics and hashes of messages in the log: late subscribers hear them again.
     """
 
-    def __init__(self, clock: Callable[[], float], told: set[str]) -> None:
+    def __init__(self, clock: Callable[[], float], told: set[tuple[str, str]]) -> None:
         self._clock = clock
         self._told = told
         self._before: dict[tuple[str, str], list[Any]] = {}
-        self._heard: dict[tuple[str, str], _Heard] = {}
+        self._heard: dict[str, _Heard] = {}
 
     def of(self, spec: TopicSpec, vehicle: str, message: Any, data: bytes) -> Iterator[Event]:
         """Yield the events of a message; `data` is what is recorded of it."""
+        topic = topics.name_of(spec, vehicle)
         if spec.name in READINGS:
-            yield from self._of_reading(spec.name, vehicle, message, data)
+            yield from self._of_reading(topic, vehicle, message, data)
             return
         digest = hashlib.sha256(data).hexdigest()
-        kind = self._kind(spec.name, vehicle, message, digest)
+        kind = self._kind(spec.name, topic, message, digest)
         if kind:
             by = vehicle or getattr(message, 'by', '') or getattr(message, 'vehicle', '')
             what = {'datum': DATUM, 'recorded_sha256': digest, 'message': plain_of(message)}
-            yield self._event(kind, by or 'mission', spec.name, what)
+            yield self._event(kind, by or 'mission', topic, what)
 
     def rest(self) -> Iterator[Event]:
         """Yield the events of the readings that wait for more."""
-        for (topic, _), heard in self._heard.items():
+        for topic, heard in self._heard.items():
             yield self._of_heard(topic, heard)
         self._heard.clear()
 
-    def _kind(self, topic: str, vehicle: str, message: Any, digest: str) -> str:
+    def _kind(self, name: str, topic: str, message: Any, digest: str) -> str:
         """Return the kind of a message that is kept, empty for one that is not."""
-        if topic in EACH:
-            if digest in self._told:
+        if name in EACH:
+            if (topic, digest) in self._told:
                 return ''
-            self._told.add(digest)
-            return EACH[topic]
-        kind, names = ON_CHANGE[topic]
-        sender = vehicle or getattr(message, 'vehicle', '')
-        now = [plain_of(getattr(message, name)) for name in names]
-        before = self._before.get((topic, sender))
-        self._before[topic, sender] = now
+            self._told.add((topic, digest))
+            return EACH[name]
+        kind, fields = ON_CHANGE[name]
+        sender = (topic, getattr(message, 'vehicle', ''))
+        now = [plain_of(getattr(message, field)) for field in fields]
+        before = self._before.get(sender)
+        self._before[sender] = now
         return kind if now != before else ''
 
     def _of_reading(self, topic: str, vehicle: str, message: Any, data: bytes) -> Iterator[Event]:
         stamp_ns = ns_of_stamp(message.header.stamp)
-        key = (topic, vehicle)
-        heard = self._heard.get(key)
+        heard = self._heard.get(topic)
         if heard is not None and not 0 <= stamp_ns - heard.first_ns < READINGS_NS:
             yield self._of_heard(topic, heard)
             heard = None
         if heard is None:
-            heard = self._heard[key] = _Heard(vehicle, hashlib.sha256(), stamp_ns)
+            heard = self._heard[topic] = _Heard(vehicle, hashlib.sha256(), stamp_ns)
         heard.count += 1
         heard.last_ns = stamp_ns
         heard.digest.update(data)
-        field = READINGS[topic]
+        field = READINGS[topic.removeprefix(f'{vehicle}/')]
         if heard.highest is None or getattr(message, field) > getattr(heard.highest, field):
             heard.highest = message
 
@@ -158,10 +158,10 @@ def plain_of(value: Any) -> Any:
         return {
             name: plain_of(getattr(value, name)) for name in value.get_fields_and_field_types()
         }
-    if isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, (Sequence, bytes)) or hasattr(value, 'tolist'):
-        if len(value) > MOST_ELEMENTS:
-            return {'count': len(value)}
-        return [plain_of(each) for each in value]
-    return value if isinstance(value, (int, float)) else str(value)
+    # Arrays and numbers of numpy, and the arrays of Python.
+    plain = value.tolist() if hasattr(value, 'tolist') else value
+    if isinstance(plain, (str, bool, int, float)):
+        return plain
+    if len(plain) > MOST_ELEMENTS:
+        return {'count': len(plain)}
+    return [plain_of(each) for each in plain]

@@ -73,10 +73,10 @@ class EvidenceWriter:
             self._say(text)
 
 
-def hashes_told(path: Path) -> set[str]:
-    """Return the hashes of the messages that are in a log; none if it cannot be read."""
+def hashes_told(path: Path) -> set[tuple[str, str]]:
+    """Return topics and hashes of the messages in a log; none if it cannot be read."""
     try:
         entries = read_log(path)
     except (OSError, EvidenceError):
         return set()
-    return {entry['recorded_sha256'] for entry in entries if 'recorded_sha256' in entry}
+    return {(e['topic'], e['recorded_sha256']) for e in entries if 'recorded_sha256' in e}
