@@ -13,6 +13,7 @@ from PIL import Image
 
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, Outcome, Result
+from rocsafe_console.people.missions import Missions
 from rocsafe_console.people.users import User, Users
 from rocsafe_console.picture.gas import GasNow
 from rocsafe_console.picture.live import Live
@@ -99,6 +100,7 @@ class Stage:
             live=Live(Picture(1000)),
             desk=Desk(folder),
             users=Users(users or {}),
+            missions=Missions(folder),
             clock=time.time,
             environment=dict(os.environ),
             fleet=self.crew,

@@ -284,7 +284,7 @@ def test_a_ground_vehicle_is_sent_by_clicks(browser, tmp_path):
         pilot = Pilot(stage)
         view = View(browser, address)
         view.wait('document.querySelectorAll(".vehicle").length === 4')
-        assert 'driving' in view.page.inner_text('.vehicles')
+        assert 'driving' in view.page.text_content('.vehicles')
         latitude, longitude = place_of(-60.0, -40.0)
         point = view.page.evaluate(
             f'rocsafe.map.map.latLngToContainerPoint([{latitude}, {longitude}])'

@@ -33,6 +33,7 @@ from rocsafe_console.picture.video import SCENE
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    AgentState,
     Decision,
     DoseAlarm,
     GasReading,
@@ -78,6 +79,7 @@ class ConsoleNode(Node):
         for spec, heard in (
             (topics.MISSION_STATE, self._on_mission),
             (topics.DECISIONS, self._on_decision),
+            (topics.AGENTS, self._on_agent),
             (topics.HAZARD_SOURCES, self._on_section('sources', conversions.sources_of)),
             (topics.REGION, self._on_section('region', conversions.region_of)),
             (topics.PLAN, self._on_section('plan', conversions.plan_of)),
@@ -246,6 +248,11 @@ class ConsoleNode(Node):
         decision = conversions.decision_of(message)
         with self._live.lock:
             self._live.picture.on_decision(decision, time.time())
+
+    def _on_agent(self, message: AgentState) -> None:
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        with self._live.lock:
+            self._live.picture.on_agent(message.vehicle, message.heard, stamp_s, time.time())
 
     def _on_section(self, name: str, convert: Callable[[Any], Any]) -> Callable[[Any], None]:
         def on_message(message: Any) -> None:

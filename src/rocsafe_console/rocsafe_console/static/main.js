@@ -123,7 +123,8 @@ $('#sound').addEventListener('click', () => { if (!wasWaiting) sound.toggle(); }
 link.addEventListener('sections', ({ detail }) => {
   orders.draw();
   const { mission, session, alarms } = link.sections;
-  $('#mission').replaceChildren(...(mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) })] : [t('no_mission')]));
+const { access } = link.sections;
+  $('#mission').replaceChildren(...(session?.is_hidden ? [t('hidden')] : mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) }), access?.commander ? make('span', { class: 'note', text: t('commanded_by', { name: access.commander }) }) : ''] : [t('no_mission')]));
   const who = $('#who');
   who.hidden = !session;
   if (session) who.textContent = t('who', { user: session.user, role: session.role });

@@ -2,19 +2,22 @@
 // The map: Leaflet without its icons; vehicles and tracks on canvases of their own.
 import { t } from './texts.js';
 import { make, isNumber } from './format.js';
+import { STALE_S } from './link.js';
 
 const L = window.L;
 export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a'];
 const GREY = '#8b938f';
 const M_PER_DEG = 111320;
 const MOST_LABELS = 40;
+// Lines of who hears whom; of more vehicles only those of the chosen ones are drawn.
+const MOST_IN_CONTACT = 12;
 const MOST_TRACK = 4000;
 // Numbers of VehicleState.
 const [HOLDING, RETURNING, LANDING, LOST, CRASHED] = [5, 6, 7, 9, 10];
 const ON_GROUND = new Set([1, 2, 8, 11]);
 const LAYERS = {
   base: true, mosaic: true, dose: true, footprints: false, tracks: true, routes: true, region: true, exclusions: true,
-  drive: true, cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, grid: true,
+  drive: true, cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, contact: true, grid: true,
 };
 
 // A canvas over the map that is drawn by `draw(context, toPixel)` with points in world units.
@@ -381,7 +384,29 @@ export class MissionMap {
     }
   }
 
+  // Who hears whom, as the agents tell: solid both ways, dashed one way, nothing that is old.
+  drawContact(context, toPixel) {
+    const contacts = this.sections.contacts ?? {};
+    const isFresh = (name) => isNumber(contacts[name]?.heard_s) && this.link.now - contacts[name].heard_s <= STALE_S && this.link.isLive;
+    const hears = (a, b) => isFresh(a) && contacts[a].hears.includes(b);
+    const names = Object.keys(contacts).filter((name) => this.vehicles.get(name)?.world);
+    const isFew = names.length <= MOST_IN_CONTACT;
+    for (const [index, a] of names.entries()) {
+      for (const b of names.slice(index + 1)) {
+        const [there, back] = [hears(a, b), hears(b, a)];
+        if (!(there || back) || !(isFew || this.selected.has(a) || this.selected.has(b))) continue;
+        context.beginPath();
+        context.moveTo(...toPixel(this.vehicles.get(a).world));
+        context.lineTo(...toPixel(this.vehicles.get(b).world));
+        context.setLineDash(there && back ? [] : [3, 6]);
+        for (const [width, colour] of [[4, 'rgb(11 16 14 / 45%)'], [1.6, '#9fe8ff']]) { context.lineWidth = width; context.strokeStyle = colour; context.stroke(); }
+      }
+    }
+    context.setLineDash([]);
+  }
+
   drawVehicles(context, toPixel) {
+    if (this.shown.contact && !this.source) this.drawContact(context, toPixel);
     const isLabelled = this.vehicles.size <= MOST_LABELS;
     context.font = '650 12px system-ui, "Liberation Sans", sans-serif';
     context.textBaseline = 'middle';

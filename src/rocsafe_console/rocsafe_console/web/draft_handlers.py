@@ -10,7 +10,7 @@ from rocsafe_console.errors import RefusedError
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.drafts import Drafts
 from rocsafe_console.runs.outline import areas_of
-from rocsafe_console.web.context import context_of, session_of
+from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
@@ -77,7 +77,9 @@ async def launch_draft(request: web.Request) -> web.Response:
         context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
     except (OSError, EvidenceError) as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
-    launch = await asyncio.to_thread(request.app[DRAFTS].launch, name, approved, confirmed)
+    launch = await asyncio.to_thread(
+        request.app[DRAFTS].launch, name, approved, session.user, confirmed
+    )
     context.write('outcome', session.user, name=name, **asdict(launch))
     return web.json_response(asdict(launch))
 
@@ -92,7 +94,7 @@ async def mission_of_draft(request: web.Request) -> web.Response:
 async def end_mission(request: web.Request) -> web.Response:
     """End the mission of a draft; it is written to the evidence log first."""
     context, name = context_of(request), request.match_info['name']
-    session = session_of(request, Action.END)
+    session = mission_session(request, Action.END)
     context.write('end', session.user, name=name)
     request.app[DRAFTS].end(name)
     return web.json_response({})

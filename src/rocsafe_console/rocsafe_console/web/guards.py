@@ -8,7 +8,6 @@ from typing import Any
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError, RefusedError
-from rocsafe_console.people.roles import Role
 from rocsafe_console.web.context import SESSION, WebOptions, context_of
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
@@ -97,13 +96,13 @@ def _refusal(request: web.Request) -> web.Response | None:
     if not (is_link or request.path.startswith('/api/')) or request.path in OPEN:
         return None
     cookie = request.cookies.get(context.options.cookie, '')
-    # A link is for programs that cannot log in; it is a session of a viewer.
+    # A link is for programs that cannot log in; it opens nothing else.
     secret = request.path.split('/')[2] if is_link else cookie
     session = context.sessions.of_secret(secret, context.clock())
     if session is None:
         return refused(401, 'log in first')
-    if is_link and session.role is not Role.VIEWER:
-        return refused(401, 'this is no link')
+    if is_link is not session.is_link:
+        return refused(401, 'this is no link' if is_link else 'log in first')
     request[SESSION] = session
     return None
 

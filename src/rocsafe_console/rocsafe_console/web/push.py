@@ -9,8 +9,9 @@ that changed after the last ones it has.
 import asyncio
 import contextlib
 import json
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 
 from aiohttp import web
@@ -41,6 +42,7 @@ class Client:
     transport: asyncio.Transport | None
     change: int = 0
     missed: bool = True
+    sees: bool = False
     wake: asyncio.Event = field(default_factory=asyncio.Event)
     parcel: list[str | bytes] = field(default_factory=list)
     is_sending: bool = False
@@ -80,6 +82,7 @@ class Pusher:
             await socket.close(code=1013, message=b'too many pages are open')
             return socket
         client = Client(socket, session, request.transport)
+        client.sees = self._is_seen_by(client)
         client.parcel.append(self._hello(client))
         client.wake.set()
         self._clients.add(client)
@@ -101,9 +104,19 @@ class Pusher:
         for client in list(self._clients):
             await client.socket.close(code=1001)
 
+    def _is_seen_by(self, client: Client) -> bool:
+        """Return whether the user of a page may see the mission that is heard."""
+        access = self._context.missions.of(self._context.mission)
+        return access.is_seen_by(client.session.user, client.session.role)
+
     def _hello(self, client: Client) -> str:
-        """Return everything that a page needs to begin."""
+        """Return everything that a page needs to begin, and may see."""
         live, session = self._context.live, client.session
+        may = sorted(action.value for action in MAY[session.role])
+        user = {'user': session.user, 'role': session.role.value, 'may': may}
+        if not client.sees:
+            hidden = {'is_hidden': True, **user}
+            return message_of({'session': json.dumps(hidden)}, 'hello')
         with live.lock:
             picture = live.picture
             picture.refresh()
@@ -113,14 +126,11 @@ class Pusher:
             texts['tracks'] = json.dumps(
                 {name: [_point(p) for p in points] for name, points in tracks.items()}
             )
-        may = sorted(action.value for action in MAY[session.role])
         base = self._context.base_map
         texts['base_map'] = json.dumps(
             base and {'zooms': base.zooms, 'attribution': base.attribution, 'bounds': base.bounds}
         )
-        texts['session'] = json.dumps(
-            {'user': session.user, 'role': session.role.value, 'may': may}
-        )
+        texts['session'] = json.dumps(user)
         return message_of(texts, 'hello')
 
     def _tick(self, *, is_full: bool, is_refresh: bool) -> None:
@@ -131,9 +141,12 @@ class Pusher:
         with live.lock:
             if is_refresh:
                 live.picture.refresh()
+                access = self._context.missions.of(self._context.mission)
+                live.picture.sections.put('access', asdict(access))
             frames = live.picture.frames(now_s)
             mission_s = live.picture.clock.newest_s
         self._send_sections()
+        nothing = frame_of([], self._sequence, now_s, math.nan)
         whole, delta = self._encoded(frames, now_s, mission_s, is_full=is_full)
         for client in list(self._clients):
             if not self._context.sessions.is_alive(client.session, now_s):
@@ -141,6 +154,14 @@ class Pusher:
                 asyncio.ensure_future(client.socket.close(code=REVOKED))  # noqa: RUF006
             elif client.is_busy:
                 client.missed = True
+            elif client.sees is not (sees := self._is_seen_by(client)):
+                client.sees = sees
+                client.parcel.append(self._hello(client))
+                client.missed = True
+                client.wake.set()
+            elif not sees:
+                client.parcel.append(nothing)
+                client.wake.set()
             else:
                 client.parcel.append(whole if client.missed else delta)
                 client.missed = False
@@ -151,7 +172,7 @@ class Pusher:
         with self._context.live.lock:
             sections = self._context.live.picture.sections
             newest = sections.newest
-            waiting = [c for c in self._clients if c.change < newest and not c.is_busy]
+            waiting = [c for c in self._clients if c.sees and c.change < newest and not c.is_busy]
             texts = {c: message_of(sections.after(c)) for c in {one.change for one in waiting}}
         for client in waiting:
             client.parcel.append(texts[client.change])
