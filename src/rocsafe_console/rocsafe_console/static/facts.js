@@ -155,7 +155,7 @@ export class Facts {
   }
 
   drawAlarms(alarms) {
-    const open = alarms.filter((alarm) => !alarm.seen_by).reverse();
+    const open = alarms.filter((alarm) => !alarm.seen_by).reverse().sort((a, b) => Number(b.severity === 'critical') - Number(a.severity === 'critical'));
     const seen = alarms.filter((alarm) => alarm.seen_by).reverse().slice(0, 5);
     const row = (alarm) => make('li', { class: `alarm ${alarm.severity}${alarm.seen_by ? ' seen' : ''}` },
       make('span', { class: 'sign', text: alarm.severity === 'critical' ? '▲' : '●', 'aria-hidden': 'true' }),

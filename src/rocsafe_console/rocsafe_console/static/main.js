@@ -40,6 +40,7 @@ const facts = new Facts($('#facts'), link, {
 });
 const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
+runs.onChange = () => orders.draw();
 const draft = new Draft($('#draft'), map, link, (text) => orders.tell([], text));
 window.rocsafe = { link, map, orders, facts, video, draft };
 

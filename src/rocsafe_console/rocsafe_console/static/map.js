@@ -80,7 +80,7 @@ export class MissionMap {
     this.map.createPane('vehicles').style.zIndex = 640;
     this.groups = Object.fromEntries(Object.keys(LAYERS).map((name) => [name, L.layerGroup()]));
     this.images = {};
-    this.tracks = new Map();
+    this.liveTracks = new Map();
     this.stops = [];
     this.isFitted = false;
     this.groups.grid.addLayer(new CanvasLayer((...all) => this.drawGrid(...all), { pane: 'images' }));
@@ -92,7 +92,7 @@ export class MissionMap {
     for (const [name, group] of Object.entries(this.groups)) if (this.shown[name]) group.addTo(this.map);
     new ResizeObserver(() => this.map.invalidateSize({ animate: false })).observe(element);
     this.map.on('click', (event) => this.onClick(event));
-    this.map.on('zoomend', () => this.drawCordons(this.sections.cordons ?? []));
+    this.map.on('zoomend', () => this.declutter());
     link.addEventListener('sections', (event) => this.onSections(event.detail));
     link.addEventListener('frame', () => this.onFrame());
     this.source = null;
@@ -124,6 +124,7 @@ export class MissionMap {
   // What is shown is live, or a replay with sections and vehicles of its own.
   get sections() { return this.source?.sections ?? this.link.sections; }
   get vehicles() { return this.source?.vehicles ?? this.link.vehicles; }
+  get tracks() { return this.source?.tracks ?? this.liveTracks; }
   isStale(vehicle) { return this.source ? false : this.link.isStale(vehicle); }
 
   switches() {
@@ -164,6 +165,25 @@ export class MissionMap {
     if (has('plume')) { this.drawImage('plume', sections.plume, 1); this.drawLegend(); }
     if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.showHomes();
     if (!this.isFitted && (sections.region || sections.plan)) this.fit(false);
+    this.declutter();
+  }
+
+  // A label over another one can be read by nobody: those of sources stay, then the first one.
+  declutter() {
+    if (this.isCluttered) return;
+    this.isCluttered = true;
+    requestAnimationFrame(() => {
+      this.isCluttered = false;
+      const kept = [];
+      const labels = [...this.map.getPane('markerPane').querySelectorAll('.map-label')];
+      const boxes = labels.map((one) => [one, one.getBoundingClientRect()]);
+      boxes.sort(([a], [b]) => Number(b.classList.contains('map-label-source')) - Number(a.classList.contains('map-label-source')));
+      for (const [one, box] of boxes) {
+        const isFree = kept.every((other) => box.right < other.left || other.right < box.left || box.bottom < other.top || other.bottom < box.top);
+        one.classList.toggle('is-over', !isFree);
+        if (isFree) kept.push(box);
+      }
+    });
   }
 
   // First the ground that is surveyed, as the report does; `f` shows all.
@@ -208,7 +228,6 @@ export class MissionMap {
 
   drawCordons(cordons) {
     this.groups.cordons.clearLayers();
-    let before = null;
     const sorted = [...cordons].sort((a, b) => a.level_usvh - b.level_usvh);
     for (const cordon of sorted) {
       this.groups.cordons.addLayer(L.polyline(cordon.ring, { color: '#0b100e', weight: 4, opacity: 0.55, interactive: false }));
@@ -216,9 +235,7 @@ export class MissionMap {
       this.groups.cordons.addLayer(line);
       if (!cordon.is_mean && cordon.ring.length) {
         const top = cordon.ring.reduce((a, b) => (b[0] > a[0] ? b : a));
-        const pixel = this.map.latLngToLayerPoint(top);
-        // A label over another one can be read by nobody.
-        if (!before || Math.abs(pixel.y - before.y) > 16) { before = pixel; this.groups.cordons.addLayer(label(top, `${cordon.level_usvh} µSv/h`, 'map-label')); }
+        this.groups.cordons.addLayer(label(top, `${cordon.level_usvh} µSv/h`, 'map-label'));
       }
     }
   }
@@ -292,27 +309,28 @@ export class MissionMap {
   }
 
   readTracks(tracks) {
-    this.tracks.clear();
-    for (const [name, points] of Object.entries(tracks)) this.tracks.set(name, points.map(([lat, lon, rate]) => [...worldOf(lat, lon), rate ?? NaN]));
+    this.liveTracks.clear();
+    for (const [name, points] of Object.entries(tracks)) this.liveTracks.set(name, points.map(([lat, lon, rate]) => [...worldOf(lat, lon), rate ?? NaN]));
     this.trackLayer.redraw();
   }
 
   onFrame() {
-    if (this.source) return;
     let hasNew = false;
     for (const vehicle of this.link.vehicles.values()) {
       const frame = vehicle.frame;
       if (!frame || !isNumber(frame.latitude)) continue;
       vehicle.world = worldOf(frame.latitude, frame.longitude);
-      const track = this.tracks.get(vehicle.name) ?? [];
+      const track = this.liveTracks.get(vehicle.name) ?? [];
       const last = track.at(-1);
       if (!last || Math.hypot(vehicle.world[0] - last[0], vehicle.world[1] - last[1]) > 4e-8) {
         track.push([...vehicle.world, frame.doseRate]);
         if (track.length > MOST_TRACK) { track.splice(0, MOST_TRACK / 4); this.drawn?.delete(vehicle.name); }
-        this.tracks.set(vehicle.name, track);
+        this.liveTracks.set(vehicle.name, track);
         hasNew = true;
       }
     }
+    // A replay goes on beside the mission, whose tracks grow unseen.
+    if (this.source) return;
     this.isTrackNew ||= hasNew;
     this.schedule();
   }

@@ -125,7 +125,7 @@ export class Runs {
     const vehicles = new Map(names.map((vehicle, number) => [vehicle, { name: vehicle, facts: { number, home: null }, frame: { state: 0 } }]));
     this.told = toldOf(run.evidence);
     this.run = run;
-    this.map.source = { vehicles, sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
+    this.map.source = { vehicles, tracks: new Map(), sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
     this.map.images = {};
     for (const group of IMAGES) this.map.groups[group].clearLayers();
     this.map.isFitted = false;
@@ -135,6 +135,7 @@ export class Runs {
     this.makeBar();
     document.documentElement.dataset.replay = '1';
     document.getElementById('replay-mark').hidden = false;
+    this.onChange?.();
     if (this.eventBox) this.eventBox.hidden = false;
     this.seek(run.end_s - run.begin_s);
   }
@@ -236,10 +237,11 @@ export class Runs {
     this.map.source = null;
     this.map.images = {};
     for (const group of IMAGES) this.map.groups[group].clearLayers();
-    this.map.readTracks(this.map.link.sections.tracks ?? {});
+    this.map.trackLayer.redraw();
     this.map.isFitted = false;
     this.map.drawSections(null);
     this.map.schedule();
+    this.onChange?.();
   }
 }
 

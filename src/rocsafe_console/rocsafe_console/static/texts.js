@@ -25,7 +25,7 @@ export const TEXTS = {
   verb_hold: 'Hold', verb_resume: 'Resume', verb_return: 'Return', verb_land: 'Land', verb_take: 'Take over', verb_release: 'Give back', verb_go_to: 'Go here', verb_send: 'Drive', verb_replan: 'Plan anew',
   place_send: 'Plan a drive of {vehicle} here', place_dose: 'Dose budget, µSv', planning_drive: 'planning the drive …',
   drive_offer: '{vehicle} drives {time} (at least {bound}), {dose}, in 95 of 100 cases below {upper}', drive_left_out: 'not reached: {what}', drive_line: 'route: {time}, {dose}, 95 %: {upper} of {budget}',
-  verb_mark: 'Mark', orders_for: 'For {what}', orders_all: 'all {count} vehicles', orders_none: 'no vehicle',
+  verb_mark: 'Mark', orders_for: 'For {what}', orders_for_live: 'Live mission, for {what}', orders_all: 'all {count} vehicles', orders_none: 'no vehicle',
   confirm: 'Confirm: {verb} {what}', confirm_touch: 'Keep pressed: {verb} {what}', cancel: 'Cancel', confirm_left: '{seconds} s',
   sending: 'sending …', sent: '{verb}: {done} of {all} done', results: 'Results', close: 'Close',
   login_name: 'Name', login_password: 'Password', login_go: 'Log in', login_token: 'Open the address that the console printed: it has the token.',
