@@ -17,7 +17,8 @@ from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal, drive_text
-from rocsafe_ros import topics
+from rocsafe_ros import calls
+from rocsafe_ros.interface_spec import name_of
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_scenario.scenario import Scenario
 
@@ -61,8 +62,8 @@ class DriveRequests:
         self._so_far = DriveSoFar()
         self._route: GroundRoute | None = None
         driver = scenario.driver_name
-        self.router = ActionClient(node, PlanGroundRoute, topics.PLAN_GROUND_ROUTE.name)
-        self.vehicle = ActionClient(node, DriveRoute, topics.name_of(topics.DRIVE_ROUTE, driver))
+        self.router = ActionClient(node, PlanGroundRoute, calls.PLAN_GROUND_ROUTE.name)
+        self.vehicle = ActionClient(node, DriveRoute, name_of(calls.DRIVE_ROUTE, driver))
 
     def begin(self, mission: Mission) -> None:
         """Report answers to `mission` from now on."""

@@ -29,20 +29,21 @@ from rocsafe_orchestrator.watches.operator_watch import Verb
 from rocsafe_orchestrator.watches.retreat import retreat
 from rocsafe_planner.conversions import message_of_plan
 from rocsafe_planner.plan.plan_reading import read_plan
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import CallSpec, name_of
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_ros.plan_digest import plan_digest, route_digest
 from rocsafe_scenario.scenario import Scenario
 
 SERVICES = (
-    topics.WORLD_RUN,
-    topics.SAVE_MOSAIC,
-    topics.SUGGEST_VIEWPOINTS,
-    topics.SUGGEST_GAS_VIEWPOINTS,
-    topics.FLEET_HOLD,
-    topics.FLEET_RETURN_HOME,
+    calls.WORLD_RUN,
+    calls.SAVE_MOSAIC,
+    calls.SUGGEST_VIEWPOINTS,
+    calls.SUGGEST_GAS_VIEWPOINTS,
+    calls.FLEET_HOLD,
+    calls.FLEET_RETURN_HOME,
 )
-_VERBS = {OrderKind.HOLD: topics.HOLD, OrderKind.RETURN: topics.RETURN_HOME}
+_VERBS = {OrderKind.HOLD: calls.HOLD, OrderKind.RETURN: calls.RETURN_HOME}
 # A server whose callback fails answers with an empty result, which looks like success.
 BROKEN_OFF = 'broke off with an error, see its log'
 
@@ -75,9 +76,9 @@ class Requests:
         self._plans: dict[str, SurveyPlan] = {}
         self._plan: SurveyPlan | None = None
         self._routes: dict[tuple[str, str], Route] = {}
-        self._planner = ActionClient(node, PlanSurvey, topics.PLAN_SURVEY.name)
+        self._planner = ActionClient(node, PlanSurvey, calls.PLAN_SURVEY.name)
         self._vehicles = {
-            name: ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
+            name: ActionClient(node, FlyRoute, name_of(calls.FLY_ROUTE, name))
             for name in scenario.vehicle_names
         }
         self._leases = Leases(
@@ -87,7 +88,7 @@ class Requests:
             spec.name: node.create_client(spec.call_type, spec.name) for spec in SERVICES
         }
         self._verbs: dict[tuple[OrderKind, str], Client] = {
-            (kind, name): node.create_client(spec.call_type, topics.name_of(spec, name))
+            (kind, name): node.create_client(spec.call_type, name_of(spec, name))
             for kind, spec in _VERBS.items()
             for name in scenario.all_names
         }
@@ -109,8 +110,8 @@ class Requests:
             OrderKind.RETREAT: self._send_retreat,
             OrderKind.DISMISS: self._dismiss,
             OrderKind.PAUSE_CLOCK: self._pause,
-            OrderKind.RUN_CLOCK: partial(self._call, topics.WORLD_RUN, SetBool.Request(data=True)),
-            OrderKind.SAVE_MOSAIC: partial(self._call, topics.SAVE_MOSAIC, Trigger.Request()),
+            OrderKind.RUN_CLOCK: partial(self._call, calls.WORLD_RUN, SetBool.Request(data=True)),
+            OrderKind.SAVE_MOSAIC: partial(self._call, calls.SAVE_MOSAIC, Trigger.Request()),
         }
 
         if self._drives is not None:
@@ -121,9 +122,9 @@ class Requests:
             }
 
     def _drives_of(self, node: Node) -> DriveRequests:
-        asked = [topics.SUGGEST_VIEWPOINTS]
+        asked = [calls.SUGGEST_VIEWPOINTS]
         if self._scenario.air.gas_sensors:
-            asked.append(topics.SUGGEST_GAS_VIEWPOINTS)
+            asked.append(calls.SUGGEST_GAS_VIEWPOINTS)
         assessors = [self._services[spec.name] for spec in asked]
         return DriveRequests(node, self._scenario, self._monitor, self._leases, assessors)
 
@@ -165,16 +166,16 @@ class Requests:
         """Return whether the server of a service or an action can be reached."""
         if endpoint.kind == 'service':
             return bool(self._services[endpoint.name].service_is_ready())
-        if self._drives is not None and endpoint.spec is topics.PLAN_GROUND_ROUTE:
+        if self._drives is not None and endpoint.spec is calls.PLAN_GROUND_ROUTE:
             return bool(self._drives.router.server_is_ready())
-        if self._drives is not None and endpoint.spec is topics.DRIVE_ROUTE:
+        if self._drives is not None and endpoint.spec is calls.DRIVE_ROUTE:
             return bool(self._drives.vehicle.server_is_ready())
         client = self._vehicles.get(endpoint.vehicle, self._planner)
         return bool(client.server_is_ready())
 
     def command_fleet(self, verb: Verb) -> None:
         """Command all vehicles, and report their refusals."""
-        spec = topics.FLEET_HOLD if verb is Verb.HOLD else topics.FLEET_RETURN_HOME
+        spec = calls.FLEET_HOLD if verb is Verb.HOLD else calls.FLEET_RETURN_HOME
         answer = self._services[spec.name].call_async(FleetCommand.Request())
         answer.add_done_callback(self._on_fleet)
 
@@ -283,7 +284,7 @@ class Requests:
     def _pause(self, order: Order) -> None:
         """Pause simulated time, unless a real vehicle takes part."""
         if not self._scenario.linked:
-            self._call(topics.WORLD_RUN, SetBool.Request(data=False), order)
+            self._call(calls.WORLD_RUN, SetBool.Request(data=False), order)
         elif self._mission is not None:
             self._mission.answered(order)
 
@@ -369,11 +370,11 @@ class Requests:
                 fault = BROKEN_OFF
             self._mission.flown(order.vehicle, result.shots_taken, fault, is_refused=is_refused)
 
-    def _call(self, spec: topics.CallSpec, request: Any, order: Order) -> None:
+    def _call(self, spec: CallSpec, request: Any, order: Order) -> None:
         client = self._services[spec.name]
         client.call_async(request).add_done_callback(partial(self._on_answer, spec, order))
 
-    def _on_answer(self, spec: topics.CallSpec, order: Order, future: Any) -> None:
+    def _on_answer(self, spec: CallSpec, order: Order, future: Any) -> None:
         answer = future.result()
         if self._mission is None or answer is None:
             return
