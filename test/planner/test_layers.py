@@ -14,10 +14,11 @@ from rocsafe_planner.flights.keeping_apart import _turns
 from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.plan.plan_json import plan_document
 from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import UnheardVehicle
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, replan
+from rocsafe_planner.replanning import replan
 
 from .fleets import STARTS, changed, request, vehicle
 from .surveys import surveys

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from rocsafe_radiation.belief.belief_search import believe, poisson_below
-from rocsafe_radiation.localization.localize import LocalizationOptions, TooFewReadingsError
+from rocsafe_radiation.errors import TooFewReadingsError
+from rocsafe_radiation.localization.localize import LocalizationOptions
 from rocsafe_radiation.products.assessment import AssessmentOptions, assess, suggested_waypoints
 from rocsafe_radiation.readings.survey import RadiationSurvey
 

@@ -7,14 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from rocsafe_radiation.errors import TooFewReadingsError
+from rocsafe_radiation.localization.estimates import SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
-from rocsafe_radiation.localization.localize import (
-    LocalizationOptions,
-    SourceEstimate,
-    TooFewReadingsError,
-    localize,
-)
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.spectral_window import background_shape
 from rocsafe_radiation.readings.survey import LocalReading, RadiationSurvey, survey_of
