@@ -607,6 +607,35 @@ def test_a_finished_run_is_replayed(browser, tmp_path, flight):
     view.page.close()
 
 
+def test_a_mission_gets_its_commander_and_list_by_clicks(browser, tmp_path, flight):
+    """A replay never looks live, and says that orders go to the live mission."""
+    stage, _, address = flight
+    make_run(tmp_path / 'yard-1')
+    view = View(browser, address)
+    page = view.page
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.wait('rocsafe.link.sections.contacts.rav1.hears.join() === "rav2,rav3"')
+    page.keyboard.press('2')
+    page.locator('.run').get_by_role('button', name='People').click()
+    page.get_by_role('button', name='Take command').click()
+    page.select_option('#access-visibility', 'named')
+    page.fill('#access-members', 'bert, cora')
+    page.get_by_role('button', name='Save').click()
+    view.wait('document.querySelector(".run .note").textContent.includes("list: bert, cora")')
+    access = stage.context.missions.of('yard-1')
+    assert (access.commander, access.visibility) == ('anna', 'named')
+    assert access.members == ('bert', 'cora')
+    page.locator('.run .run-buttons button').first.click()
+    page.wait_for_selector('#replay-mark:visible')
+    assert 'not live' in page.inner_text('#replay-mark')
+    assert 'Live mission' in page.inner_text('.order-for')
+    page.click('#replay button:last-child')
+    view.wait('document.querySelector("#replay-mark").hidden')
+    assert 'Live mission' not in page.inner_text('.order-for')
+    assert not view.faults
+    page.close()
+
+
 def make_run(run: Path) -> None:
     """Make a folder with what a replay needs."""
     run.mkdir()

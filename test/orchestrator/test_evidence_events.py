@@ -44,7 +44,7 @@ def test_every_kept_message_can_be_written_and_read(tmp_path):
     from rclpy.serialization import serialize_message
 
     from rocsafe_orchestrator.recording.evidence_events import KEPT, EvidenceEvents
-    from rocsafe_ros.topics import Scope
+    from rocsafe_ros.interface_spec import Scope
 
     events: list[Event] = []
     made = EvidenceEvents(lambda: 1.0, set())

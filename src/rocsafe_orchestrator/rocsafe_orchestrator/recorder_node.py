@@ -28,11 +28,10 @@ from rocsafe_orchestrator.recording.recorded_topics import (
 from rocsafe_orchestrator.recording.segments import SegmentWriter
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.interface_spec import TopicSpec, name_of
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
-from rocsafe_ros.topics import TopicSpec
 
 # Periods of wall time: checks for publishers, and flushes outside lock-step.
 POLL_S = 0.05

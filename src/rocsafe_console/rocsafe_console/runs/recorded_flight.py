@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where each vehicle was in a recorded run: its fixes in the recording, one a second."""
 
+import struct
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -30,7 +31,7 @@ def tracks_of(recording: Path) -> dict[str, Track]:
                 track['time_s'].append(fix.header.stamp.sec + fix.header.stamp.nanosec / 1e9)
                 track['latitude_deg'].append(fix.latitude)
                 track['longitude_deg'].append(fix.longitude)
-    except (OSError, McapError, ValueError):
+    except (OSError, McapError, ValueError, struct.error):
         return {}
     return tracks
 

@@ -121,7 +121,7 @@ class Context:
         with contextlib.suppress(OSError):
             save_sessions(self.options.runs, self.sessions)
 
-    def write(self, kind: str, by: str, run: str = '', **what: object) -> None:
+    def write(self, kind: str, by: str, run: str = '', /, **what: object) -> None:
         """Write to the evidence log of a run, or the running mission: on disk on return."""
         self.desk.write(Event(time_s=self.clock(), kind=kind, by=by, what=what), run)
 

@@ -14,7 +14,7 @@ from typing import Any
 from rocsafe_geo.storage.evidence_log import Event
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.topics import TopicSpec
+from rocsafe_ros.interface_spec import TopicSpec, name_of
 
 DATUM = 'WGS84, heights above the ellipsoid'
 # Time of the vehicles between two entries of their readings.
@@ -91,7 +91,7 @@ class EvidenceEvents:
 
     def of(self, spec: TopicSpec, vehicle: str, message: Any, data: bytes) -> Iterator[Event]:
         """Yield the events of a message; `data` is what is recorded of it."""
-        topic = topics.name_of(spec, vehicle)
+        topic = name_of(spec, vehicle)
         if spec.name in READINGS:
             yield from self._of_reading(topic, vehicle, message, data)
             return
