@@ -71,4 +71,4 @@ class AdviceRequests:
         joined = self._advice.add(name, list(answer.viewpoints), answer.reason)
         if joined is not None:
             self.viewpoints, reason = joined
-            self._mission.advised(len(self.viewpoints), reason)
+            self._mission.rounds.advised(len(self.viewpoints), reason)
