@@ -11,7 +11,7 @@ import mmap
 import os
 import struct
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -177,6 +177,16 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
     if path.is_file():
         _reopen(path, directory)
     paths = recording.segments(directory)
+    merged = merge(paths, path, attachments)
+    for part in paths:
+        part.unlink()
+    return merged
+
+
+def merge(
+    paths: Sequence[Path], path: Path, attachments: Iterable[Path] = ()
+) -> FinalisedRecording:
+    """Write the recording at `path` from segments, whose recorder may still be at work."""
     opened = [_Segment(part, number) for number, part in enumerate(paths)]
     positions = sorted(position for segment in opened for position in segment.positions())
     kept = list(_without_repeats(opened, positions))
@@ -189,8 +199,6 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
         stream.flush()
         os.fsync(stream.fileno())
     temporary.replace(path)
-    for part in paths:
-        part.unlink()
     return FinalisedRecording(
         path=path,
         segment_count=len(paths),
