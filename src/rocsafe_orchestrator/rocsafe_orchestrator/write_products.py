@@ -12,7 +12,7 @@ from rocsafe_orchestrator.parameters.air_parameters import ESTIMATOR
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.products.agent_advice import advise
-from rocsafe_orchestrator.products.flight_log import read_flight_log
+from rocsafe_orchestrator.products.flight_log import READING, read_flight_log
 from rocsafe_orchestrator.products.readings_table import write_readings
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_reading import read_run
@@ -36,8 +36,8 @@ class EarlyEstimates:
 def estimate_early(run: RunDirectory) -> EarlyEstimates | None:
     """Estimate sources from what is recorded so far; None: there is nothing to say."""
     path = run.spool / MISSION_FILE
-    merge(segments(run.path), path)
     try:
+        merge(segments(run.path), path, kinds=(READING,))
         record = dataclasses.replace(read_run(run.path), log=read_flight_log(path))
     finally:
         path.unlink(missing_ok=True)

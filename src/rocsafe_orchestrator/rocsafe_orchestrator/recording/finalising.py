@@ -11,7 +11,7 @@ import mmap
 import os
 import struct
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -184,11 +184,22 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
 
 
 def merge(
-    paths: Sequence[Path], path: Path, attachments: Iterable[Path] = ()
+    paths: Sequence[Path],
+    path: Path,
+    attachments: Iterable[Path] = (),
+    kinds: Collection[str] = (),
 ) -> FinalisedRecording:
-    """Write the recording at `path` from segments, whose recorder may still be at work."""
+    """Write the recording at `path` from segments, whose recorder may still be at work.
+
+    `kinds` are the types of messages that are wanted; none: all.
+    """
     opened = [_Segment(part, number) for number, part in enumerate(paths)]
-    positions = sorted(position for segment in opened for position in segment.positions())
+    positions = sorted(
+        position
+        for segment in opened
+        for position in segment.positions()
+        if not kinds or segment.channels[position.channel].schema_name in kinds
+    )
     kept = list(_without_repeats(opened, positions))
     temporary = path.with_suffix('.tmp')
     with temporary.open('wb') as stream:
