@@ -214,6 +214,7 @@ def test_who_must_climb_where_a_vehicle_may_be_that_nobody_hears_is_named():
     assert any('comes near to where rav2 may be' in fault for fault in hidden)
 
 
+@pytest.mark.slow
 def test_layer_is_changed_for_the_column_of_a_vehicle_that_nobody_hears():
     """Where it is higher, who would fly through the column of its home flies above it."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))

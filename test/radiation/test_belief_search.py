@@ -70,6 +70,7 @@ def test_a_picture_is_made_by_either_method():
         AssessmentOptions(method='guess')
 
 
+@pytest.mark.slow
 def test_without_a_source_the_doubtful_ground_is_to_be_measured():
     """As long as a source may be hidden there."""
     full = survey([], seed=1)

@@ -32,6 +32,7 @@ def places():
     return np.array([(x, y, 32.0) for x, y in itertools.product(axis, axis)])
 
 
+@pytest.mark.slow
 def test_the_next_places_lie_around_the_source_not_above_it():
     """Above it, counts do not change with the place: they tell strength, not position."""
     found = localize(survey([(150.0, 150.0, 925.0)]), LOSSLESS)
