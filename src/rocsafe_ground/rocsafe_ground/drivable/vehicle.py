@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
+from rocsafe_geo.motion.ground_motion import ROUTE_MARGIN_M
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +28,7 @@ class GroundVehicle:
     """
 
     width_m: float = 0.7
-    margin_m: float = 0.3
+    margin_m: float = ROUTE_MARGIN_M
     road_mps: float = 1.5
     grass_mps: float = 1.0
     rough_mps: float = 0.6
