@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vehicle that drives a plan is not stopped by what the map shows, and is by what it does not."""
+"""A vehicle that drives a plan is stopped by what its map does not show, and by nothing else."""
 
 import math
 

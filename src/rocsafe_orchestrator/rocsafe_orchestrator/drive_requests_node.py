@@ -16,12 +16,19 @@ from rocsafe_orchestrator.mission.driving import DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
 from rocsafe_orchestrator.mission.status import Monitor
-from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal, drive_text
+from rocsafe_orchestrator.parameters.drive_goal import (
+    DriveSoFar,
+    Found,
+    are_other_sources,
+    drive_goal,
+    drive_text,
+)
 from rocsafe_ros import topics
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_scenario.scenario import Scenario
 
 # How a drive ends on the road.
+OUTDATED = 'other sources are known now than it was planned on'
 _OUT = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
 
 
@@ -60,6 +67,9 @@ class DriveRequests:
         self._mission: Mission | None = None
         self._so_far = DriveSoFar()
         self._route: GroundRoute | None = None
+        self._driving: Any = None
+        self._planned_on: Found = ()
+        self._is_outdated = False
         driver = scenario.driver_name
         self.router = ActionClient(node, PlanGroundRoute, topics.PLAN_GROUND_ROUTE.name)
         self.vehicle = ActionClient(node, DriveRoute, topics.name_of(topics.DRIVE_ROUTE, driver))
@@ -97,6 +107,7 @@ class DriveRequests:
         if goal is None:
             self._refuse(order, 'no drive: nothing was found, and no evidence is named')
             return
+        self._planned_on = self._monitor.sources
         self._send(self.router, goal, order, self._on_route)
 
     def send_drive(self, order: Order) -> None:
@@ -110,6 +121,13 @@ class DriveRequests:
             self._send(self.vehicle, goal, order, self._on_driven)
 
         self._leases.carry(order.vehicle, send, partial(self._refuse, order))
+
+    def on_sources(self) -> None:
+        """Stop a drive that was planned on other sources than are known now."""
+        is_other = are_other_sources(self._planned_on, self._monitor.sources)
+        if self._driving is not None and is_other and not self._is_outdated:
+            self._is_outdated = True
+            self._driving.cancel_goal_async()
 
     def _on_route(self, order: Order, future: Any) -> None:
         result = future.result().result
@@ -133,11 +151,14 @@ class DriveRequests:
             self._refuse(order, result.error_msg)
             return
         self._so_far = self._so_far.after(result)
+        self._driving, is_outdated, self._is_outdated = None, self._is_outdated, False
+        is_stopped = is_outdated and result.outcome == DriveRoute.Result.CANCELLED
+        text = OUTDATED if is_stopped else result.error_msg
         ending = DriveEnd.AT_HOME
-        if result.outcome in _OUT:
+        if is_stopped or result.outcome in _OUT:
             is_left = self._goal() is not None
             ending = DriveEnd.OUT_WITH_EVIDENCE_LEFT if is_left else DriveEnd.OUT_WITH_ALL
-        self._mission.driven(result.error_msg, ending)
+        self._mission.driven(text, ending)
 
     def _goal(self) -> PlanGroundRoute.Goal | None:
         monitor = self._monitor
@@ -151,9 +172,11 @@ class DriveRequests:
         self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]
     ) -> None:
         sent = client.send_goal_async(goal)
-        sent.add_done_callback(partial(self._on_goal, order, on_result))
+        sent.add_done_callback(partial(self._on_goal, client, order, on_result))
 
-    def _on_goal(self, order: Order, on_result: Callable[..., None], future: Any) -> None:
+    def _on_goal(
+        self, client: ActionClient, order: Order, on_result: Callable[..., None], future: Any
+    ) -> None:
         handle = future.result()
         if self._mission is None or handle is None:
             return
@@ -161,4 +184,6 @@ class DriveRequests:
             self._refuse(order, f'{order.vehicle or "router"}: request was not accepted')
             return
         self._mission.accepted(order)
+        if client is self.vehicle:
+            self._driving = handle
         handle.get_result_async().add_done_callback(partial(on_result, order))

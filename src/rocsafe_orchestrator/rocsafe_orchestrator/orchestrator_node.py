@@ -197,6 +197,7 @@ class OrchestratorNode(Node):
 
     def _on_sources(self, message: HazardSourceArray) -> None:
         self._monitor.sources = conversions.sources_of(message)
+        self.requests.on_sources()
 
     def _on_releases(self, message: ReleaseEstimateArray) -> None:
         self._monitor.releases = conversions.releases_of(message)

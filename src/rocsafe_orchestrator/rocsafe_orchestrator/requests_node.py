@@ -144,6 +144,11 @@ class Requests:
         self._monitor.images_expected = goal_conversions.viewpoint_count(plan)
         self._monitor.begin_plan(plan.plan_id, self._monitor.images_expected)
 
+    def on_sources(self) -> None:
+        """Note that the sources which are known have changed."""
+        if self._drives is not None:
+            self._drives.on_sources()
+
     def replan(self) -> str:
         """Have the rest of the mission planned anew; return why not, empty if it is."""
         if self._mission is None:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Planning of a drive: stands at the evidence, the tour, straight lines, the check by draws."""
 
+import math
+
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
@@ -12,8 +14,8 @@ from rocsafe_ground.errors import BeyondBudgetError
 from rocsafe_ground.route.edges import SECONDS_PER_HOUR
 from rocsafe_ground.tour.trip import Budgets, Tour
 
-# How far something in the way may extend around where it was met.
-BLOCKED_M = 0.5
+# How exactly a range finder tells the places of things in the way.
+BLOCKED_M = 0.1
 
 
 def plan_drive(request: DriveRequest, ground: GroundMap) -> DrivePlan:
@@ -62,7 +64,8 @@ def plan_drive(request: DriveRequest, ground: GroundMap) -> DrivePlan:
     True
     """
     if request.blocked:
-        ground = ground.blocked_at(request.blocked, request.vehicle.reach_m + BLOCKED_M)
+        kept_m = request.vehicle.kept_m(ground.grid.cell_m)
+        ground = ground.blocked_at(request.blocked, kept_m + BLOCKED_M)
     task, refused = task_of(request, ground)
     return _plan(task, _safe_drive(task), refused)
 
@@ -102,7 +105,16 @@ def _plan(task: Task, drive: Drive, refused: tuple[LeftOut, ...]) -> DrivePlan:
         left_out=(*refused, *_left_out(task, tour)),
         curve=_curve(task, tour),
         gas=drive.gas,
+        oldest_s=_oldest_s(task, drive),
     )
+
+
+def _oldest_s(task: Task, drive: Drive) -> float:
+    """Return the greatest age of the cells of a drive that are known, NaN if none is."""
+    ages = task.ground.ground.ages_s
+    known = np.empty(0) if ages is None else ages.ravel()[drive.track.cells]
+    known = known[np.isfinite(known)]
+    return float(known.max()) if len(known) else math.nan
 
 
 def _curve(task: Task, tour: Tour) -> tuple[tuple[float, float], ...]:

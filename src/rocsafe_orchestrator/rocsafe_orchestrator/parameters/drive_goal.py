@@ -4,7 +4,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
 from rocsafe_ros.conversions import point_of_position
@@ -13,6 +13,8 @@ from rocsafe_scenario.scenario import Scenario
 
 SOURCE, RELEASE = 'source', 'release'
 Found = Sequence[tuple[GeoPosition, float]]
+# Sources that are farther apart, or whose dose rates differ by a larger factor, are not the same.
+SAME_M, SAME_TIMES = 3.0, 2.0
 # A budget that is used up: the router then says what the least one would be.
 LEAST_BUDGET_USV = 1e-6
 
@@ -101,6 +103,23 @@ def _found(kind: str, unit: str, found: Found, dwell_s: float) -> Iterator[Evide
             priority=max(0.1, rate / strongest), dwell_s=dwell_s,
             found_in=f'{kind} {number}: {rate:.4g} {unit}',
         )  # fmt: skip
+
+
+def are_other_sources(planned_on: Found, known: Found) -> bool:
+    """Return whether a route was planned on other sources than are known now."""
+    unmatched = list(planned_on)
+    for place, rate in known:
+        same = [one for one in unmatched if _is_same(one, (place, rate))]
+        if not same:
+            return True
+        unmatched.remove(same[0])
+    return bool(unmatched)
+
+
+def _is_same(one: tuple[GeoPosition, float], other: tuple[GeoPosition, float]) -> bool:
+    (place, rate), (there, now) = one, other
+    is_near = distance_m(place, there) <= SAME_M
+    return is_near and rate / SAME_TIMES <= now <= rate * SAME_TIMES
 
 
 def drive_text(route: GroundRoute) -> str:

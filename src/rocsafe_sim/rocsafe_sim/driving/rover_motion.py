@@ -274,8 +274,9 @@ class RoverMotion:
                 break
         else:
             return False
-        seen = self.parts.scan(self.state.place, yaw_rad)
-        self.state.ledger.blocked = (ahead, *seen)
+        things = self.parts.things_beside(ahead) or (ahead,)
+        seen = self.parts.seen_from(self.state.place, yaw_rad)
+        self.state.ledger.blocked = (*things, *seen)
         self._end(DriveOutcome.BLOCKED, f'{thing} stands in the way', DriveMode.HOLDING)
         return True
 
