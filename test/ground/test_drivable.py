@@ -61,10 +61,10 @@ def test_thin_tape_is_no_thing(tmp_path):
 
 
 def test_noise_of_colours_is_no_thing(tmp_path):
-    """A pixel in eight."""
+    """A pixel in ten: hardly anywhere a third of a square."""
     noise = np.random.default_rng(1)
-    shown = looks(tmp_path, lambda east, _north: noise.random(east.shape) < 0.125)
-    assert thing_parts(shown, grid_of(0.5), 0.35).mean() < 0.001
+    shown = looks(tmp_path, lambda east, _north: noise.random(east.shape) < 0.1)
+    assert thing_parts(shown, grid_of(0.5), 0.35).mean() < 0.002
 
 
 @pytest.mark.parametrize('cell_m', [0.25, 0.5, 1.0, 2.0])
@@ -120,7 +120,7 @@ def test_rough_ground_is_slow_and_rougher_ground_is_not_driven(tmp_path):
     )
     east, _ = level.grid.places()
     is_both = (east > 2.0) & level.is_free & uneven.is_free
-    slower = (uneven.ground.slowness_spm / level.ground.slowness_spm)[is_both]
+    slower = uneven.ground.slowness_spm[is_both] / level.ground.slowness_spm[is_both]
     assert is_both.sum() > 1000
     assert 1.05 < slower.mean() < 1.6
     assert not (rubble.is_free & (east > 2.0)).any()
