@@ -12,6 +12,8 @@ from rclpy.node import Node
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute
 from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_orchestrator.mission.confirmation import Confirmation
+from rocsafe_orchestrator.mission.drive_watch import DriveWatch, Reading
 from rocsafe_orchestrator.mission.driving import DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
@@ -22,6 +24,8 @@ from rocsafe_orchestrator.parameters.drive_goal import (
     are_other_sources,
     drive_goal,
     drive_text,
+    drive_watch,
+    task_digest,
 )
 from rocsafe_ros import topics
 from rocsafe_ros.lease_holder_node import Leases
@@ -51,6 +55,10 @@ class DriveRequests:
         Of the vehicles.
     assessors
         Clients of the services.
+    confirm
+        Has a person confirm what a real ground vehicle is to do.
+    call_home
+        Tells the vehicle to return.
     """
 
     def __init__(
@@ -60,7 +68,13 @@ class DriveRequests:
         monitor: Monitor,
         leases: Leases,
         assessors: Sequence[Client],
+        confirm: Callable[[Confirmation], None] = lambda _asked: None,
+        call_home: Callable[[], None] = lambda: None,
     ) -> None:
+        self._confirm, self._call_home = confirm, call_home
+        self._is_confirmed = False
+        self._watch: DriveWatch | None = None
+        self._called_home = ''
         self._scenario, self._monitor = scenario, monitor
         self._leases, self._assessors = leases, tuple(assessors)
         self._unassessed: list[Client] = []
@@ -115,6 +129,8 @@ class DriveRequests:
         if self._route is None:
             return
         goal = DriveRoute.Goal(route=self._route)
+        if self._is_real:
+            self._watch, self._called_home = drive_watch(self._route), ''
 
         def send(lease: str) -> None:
             goal.lease = lease
@@ -141,7 +157,39 @@ class DriveRequests:
             planned = sum(bool(stop.evidence) for stop in result.route.stops)
             self._monitor.images_expected += planned
         self._mission.remarks.append(drive_text(result.route))
-        self._mission.drive_planned()
+        if self._is_real and not self._is_confirmed:
+            self._confirm(self._confirmation(order))
+        else:
+            self._mission.drive_planned()
+
+    @property
+    def _is_real(self) -> bool:
+        return self._scenario.driver_name in self._scenario.real_names
+
+    def _confirmation(self, order: Order) -> Confirmation:
+        """Return what a person confirms: the task, which is known before the survey.
+
+        What is planned anew on the way is within it.
+        """
+
+        def accept() -> None:
+            self._is_confirmed = True
+            if self._mission is not None:
+                self._mission.drive_planned()
+
+        name = self._scenario.driver_name
+        return Confirmation(
+            digest=task_digest(self._scenario), what='drive', file='ground/route.json',
+            text=f'{name}, a real vehicle, drives', accept=accept,
+            refuse=partial(self._refuse, order),
+        )  # fmt: skip
+
+    def on_reading(self, reading: Reading) -> None:
+        """Take a reading of the ground vehicle; call a real one home in time."""
+        why = self._watch.read(reading) if self._watch is not None else ''
+        if why:
+            self._watch, self._called_home = None, f'called home for its dose: {why}'
+            self._call_home()
 
     def _on_driven(self, order: Order, future: Any) -> None:
         result = future.result().result
@@ -153,7 +201,8 @@ class DriveRequests:
         self._so_far = self._so_far.after(result)
         self._driving, is_outdated, self._is_outdated = None, self._is_outdated, False
         is_stopped = is_outdated and result.outcome == DriveRoute.Result.CANCELLED
-        text = OUTDATED if is_stopped else result.error_msg
+        text = OUTDATED if is_stopped else self._called_home or result.error_msg
+        self._watch = None
         ending = DriveEnd.AT_HOME
         if is_stopped or result.outcome in _OUT:
             is_left = self._goal() is not None

@@ -19,6 +19,8 @@ from rocsafe_interfaces.srv import FleetCommand
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.advice_requests_node import AdviceRequests
 from rocsafe_orchestrator.drive_requests_node import DriveRequests
+from rocsafe_orchestrator.mission.confirmation import Confirmation
+from rocsafe_orchestrator.mission.drive_watch import Reading
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.status import Monitor
@@ -65,7 +67,7 @@ class Requests:
     Attributes
     ----------
     unconfirmed
-        Hash of a plan by which real vehicles would take off, until it is confirmed; empty: none.
+        By what real vehicles would move, until it is confirmed or refused; None: nothing.
     """
 
     def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
@@ -92,12 +94,12 @@ class Requests:
             for name in scenario.all_names
         }
         self._advice = AdviceRequests(self._services, scenario)
+        self.unconfirmed: Confirmation | None = None
         self._drives = self._drives_of(node) if scenario.driver_name else None
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._real = {vehicle.name for vehicle in scenario.linked}
         self._visited: list[int] = []
         self._routed: list[str] = []
-        self.unconfirmed = ''
         self._replaces = False
         self._photographed = 0
         self._send: dict[OrderKind, Callable[[Order], None]] = {
@@ -125,7 +127,11 @@ class Requests:
         if self._scenario.air.gas_sensors:
             asked.append(topics.SUGGEST_GAS_VIEWPOINTS)
         assessors = [self._services[spec.name] for spec in asked]
-        return DriveRequests(node, self._scenario, self._monitor, self._leases, assessors)
+        home = Order(kind=OrderKind.RETURN, vehicle=self._scenario.driver_name)
+        return DriveRequests(
+            node, self._scenario, self._monitor, self._leases, assessors,
+            partial(setattr, self, 'unconfirmed'), partial(self._send_verb, home),
+        )  # fmt: skip
 
     def begin(self, mission: Mission) -> None:
         """Report answers to `mission` from now on."""
@@ -148,6 +154,11 @@ class Requests:
         """Note that the sources which are known have changed."""
         if self._drives is not None:
             self._drives.on_sources()
+
+    def on_reading(self, reading: Reading) -> None:
+        """Note a reading of the ground vehicle."""
+        if self._drives is not None:
+            self._drives.on_reading(reading)
 
     def replan(self) -> str:
         """Have the rest of the mission planned anew; return why not, empty if it is."""
@@ -287,7 +298,7 @@ class Requests:
 
     def _pause(self, order: Order) -> None:
         """Pause simulated time, unless a real vehicle takes part."""
-        if not self._scenario.linked:
+        if not self._scenario.real_names:
             self._call(topics.WORLD_RUN, SetBool.Request(data=False), order)
         elif self._mission is not None:
             self._mission.answered(order)
@@ -344,23 +355,18 @@ class Requests:
         real = {vehicle.name for vehicle in self._scenario.linked} & set(self._routed)
         # The rest of a plan that was confirmed needs no confirmation of its own.
         if real and not self._mission.fleet.is_gathering:
-            self.unconfirmed = plan_digest(result.plan.plan_id, result.plan.routes)
+            self.unconfirmed = Confirmation(
+                digest=plan_digest(result.plan.plan_id, result.plan.routes),
+                what='plan',
+                file='plan.json',
+                text='real vehicles take off',
+                accept=partial(self._mission.planned, self._routed),
+                refuse=partial(self._on_refusal, Order(kind=OrderKind.PLAN)),
+            )
         else:
             # Of these the image store owes a photograph each.
             taken = len(visited) if self._scenario.has_cameras else 0
             self._mission.planned(self._routed, taken)
-
-    def confirm(self) -> None:
-        """Fly the plan that waits for a confirmation."""
-        self.unconfirmed = ''
-        if self._mission is not None:
-            self._mission.planned(self._routed)
-
-    def reject(self, text: str) -> None:
-        """Refuse the plan that waits for a confirmation, with the reason."""
-        self.unconfirmed = ''
-        if self._mission is not None:
-            self._mission.refused(Order(kind=OrderKind.PLAN), text)
 
     def _on_flight(self, plan_id: str, order: Order, future: Any) -> None:
         answer = future.result()

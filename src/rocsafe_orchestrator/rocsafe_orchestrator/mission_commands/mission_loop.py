@@ -4,6 +4,7 @@
 import signal
 import time
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -187,27 +188,33 @@ class MissionLoop:
     def _await_confirmation(self, now_s: float) -> None:
         """Let a person confirm the plan by which real vehicles take off."""
         requests, terminal = self._parts.node.requests, self._parts.terminal
-        digest = requests.unconfirmed
-        if not digest:
+        asked = requests.unconfirmed
+        if asked is None:
             return
-        if digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
-            self._asked_s = None
-            self._parts.run_info['confirmed_plan'] = digest
-            self._say(f'plan {digest} is confirmed')
-            requests.confirm()
+        name = f'{asked.what} {asked.digest}'
+        if asked.digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
+            self._parts.run_info[f'confirmed_{asked.what}'] = asked.digest
+            self._say(f'{name} is confirmed')
+            self._answered(asked.accept)
         elif not terminal.is_there:
-            requests.reject(
-                f'plan {digest} of real vehicles is not confirmed: look at plan.json, then run '
-                f'again with --confirm {digest}, or in a terminal'
+            text = (
+                f'{name} of real vehicles is not confirmed: look at {asked.file}, then run again '
+                f'with --confirm {asked.digest}, or in a terminal'
             )
+            self._answered(partial(asked.refuse, text))
         elif self._asked_s is None:
             self._asked_s = now_s
             self._parts.display.say(
-                f'real vehicles take off by plan {digest}, see plan.json: y and Enter confirms it'
+                f'{asked.text} by {name}, see {asked.file}: y and Enter confirms it'
             )
         elif now_s - self._asked_s > CONFIRM_S:
-            self._asked_s = None
-            requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
+            text = f'{name} was not confirmed within {CONFIRM_S:.0f} s'
+            self._answered(partial(asked.refuse, text))
+
+    def _answered(self, answer: Callable[[], None]) -> None:
+        """Give the answer to what waits for a person, which waits no more."""
+        self._parts.node.requests.unconfirmed = self._asked_s = None
+        answer()
 
     def _mark_contaminated(self) -> None:
         """Report the vehicles that may be contaminated; write the real ones to a file."""

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The request for a drive of the ground vehicle, and what it has done so far."""
 
+import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
-from rocsafe_ros.conversions import point_of_position
+from rocsafe_orchestrator.mission.drive_watch import DriveWatch, WatchedStop
+from rocsafe_ros.conversions import point_of_position, position_of_point
 from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 
@@ -120,6 +122,26 @@ def _is_same(one: tuple[GeoPosition, float], other: tuple[GeoPosition, float]) -
     (place, rate), (there, now) = one, other
     is_near = distance_m(place, there) <= SAME_M
     return is_near and rate / SAME_TIMES <= now <= rate * SAME_TIMES
+
+
+def task_digest(scenario: Scenario) -> str:
+    """Return a hash of what the ground vehicle of a scenario is to do, 8 hexadecimal digits."""
+    block = scenario.ground_vehicle
+    text = block.model_dump_json() if block else ''
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def drive_watch(route: GroundRoute) -> DriveWatch:
+    """Return the watch over the dose of a route."""
+    stops = [
+        WatchedStop(
+            place=position_of_point(stop.position),
+            duration_s=stop.duration_s,
+            dose_usv=stop.dose_usv,
+        )
+        for stop in route.stops
+    ]
+    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh)
 
 
 def drive_text(route: GroundRoute) -> str:
