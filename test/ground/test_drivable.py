@@ -11,7 +11,7 @@ from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.raster import Bands, read_bands
 from rocsafe_ground.drivable.relief import relief_of
 from rocsafe_ground.drivable.route_grid import RouteGrid
-from rocsafe_ground.drivable.things import PARTS, distances_m, in_cells, thing_parts
+from rocsafe_ground.drivable.things import distances_m, in_cells, parts_of, thing_parts
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DriveRequest
 from rocsafe_ground.drive.ground_map import MapFiles, MapReader, read_ground_map
@@ -46,12 +46,12 @@ def test_small_thing_is_kept_from_wherever_cells_cut_it(tmp_path, shift):
     """A drum of 0.57 m across covers no quarter of a cell much if it lies on a corner of four."""
     shown = looks(tmp_path, lambda east, north: np.hypot(east - shift, north - shift) < 0.285)
     parts = thing_parts(shown, grid_of(0.5), 0.35)
-    distance = distances_m(parts, 0.5)
+    distance = distances_m(parts, grid_of(0.5))
     east, north = grid_of(0.5).places()
     truth = np.hypot(east - shift, north - shift) - 0.285
     far = truth > 0.3
     assert np.abs(distance - truth)[far].max() < 0.2
-    assert in_cells(parts).any()
+    assert in_cells(parts, grid_of(0.5)).any()
 
 
 def test_thin_tape_is_no_thing(tmp_path):
@@ -197,6 +197,7 @@ def test_age_of_each_cell_is_known(tmp_path):
     assert np.nanmax(east) == 0.0
 
 
-def test_parts_divide_cells_evenly():
-    """The middle of a cell is the middle of a part."""
-    assert PARTS % 2 == 1
+@pytest.mark.parametrize(('cell_m', 'parts'), [(0.05, 1), (0.2, 1), (0.5, 3), (1.0, 5)])
+def test_parts_of_cells_are_about_as_large_in_every_grid(cell_m, parts):
+    """Their number is odd: the middle of a cell is the middle of a part."""
+    assert parts_of(grid_of(cell_m)) == parts

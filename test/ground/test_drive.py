@@ -452,6 +452,28 @@ def test_dose_map_of_another_place_is_refused(tmp_path):
         ground_of(folder)
 
 
+@pytest.mark.parametrize('rate', [-1.0, math.inf])
+def test_dose_map_that_no_field_has_is_refused(tmp_path, rate):
+    """A negative dose rate would make a way cheaper; an infinite one, none possible."""
+    folder = write_village(tmp_path)
+    with rasterio.open(folder / 'dose_map.tif', 'r+') as file:
+        values = file.read()
+        values[:, 5, 5] = rate
+        file.write(values)
+    with pytest.raises(NoMapError, match=r'dose_map\.tif: has a dose rate below 0, or an inf'):
+        ground_of(folder)
+
+
+def test_source_with_a_variance_below_zero_is_refused(tmp_path):
+    """Naming the file."""
+    folder = write_village(tmp_path)
+    document = json.loads((folder / 'sources.json').read_text())
+    document['sources'][0]['position_covariance_m2'][0][0] = -1.0
+    (folder / 'sources.json').write_text(json.dumps(document))
+    with pytest.raises(NoMapError, match=r'sources\.json: .*no variance below 0'):
+        ground_of(folder)
+
+
 def test_map_without_dose_rates_is_refused(tmp_path):
     """A route without them would promise what nobody knows."""
     folder = write_village(tmp_path)

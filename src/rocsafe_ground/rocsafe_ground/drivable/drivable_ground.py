@@ -21,7 +21,7 @@ from rocsafe_ground.drivable.labels import LabelMap
 from rocsafe_ground.drivable.raster import Bands
 from rocsafe_ground.drivable.relief import Relief, relief_of
 from rocsafe_ground.drivable.route_grid import RouteGrid
-from rocsafe_ground.drivable.things import PARTS, distances_m, in_cells, thing_parts
+from rocsafe_ground.drivable.things import distances_m, in_cells, parts_of, thing_parts
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 
 IntArray = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
@@ -145,17 +145,17 @@ def drivable_ground(
     reasons[relief.roughness_m > _roughest_m(vehicle, rules)] = Reason.ROUGH
     reasons[is_steep | relief.is_step] = Reason.STEEP
     if layers.labels is None:
-        reasons[_is_small_patch(driven, in_cells(parts), grid, rules)] = Reason.OBSTACLE
+        reasons[_is_small_patch(driven, in_cells(parts, grid), grid, rules)] = Reason.OBSTACLE
     for zone in layers.keep_outs:
         east, north = grid.places()
         reasons[shapely.contains_xy(zone.buffer(0.5 * grid.cell_m), east, north)] = Reason.KEEP_OUT
     reasons[(seen < rules.least_seen) | np.isnan(relief.slope_rad)] = Reason.UNKNOWN
     kept_m = vehicle.kept_m(grid.cell_m)
     near = is_near(reasons != Reason.FREE, grid.cell_m, kept_m)
-    near |= distances_m(parts, grid.cell_m) < kept_m
+    near |= distances_m(parts, grid) < kept_m
     is_free = reasons == Reason.FREE
     reasons[is_free & near] = Reason.TOO_NEAR
-    reasons[is_free & in_cells(parts)] = Reason.OBSTACLE
+    reasons[is_free & in_cells(parts, grid)] = Reason.OBSTACLE
     return DrivableGround(
         reasons=reasons,
         slowness_spm=_slowness(driven, relief, vehicle, rules),
@@ -193,7 +193,7 @@ def _things(
     parts = thing_parts(replace(classes, values=looks), grid, rules.most_blocked)
     if layers.heights is not None:
         # A part is as high as the highest thing in it.
-        tall = layers.heights.on(grid, Resampling.max, PARTS)[0]
+        tall = layers.heights.on(grid, Resampling.max, parts_of(grid))[0]
         parts |= tall >= max(rules.least_height_m, vehicle.largest_step_m)
     return parts
 

@@ -154,6 +154,11 @@ class MapReader:
                 f'{doses_path}: has {len(doses.values)} bands: must have mean, deviation, upper '
                 '95 %'
             )
+        if (
+            not (np.isfinite(doses.values) | np.isnan(doses.values)).all()
+            or (doses.values < 0).any()
+        ):
+            raise NoMapError(f'{doses_path}: has a dose rate below 0, or an infinite one')
         grid, ground = self._ground(files, vehicle, cell_m, origin_of(doses))
         field = dose_field(doses, read_posterior(files), grid)
         if np.isnan(field.mean_usvh).all():
