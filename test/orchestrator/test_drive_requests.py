@@ -12,6 +12,7 @@ from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.drive_requests_node import OUTDATED, DriveRequests
 from rocsafe_orchestrator.mission.driving import DriveEnd
+from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.parameters.drive_goal import are_other_sources
 
 
@@ -46,6 +47,7 @@ def test_readings_are_assessed_before_each_drive(ros):
     node.destroy_node()
 
 
+DRIVE = Order(kind=OrderKind.DRIVE, vehicle='rgv1')
 PLACE = GeoPosition(53.28, -9.06, 0.0)
 
 
@@ -83,7 +85,7 @@ def test_drive_on_other_sources_is_stopped_and_planned_anew(ros):
     )
     requests._planned_on, requests._goal = monitor.sources, lambda: 'rest'
     requests.on_sources()
-    requests._on_goal(requests.vehicle, 'drive', print, done(handle))
+    requests._on_goal(DRIVE, print, done(handle))
     requests.on_sources()
     assert not cancelled
     monitor.sources = ((PLACE, 1000.0),)
@@ -91,7 +93,7 @@ def test_drive_on_other_sources_is_stopped_and_planned_anew(ros):
     requests.on_sources()
     assert cancelled == [1]
     result = DriveRoute.Result(outcome=DriveRoute.Result.CANCELLED, error_msg='by request')
-    requests._on_driven('drive', done(SimpleNamespace(result=result)))
+    requests._on_driven(DRIVE, done(SimpleNamespace(result=result)))
     assert ends == [(OUTDATED, DriveEnd.OUT_WITH_EVIDENCE_LEFT)]
     requests.on_sources()
     assert cancelled == [1]

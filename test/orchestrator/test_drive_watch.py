@@ -47,9 +47,7 @@ def driven(watch, strength):
         value = rate(east, strength)
         dose += value * PERIOD_S / 3600.0
         now_s += PERIOD_S
-        reading = Reading(
-            stamp_s=now_s, rate_usvh=value, place=place(east), speed_mps=SPEED_MPS
-        )
+        reading = Reading(stamp_s=now_s, rate_usvh=value, place=place(east), speed_mps=SPEED_MPS)
         if why := watch.read(reading):
             back = sum(rate(k * 0.2, strength) * 0.2 / 3600.0 for k in range(int(east / 0.2)))
             return why, along, dose + back

@@ -4,7 +4,6 @@
 import signal
 import time
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -17,6 +16,7 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, RunStatus
+from rocsafe_orchestrator.mission_commands.confirmation import DRIVE, PLAN, Confirmation
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.progress import Display
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
@@ -40,8 +40,6 @@ PUBLISH_PERIOD_S = 0.5
 DISK_PERIOD_S = 1.0
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 1.0
-# A plan of real vehicles must be confirmed within this time.
-CONFIRM_S = 120.0
 # The end of a run does not wait for the landing of a vehicle that is silent for longer.
 LONGEST_SILENCE_S = 15.0
 # States of a ground vehicle that stands and has no drive.
@@ -106,7 +104,12 @@ class MissionLoop:
         self._is_shortage_told = False
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
-        self._asked_s: float | None = None
+        requests = parts.node.requests
+        self._confirmations = [
+            Confirmation(waiting, parts.terminal, parts.display, parts.confirmed, subject)
+            for waiting, subject in ((requests.plans, PLAN), (requests.drives, DRIVE))
+            if waiting is not None
+        ]
         self._marked: dict[str, str] = {}
         self._decisions = Decisions()
         self._own = [spec.name for spec in parts.table if spec.is_here]
@@ -131,7 +134,10 @@ class MissionLoop:
     def _tick(self, now_s: float) -> None:
         parts = self._parts
         may_order = self._watch_operator(now_s)
-        self._await_confirmation(now_s)
+        for one in self._confirmations:
+            if digest := one.watch(now_s):
+                parts.run_info[f'confirmed_{one.subject.what}'] = digest
+                self._say(f'{one.subject.what} {digest} is confirmed')
         if parts.interrupt.count:
             parts.mission.cancel(parts.interrupt.text)
         parts.interrupt.is_saving = parts.mission.phase >= Phase.MAPPING
@@ -142,7 +148,7 @@ class MissionLoop:
         for vehicle, why in parts.monitor.turned_back.items():
             seen = parts.monitor.vehicle(vehicle)
             if seen.is_aloft or seen.is_waiting:
-                parts.mission.turn_back(vehicle, why, is_waiting=seen.is_waiting)
+                parts.mission.takeover.turn_back(vehicle, why, is_waiting=seen.is_waiting)
         parts.mission.remarks += parts.crew_watch.advance()
         self._mark_contaminated()
         if may_order:
@@ -184,37 +190,6 @@ class MissionLoop:
     def _say(self, remark: str) -> None:
         self._tell([Decision(kind='remark', text=remark)])
         self._parts.display.say(remark)
-
-    def _await_confirmation(self, now_s: float) -> None:
-        """Let a person confirm the plan by which real vehicles take off."""
-        requests, terminal = self._parts.node.requests, self._parts.terminal
-        asked = requests.unconfirmed
-        if asked is None:
-            return
-        name = f'{asked.what} {asked.digest}'
-        if asked.digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
-            self._parts.run_info[f'confirmed_{asked.what}'] = asked.digest
-            self._say(f'{name} is confirmed')
-            self._answered(asked.accept)
-        elif not terminal.is_there:
-            text = (
-                f'{name} of real vehicles is not confirmed: look at {asked.file}, then run again '
-                f'with --confirm {asked.digest}, or in a terminal'
-            )
-            self._answered(partial(asked.refuse, text))
-        elif self._asked_s is None:
-            self._asked_s = now_s
-            self._parts.display.say(
-                f'{asked.text} by {name}, see {asked.file}: y and Enter confirms it'
-            )
-        elif now_s - self._asked_s > CONFIRM_S:
-            text = f'{name} was not confirmed within {CONFIRM_S:.0f} s'
-            self._answered(partial(asked.refuse, text))
-
-    def _answered(self, answer: Callable[[], None]) -> None:
-        """Give the answer to what waits for a person, which waits no more."""
-        self._parts.node.requests.unconfirmed = self._asked_s = None
-        answer()
 
     def _mark_contaminated(self) -> None:
         """Report the vehicles that may be contaminated; write the real ones to a file."""
