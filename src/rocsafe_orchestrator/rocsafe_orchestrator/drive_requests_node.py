@@ -20,7 +20,7 @@ from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.parameters.drive_goal import (
     DriveSoFar,
     Found,
-    are_other_sources,
+    dose_change,
     drive_goal,
     drive_text,
     drive_watch,
@@ -32,7 +32,9 @@ from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_scenario.scenario import Scenario
 
 # How a drive ends on the road.
-OUTDATED = 'other sources are known now than it was planned on'
+# A route is planned anew if its dose is known to be so many times larger, or smaller: as when the
+# vehicle itself reads so much more or less than predicted.
+MOST_TIMES = 2.0
 _OUT = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
 
 
@@ -81,7 +83,7 @@ class DriveRequests(GoalRequests):
         self._route: GroundRoute | None = None
         self._driving: Any = None
         self._planned_on: Found = ()
-        self._is_outdated = False
+        self._outdated = ''
         self._call_home, self._called_home = call_home, ''
         self._watch: DriveWatch | None = None
         self.unconfirmed, self._is_confirmed = '', False
@@ -177,10 +179,12 @@ class DriveRequests(GoalRequests):
             self._call_home()
 
     def on_sources(self) -> None:
-        """Stop a drive that was planned on other sources than are known now."""
-        is_other = are_other_sources(self._planned_on, self._monitor.sources)
-        if self._driving is not None and is_other and not self._is_outdated:
-            self._is_outdated = True
+        """Stop a drive that by the sources known now takes much more dose, or much less."""
+        if self._driving is None or self._route is None or self._outdated:
+            return
+        times = dose_change(self._route, self._planned_on, self._monitor.sources)
+        if not 1.0 / MOST_TIMES <= times <= MOST_TIMES:
+            self._outdated = f'by the sources known now it takes {times:.2g} times the dose'
             self._driving.cancel_goal_async()
 
     def _on_driven(self, order: Order, future: Any) -> None:
@@ -191,10 +195,10 @@ class DriveRequests(GoalRequests):
             self._refuse(order, result.error_msg)
             return
         self._so_far = self._so_far.after(result)
-        self._driving, is_outdated, self._is_outdated = None, self._is_outdated, False
+        self._driving, outdated, self._outdated = None, self._outdated, ''
         self._watch = None
-        is_stopped = is_outdated and result.outcome == DriveRoute.Result.CANCELLED
-        text = OUTDATED if is_stopped else self._called_home or result.error_msg
+        is_stopped = bool(outdated) and result.outcome == DriveRoute.Result.CANCELLED
+        text = outdated if is_stopped else self._called_home or result.error_msg
         ending = DriveEnd.AT_HOME
         if is_stopped or result.outcome in _OUT:
             is_left = self._goal() is not None

@@ -15,8 +15,8 @@ from rocsafe_scenario.scenario import Scenario
 
 SOURCE, RELEASE = 'source', 'release'
 Found = Sequence[tuple[GeoPosition, float]]
-# Sources that are farther apart, or whose dose rates differ by a larger factor, are not the same.
-SAME_M, SAME_TIMES = 3.0, 2.0
+# A background, and the square of the least distance to a source.
+LEAST_RATE_USVH, LEAST_M2 = 0.1, 1.0
 # A budget that is used up: the router then says what the least one would be.
 LEAST_BUDGET_USV = 1e-6
 
@@ -107,21 +107,23 @@ def _found(kind: str, unit: str, found: Found, dwell_s: float) -> Iterator[Evide
         )  # fmt: skip
 
 
-def are_other_sources(planned_on: Found, known: Found) -> bool:
-    """Return whether a route was planned on other sources than are known now."""
-    unmatched = list(planned_on)
-    for place, rate in known:
-        same = [one for one in unmatched if _is_same(one, (place, rate))]
-        if not same:
-            return True
-        unmatched.remove(same[0])
-    return bool(unmatched)
+def dose_change(route: GroundRoute, planned_on: Found, known: Found) -> float:
+    """Return how many times the planned dose a route takes by the sources that are known now.
+
+    By 1 / r^2 over a background, at the stops of the route.
+    """
+    planned = changed = 0.0
+    for stop in route.stops:
+        place = position_of_point(stop.position)
+        planned += stop.dose_usv
+        changed += stop.dose_usv * _rate_usvh(place, known) / _rate_usvh(place, planned_on)
+    return changed / planned if planned > 0.0 else 1.0
 
 
-def _is_same(one: tuple[GeoPosition, float], other: tuple[GeoPosition, float]) -> bool:
-    (place, rate), (there, now) = one, other
-    is_near = distance_m(place, there) <= SAME_M
-    return is_near and rate / SAME_TIMES <= now <= rate * SAME_TIMES
+def _rate_usvh(place: GeoPosition, sources: Found) -> float:
+    squares = [max(distance_m(place, source) ** 2, LEAST_M2) for source, _ in sources]
+    rates = [rate / square for (_, rate), square in zip(sources, squares, strict=True)]
+    return LEAST_RATE_USVH + sum(rates)
 
 
 def task_digest(scenario: Scenario) -> str:
