@@ -87,7 +87,7 @@ class Requests(GoalRequests):
         }
         self._advice = AdviceRequests(self._services, scenario)
         self.plans = PlanRequests(node, scenario, monitor, self._advice)
-        self.drives = self.drives_of(node) if scenario.driver_name else None
+        self.drives = self._drives_of(node) if scenario.driver_name else None
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._real = {vehicle.name for vehicle in scenario.linked}
         self._send: dict[OrderKind, Callable[[Order], None]] = {

@@ -6,6 +6,7 @@ import os
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rasterio
@@ -18,6 +19,7 @@ from rocsafe_ground.drivable.route_grid import RouteGrid
 from rocsafe_ground.errors import NoMapError
 
 Bounds = tuple[float, float, float, float]
+Values = np.ndarray[tuple[int, ...], np.dtype[np.floating[Any]]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +36,7 @@ class Bands:
         Side of a pixel in the unit of the coordinate system.
     """
 
-    values: FloatArray
+    values: Values
     crs: object
     transform: object
     pixel_m: float
@@ -68,7 +70,7 @@ class Bands:
                 dst_crs=grid.projection, dst_nodata=np.nan, resampling=resampling,
                 dst_transform=from_origin(grid.west_m, top, side, side),
             )  # fmt: skip
-        return found[:, ::-1].copy()
+        return found[:, ::-1].astype(np.float64)
 
 
 def read_bands(path: Path) -> Bands:

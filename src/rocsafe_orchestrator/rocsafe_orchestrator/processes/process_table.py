@@ -244,7 +244,8 @@ def _bridge_processes(
         yield (
             spec if bridge == BRIDGE else replace(spec, remappings=(f'{BRIDGE}:__node:={bridge}',))
         )
-    for vehicle in (*linked, *([driver] if driver else [])):
+    detected: list[VehicleBlock | GroundVehicleBlock] = [*linked]
+    for vehicle in [*detected, *([driver] if driver else [])]:
         if isinstance(vehicle.drone.detector, DetectorBlock):
             yield _process(
                 f'detector_{vehicle.name}', 'rocsafe_radiation/detector',
