@@ -28,8 +28,6 @@ from pathlib import Path
 
 import numpy as np
 
-from rocsafe_dispersion.atmosphere.stability import class_of_length
-from rocsafe_dispersion.buildings.air_grid import AirGrid
 from rocsafe_dispersion.buildings.building_wind import wind_around
 from rocsafe_dispersion.plume.filaments import FilamentCloud, FilamentOptions
 from rocsafe_dispersion.plume.losses import Losses
@@ -43,7 +41,9 @@ from rocsafe_dispersion.plume.spread import (
 )
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.air_grid import AirGrid
 from rocsafe_geo.wind.similarity import SurfaceLayer
+from rocsafe_geo.wind.stability import class_of_length
 from rocsafe_geo.wind.wind_field import ProfileWind
 from rocsafe_geo.wind.wind_vector import WindVector
 

@@ -37,13 +37,13 @@ from release_families import (
     trial,
 )
 
-from rocsafe_dispersion.atmosphere.stability import layer_of_class
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey, point_survey
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places
 from rocsafe_dispersion.estimation.release_options import SearchArea
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.stability import layer_of_class
 
 READINGS, A_ROUND, ROUNDS = 60, 10, 3
 # Regions hold a release that is up to 10 m beyond the ground with releases.

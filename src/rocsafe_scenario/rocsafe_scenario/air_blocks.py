@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The air block of a scenario file: releases, stability and gusts of the wind, gas sensors."""
+"""The air block of a scenario file: releases, how the wind changes, gas sensors."""
 
 from typing import Annotated, Literal
 
@@ -61,7 +61,9 @@ class AirWindBlock(Block):
     """How the wind of `survey.airspace.wind_mps`, measured at `height_m`, changes.
 
     It grows with height by the roughness of the ground and the stability (Pasquill class), and
-    has gusts, which move gas and vehicles.
+    has gusts. With `record_file`, the record of an anemometer, the air moves as recorded, and
+    `survey.airspace.wind_mps` is the forecast that flights are planned with. With `scene_file`
+    buildings and ground of that scene shelter and channel it. All of it moves gas and vehicles.
     """
 
     height_m: float = Field(default=10.0, ge=1.0, le=200.0)
@@ -69,6 +71,13 @@ class AirWindBlock(Block):
     stability: Literal['A', 'B', 'C', 'D', 'E', 'F'] = 'D'
     gust_std_mps: float = Field(default=0.0, ge=0.0, le=20.0)
     gust_scale_s: float = Field(default=20.0, ge=1.0, le=3600.0)
+    record_file: str = ''
+    scene_file: str = ''
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether it is everywhere and always the same, up to its profile."""
+        return not (self.gust_std_mps or self.record_file or self.scene_file)
 
 
 class GasSearchBlock(Block):

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from rocsafe_dispersion.agents.agent_table import agent
-from rocsafe_dispersion.atmosphere.stability import CLASSES, layer_of_class
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
@@ -27,6 +26,7 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
 )
 from rocsafe_dispersion.mission_gas.release_files import write_release_files
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.wind.stability import CLASSES, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
 EXIT_OK, EXIT_REFUSED = 0, 2

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-from rocsafe_dispersion.atmosphere.stability import StabilityClass, layer_of_class
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import (
@@ -23,6 +22,7 @@ from rocsafe_dispersion.mission_gas.stopping import ReleaseRule, ReleaseVerdict
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.stability import StabilityClass, layer_of_class
 
 LEAST_BLOCKS = 8
 # Places tried along the longer side of the area: for releases, and to measure at.

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocsafe_dispersion.atmosphere.stability import StabilityClass
 from rocsafe_dispersion.plume.briggs import Setting, briggs_sigmas_m
 from rocsafe_dispersion.plume.losses import NO_LOSSES, REFERENCE_M, Losses
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.wind.similarity import SurfaceLayer
+from rocsafe_geo.wind.stability import StabilityClass
 
 NEAREST_M, FARTHEST_M, ROWS = 0.1, 3e4, 480
 _RATIO = math.log(FARTHEST_M / NEAREST_M) / (ROWS - 1)
