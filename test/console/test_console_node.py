@@ -32,7 +32,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, ecef_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute, MissionState, VehicleState
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 
 DEADLINE_S = 60.0
 SPEAK_S = 0.1
@@ -197,7 +197,7 @@ def test_a_new_plan_is_asked_of_the_mission(console):
         response.success, response.message = False, 'cannot plan anew: nothing flies'
         return response
 
-    console.speaker.create_service(Trigger, topics.REPLAN.name, on_replan)
+    console.speaker.create_service(Trigger, calls.REPLAN.name, on_replan)
     client = console.node.orders._mission[Action.REPLAN]
     console.ros.spin_until(client.service_is_ready, DEADLINE_S)
     results = console.order(Action.REPLAN, *NAMES)

@@ -145,7 +145,7 @@ def test_a_loss_that_is_announced_frees_its_points():
     assert outcome.missing == 0
     assert min(outcome.flying_s.values()) < 22.0
     assert not one.live[0].proposal.last
-    assert one.live[0].unable == {2: 'battery'}
+    assert one.live[0].knowledge.unable == {2: 'battery'}
 
 
 def test_a_zone_changes_the_plan():

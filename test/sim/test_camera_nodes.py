@@ -16,6 +16,7 @@ from test.sim.node_stand import DEADLINE_S, SMALL, Operator, route
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interface_spec import TopicSpec, of_camera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel
@@ -32,9 +33,9 @@ TURNED = {
 }  # fmt: skip
 
 
-def of(camera: str, spec: topics.TopicSpec) -> topics.TopicSpec:
+def of(camera: str, spec: TopicSpec) -> TopicSpec:
     """Return a topic of the first camera as that of another."""
-    return topics.of_camera(spec, camera)
+    return of_camera(spec, camera)
 
 
 def pixels(message: Any) -> Any:

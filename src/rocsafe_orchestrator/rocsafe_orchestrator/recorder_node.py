@@ -20,6 +20,7 @@ from rocsafe_orchestrator.recording.recorded_topics import (
 )
 from rocsafe_orchestrator.recording.segments import SegmentWriter
 from rocsafe_ros import topics
+from rocsafe_ros.interface_spec import name_of
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
@@ -87,7 +88,7 @@ class RecorderNode(Node):
             options.vehicles, options.other_cameras, options.real_vehicles
         ):
             # Under the name that everybody knows, also if the mission has one of its own.
-            full_name = self.resolve_topic_name(topics.name_of(spec, vehicle), only_expand=True)
+            full_name = self.resolve_topic_name(name_of(spec, vehicle), only_expand=True)
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(
                 self, spec, partial(self._on_message, number), vehicle, is_recording=True

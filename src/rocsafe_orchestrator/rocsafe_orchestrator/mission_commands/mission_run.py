@@ -271,7 +271,7 @@ class MissionRun:
             first=found.first if found else Phase.PLANNING,
         )
         if found:
-            node.requests.resume(self.directory.plan)
+            node.requests.plans.resume(self.directory.plan)
             for shot in read_photographs(self.directory.images):
                 self.monitor.on_stored(shot.shot_id)
             why = 'its process ended while nobody watched it'
