@@ -42,6 +42,11 @@ def write_pattern(path: Path, pattern: SitePattern) -> None:
         If the file cannot be written.
     """
     grid, layer = pattern.grid, pattern.layer
+    faces: dict[str, Any] = {
+        f'{name}_{axis}': part
+        for name, each in (('east', pattern.east), ('north', pattern.north))
+        for axis, part in enumerate(each.parts)
+    }
     buffer = io.BytesIO()
     np.savez_compressed(
         buffer,
@@ -54,8 +59,7 @@ def write_pattern(path: Path, pattern: SitePattern) -> None:
         ]),
         ground=pattern.ground_m,
         floor=pattern.floor_m,
-        **{f'east_{axis}': part for axis, part in enumerate(pattern.east.parts)},
-        **{f'north_{axis}': part for axis, part in enumerate(pattern.north.parts)},
+        **faces,
     )  # fmt: skip
     write_whole(path, buffer.getvalue())
 
