@@ -26,7 +26,8 @@ class ReleaseBlock(Block):
 
     It leaves at a rate (`rate_g_s`, particles: `rate_per_s`) for `duration_s`, or at once
     (`burst_g`, `burst_count`), from `start_s` after the start of the mission, and may move along
-    a `track` whose times count from its start.
+    a `track` whose times count from its start. A chemical that leaves at a rate with a
+    `temperature_c` rises where it is lighter than the air of 20 degrees.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
@@ -41,6 +42,7 @@ class ReleaseBlock(Block):
     duration_s: float = Field(default=LARGEST_TIME_S, gt=0.0, le=LARGEST_TIME_S)
     radius_m: float = Field(default=0.0, ge=0.0, le=500.0)
     track: tuple[StopBlock, ...] = Field(default=(), max_length=1000)
+    temperature_c: float | None = Field(default=None, ge=-200.0, le=2000.0)
     settling_mps: float = Field(default=0.0, ge=0.0, le=10.0)
     decay_per_s: float = Field(default=0.0, ge=0.0, le=1.0)
 

@@ -208,6 +208,8 @@ def _unclear_releases(scenario: Scenario) -> Iterator[str]:
         if len(release.amounts) != 1 or not set(release.amounts) <= set(release.own_amounts):
             keys = ', '.join(release.own_amounts)
             yield f'air.releases[{index}]: needs exactly one of {keys} above 0'
+        elif release.temperature_c is not None and not release.rate_g_s:
+            yield f'air.releases[{index}].temperature_c: needs rate_g_s'
     speed = math.hypot(*scenario.survey.airspace.wind_mps)
     if scenario.air.releases and speed < LEAST_WIND_MPS:
         yield (

@@ -47,6 +47,9 @@ class ReleaseSettings:
         When, seconds after the start of the mission, and how long.
     radius_m
         Radius of the place that it leaves, metres.
+    temperature_c
+        Temperature at which a chemical leaves at its rate, degrees Celsius: lighter than the air
+        it rises; None: it neither rises nor falls.
     track
         Places that a moving release passes.
     settling_mps
@@ -68,6 +71,7 @@ class ReleaseSettings:
     start_s: float = 0.0
     duration_s: float = math.inf
     radius_m: float = 0.0
+    temperature_c: float | None = None
     track: tuple[StopSettings, ...] = ()
     settling_mps: float = 0.0
     decay_per_s: float = 0.0
@@ -91,6 +95,8 @@ class ReleaseSettings:
         given = [name for name, value in amounts.items() if value > 0.0]
         if len(given) != 1 or given[0] not in own:
             raise ValueError(f'release {self.name}: needs exactly one of {", ".join(own)} above 0')
+        if self.temperature_c is not None and given != ['rate_g_s']:
+            raise ValueError(f'release {self.name}: temperature_c needs rate_g_s')
 
     @property
     def is_particles(self) -> bool:

@@ -11,6 +11,7 @@ from rocsafe_dispersion.air_field.air_options import AirOptions
 from rocsafe_dispersion.plume.filaments import FilamentCloud
 from rocsafe_dispersion.plume.losses import Losses
 from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.rise import buoyancy_m4_s3
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
@@ -65,17 +66,21 @@ def _cloud(
     settings: ReleaseSettings, frame: LocalFrame, layer: SurfaceLayer, wind: WindField, seed: int
 ) -> ReleasedCloud:
     release = _release(settings, frame)
+    agent = None if settings.is_particles else released_agent(settings.agent)
+    buoyancy = 0.0
+    if agent is not None and settings.temperature_c is not None:
+        buoyancy = buoyancy_m4_s3(agent, settings.rate_g_s, settings.temperature_c)
     travel = similarity_travel(
         layer,
         settings.height_m,
         start_sigma_m=release.sigma_m,
+        buoyancy_m4_s3=buoyancy,
         losses=Losses(
             surface_resistance_s_m=settings.surface_resistance_s_m,
             settling_mps=settings.settling_mps,
             decay_per_s=settings.decay_per_s,
         ),
     )
-    agent = None if settings.is_particles else released_agent(settings.agent)
     return ReleasedCloud(agent=agent, cloud=FilamentCloud(release, travel, wind, seed))
 
 

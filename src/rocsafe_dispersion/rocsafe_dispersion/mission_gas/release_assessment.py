@@ -71,8 +71,8 @@ class ReleaseAssessment:
         The mean air.
     found
         What was found.
-    verdict
-        Whether that is enough.
+    rule, verdict
+        When it is enough, and whether it is.
     plume
         Map of the plume; None without a release.
     """
@@ -81,6 +81,7 @@ class ReleaseAssessment:
     area: SearchArea
     air: MeanAir
     found: LocatedReleases
+    rule: ReleaseRule
     verdict: ReleaseVerdict
     plume: PlumeMap | None
 
@@ -120,7 +121,8 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         area=area,
         air=air,
         found=found,
-        verdict=options.rule.verdict(found, options.locate.smallest_g_s),
+        rule=options.rule,
+        verdict=options.rule.verdict(found),
         plume=plume_map(groups, area, air, flight.agent) if groups else None,
     )
 
@@ -142,10 +144,14 @@ def search_area(places_m: FloatArray, margin_m: float, release_height_m: float) 
 def suggested_places(
     assessment: ReleaseAssessment, count: int, within: shapely.Polygon | None = None
 ) -> list[MeasuringPlace]:
-    """Return the places whose readings tell most, at the height flown, within an area."""
-    groups: list[ReleaseSamples] = [one.samples for one in assessment.found.releases]
-    if assessment.found.hidden is not None:
-        groups = [assessment.found.hidden.samples]
+    """Return the places whose readings tell most, at the height flown, within an area.
+
+    First they place the releases that were found, then they look for another one.
+    """
+    found = assessment.found
+    groups: list[ReleaseSamples] = [one.samples for one in found.releases]
+    if not found.releases or assessment.rule.is_placed(found):
+        groups.append(found.hidden.samples)
     candidates = _candidates(assessment.area, assessment.flight.flight_height_m, within)
     noise = float(np.median(assessment.flight.survey.std_g_m3))
     return measuring_places(groups, candidates, assessment.air, noise, count)
