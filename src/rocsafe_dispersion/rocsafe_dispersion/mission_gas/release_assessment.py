@@ -149,12 +149,13 @@ def suggested_places(
     First they place the releases that were found, then they look for another one.
     """
     found = assessment.found
-    groups: list[ReleaseSamples] = [one.samples for one in found.releases]
-    if not found.releases or assessment.rule.is_placed(found):
-        groups.append(found.hidden.samples)
+    placed: list[ReleaseSamples] = []
+    groups = [one.samples for one in found.releases]
+    if not groups or assessment.rule.is_placed(found):
+        placed, groups = groups, [found.hidden.samples]
     candidates = _candidates(assessment.area, assessment.flight.flight_height_m, within)
     noise = float(np.median(assessment.flight.survey.std_g_m3))
-    return measuring_places(groups, candidates, assessment.air, noise, count)
+    return measuring_places(groups, candidates, assessment.air, noise, count, placed)
 
 
 def _candidates(area: SearchArea, height_m: float, within: shapely.Polygon | None) -> FloatArray:
