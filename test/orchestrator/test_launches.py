@@ -268,7 +268,7 @@ def test_products_are_made_by_a_task_that_is_not_repeated(
     report = next(launch for launch in launches(table, run, MISSION) if launch.name == REPORT)
     assert report.is_task
     assert report.restart.limit == 0
-    assert report.command[-2:] == ('report', str(run.path))
+    assert report.command[-2:] == ('rocsafe_orchestrator.report_process', str(run.path))
 
 
 def test_missing_executable_says_what_to_do(

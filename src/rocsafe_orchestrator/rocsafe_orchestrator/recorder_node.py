@@ -70,8 +70,8 @@ class RecorderNode(Node):
         if self._options.lock_step:
             self._polls_left = JOIN_DEADLINE_S // POLL_S
             self._timer = self.create_timer(POLL_S, self._join, clock=steady)
-        else:
-            self._timer = self.create_timer(FLUSH_S, self._flush, clock=steady)
+        # In lock-step each step flushes too, but time may stand still.
+        self.create_timer(FLUSH_S, self._segment.flush, clock=steady)
         self.get_logger().info(f'recording to {self._segment.path}')
 
     def destroy_node(self) -> None:
@@ -126,9 +126,6 @@ class RecorderNode(Node):
         for number, data in self._early:
             self._segment.write(number, data, self._now_ns)
         self._early.clear()
-
-    def _flush(self) -> None:
-        self._segment.flush()
 
 
 def main() -> int:

@@ -104,6 +104,11 @@ class RunDirectory:
         return self.path / 'session.json'
 
     @property
+    def flown(self) -> Path:
+        """Empty file that is there once all of a run is recorded."""
+        return self.spool / 'flown'
+
+    @property
     def lock(self) -> Path:
         """File that the process which flies the run keeps locked."""
         return self.path / 'run.lock'

@@ -19,7 +19,7 @@ from rocsafe_radiation.assessment_conversions import (
     fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.localization.localize import TooFewReadingsError
+from rocsafe_radiation.errors import TooFewReadingsError
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.products.assessment import Assessment, assess, suggested_waypoints
 from rocsafe_radiation.products.files import write_products

@@ -125,7 +125,7 @@ DOSE_RATE = _vehicle(
     'dose_rate', DoseRate, kept(), 'each reading', 'the same in Sv/h, as radiation_msgs has it'
 )
 ACCUMULATED_DOSE = _vehicle(
-    'accumulated_dose', AccumulatedDose, kept(), 'each reading', 'dose since the first reading'
+    'accumulated_dose', AccumulatedDose, kept(), 'up to 1 Hz', 'dose since the first reading'
 )
 DOSE_ALARM = _vehicle(
     'dose_alarm', DoseAlarm, kept(), 'on change', 'level of dose rate or dose reached or left'

@@ -14,6 +14,7 @@ from rocsafe_fleet.agreement.exchange import Exchange
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring
 from rocsafe_fleet.agreement.knowledge import Knowledge
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
+from rocsafe_fleet.agreement.possible_routes import PossibleRoutes
 from rocsafe_fleet.errors import PacketError
 from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
 from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
@@ -108,8 +109,7 @@ class Agent:
         self._exchange = Exchange(self.ledger, self._count)
         self._places: dict[int, tuple[tuple[int, int], Place]] = {}
         self._route = first.routes.get(own, ())
-        # For each vehicle: the newest plan known here of which it was a member.
-        self._routes = dict(first.routes)
+        self._routes = PossibleRoutes(first.routes, self.knowledge)
         self._live = self._everyone
         self._next_beat_s = now_s
         self._sent_s = now_s - self._options.least_gap_s
@@ -194,7 +194,7 @@ class Agent:
             return
         self.plan, self.proposal = plan, wanted.proposal
         if not plan.error:
-            self._routes |= plan.routes
+            self._routes.note(plan.epoch, plan.routes)
         if self.own in wanted.proposal.names:
             self._route = plan.routes[self.own]
         claim = Claim(epoch=plan.epoch, plan_hash=plan.digest)
@@ -321,13 +321,18 @@ class Agent:
             self._repeat(now_s)
         elif self._reason_s is None:
             self._reason_s = now_s
-        elif now_s - self._reason_s >= self._waits_s(members):
+        elif now_s - self._reason_s >= self._waits_s(members, now_s):
             self._reason_s = None
             self._propose(members & self._places.keys(), silent)
             self._repeats = self._options.repeats, now_s
 
-    def _waits_s(self, members: Numbers) -> float:
-        """Return how long to wait before a proposal: longer while places are old."""
+    def _waits_s(self, members: Numbers, now_s: float) -> float:
+        """Return how long to wait before a proposal: longer while places are old.
+
+        Also while a member may be silent too: those that are cut off are missed one by one.
+        """
+        if members & self._membership.late(now_s):
+            return self._options.patience_s
         beats = self._membership.beats
         for member in members:
             known = self._places.get(member)
@@ -364,7 +369,7 @@ class Agent:
 
     def _propose(self, members: Numbers, silent: Numbers) -> None:
         epochs = [self.plan.epoch, *(epoch for epoch, _ in self.knowledge.proposals)]
-        theirs = {p for k in silent for p in self._routes.get(k, ())}
+        theirs = {p for k in silent for p in self._routes.points(k)}
         if silent >= self.proposal.silent:
             # Else the points of those that are heard again would stay among the last.
             theirs |= self.proposal.last

@@ -114,6 +114,7 @@ class MissionLoop:
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
         parts = self._parts
+        parts.directory.flown.unlink(missing_ok=True)
         try:
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
@@ -261,6 +262,9 @@ class MissionLoop:
     def _carry_out(self, order: Order) -> None:
         if order.kind is not OrderKind.WRITE_PRODUCTS:
             self._parts.node.requests.send(order)
+            if order.kind is OrderKind.SAVE_MOSAIC and not self._parts.monitor.driver.name:
+                # All is measured: sources are estimated while the map is written.
+                self._start_report()
             return
         self._parts.mission.accepted(order)
         self._show(time.monotonic())
@@ -269,6 +273,11 @@ class MissionLoop:
         self._write_outcome(is_over=False)
         if self._parts.interrupt.is_urgent:
             return
+        self._parts.directory.flown.touch()
+        self._start_report()
+
+    def _start_report(self) -> None:
+        """Start the process that makes the products, unless it runs."""
         try:
             self._parts.supervisor.start(REPORT)
         except SetupError as error:
