@@ -17,7 +17,8 @@ from rocsafe_geo.wind.wind_vector import WindVector
 from rocsafe_sim.flight.segment import FlightPose
 from rocsafe_sim.flight.wind_drift import WindDrift
 from rocsafe_sim.options import VehicleOptions
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
+from rocsafe_sim.rav.shared_parts import make_shared
 
 from .flights import ROUTE
 
