@@ -199,7 +199,7 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
         sensors = (
             Endpoint(spec=topics.ANEMOMETER, vehicle=name) for name in scenario.metered_names
         )
-        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
+        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario, run), *sensors)
         yield _process(
             ESTIMATOR,
             'rocsafe_dispersion/estimator',
