@@ -61,7 +61,7 @@ ABLATIONS = {
         {'background_spacings': (2.0,)}, ((source_count, 'FIRST', (2, 0, 0, 0, 0)),)
     ),
     'other stds of the field': Ablation(
-        {'background_stds': (0.0, 0.1)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
+        {'background_slopes': (0.0, 0.05)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
     ),
     'other errors of fixes': Ablation(
         {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
