@@ -19,8 +19,8 @@ from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.shade import first_shades, left, paths
 
 QUIET_SHARE = 0.2
-# Thickness over that expected at which a shade begins, by how much those that are tried differ, and
-# the gain in log likelihood below which only the best one is tried.
+# Thickness over that expected at which a shade begins, how far apart those tried are, and the gain
+# in log likelihood below which only the best one is tried.
 AMOUNTS, APART, LEAST_GAIN = (0.2, 4.0), 0.5, 2.0
 
 
