@@ -66,6 +66,7 @@ ABLATIONS = {
     'other errors of fixes': Ablation(
         {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
     ),
+    'rareness of steep fields': Ablation({'background_slope_std': 1e9}),
     'rho': Ablation({'rhos': (0.0,)}),
     'the wall': Ablation({'are_shades_tried': False}),
     'spikes': Ablation({'outlier_share': 1e-30}),
