@@ -31,13 +31,9 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.decision.sequential_decision import sequential_evidence
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.localization import source_count, starts
+from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.localize import (
-    Localization,
-    LocalizationOptions,
-    SourceEstimate,
-    localize,
-)
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
 from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey

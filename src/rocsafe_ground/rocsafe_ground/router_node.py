@@ -27,6 +27,7 @@ from rocsafe_ground.products.files import write_drive
 from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePointArray, GroundRoute
 from rocsafe_ros.background_job import BackgroundJob
+from rocsafe_ros.calls import PLAN_GROUND_ROUTE
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import (
@@ -34,7 +35,6 @@ from rocsafe_ros.topics import (
     GROUND_COSTS,
     GROUND_PATH,
     GROUND_ROUTE,
-    PLAN_GROUND_ROUTE,
     create_publisher,
 )
 

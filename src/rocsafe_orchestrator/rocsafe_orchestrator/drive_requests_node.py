@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Requests to the localizer, the router and the ground vehicle of a mission."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -12,12 +12,13 @@ from rclpy.node import Node
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute
 from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_orchestrator.goal_requests_node import GoalRequests
 from rocsafe_orchestrator.mission.driving import DriveEnd
-from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal, drive_text
-from rocsafe_ros import topics
+from rocsafe_ros import calls
+from rocsafe_ros.interface_spec import name_of
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_scenario.scenario import Scenario
 
@@ -25,7 +26,7 @@ from rocsafe_scenario.scenario import Scenario
 _OUT = (DriveRoute.Result.BLOCKED, DriveRoute.Result.DOSE_UNEXPECTED)
 
 
-class DriveRequests:
+class DriveRequests(GoalRequests):
     """Clients of the drive of a ground vehicle.
 
     Actions: ``plan_ground_route``, ``<vehicle>/drive_route``. Services:
@@ -54,19 +55,15 @@ class DriveRequests:
         leases: Leases,
         assessors: Sequence[Client],
     ) -> None:
+        super().__init__('router')
         self._scenario, self._monitor = scenario, monitor
         self._leases, self._assessors = leases, tuple(assessors)
         self._unassessed: list[Client] = []
-        self._mission: Mission | None = None
         self._so_far = DriveSoFar()
         self._route: GroundRoute | None = None
         driver = scenario.driver_name
-        self.router = ActionClient(node, PlanGroundRoute, topics.PLAN_GROUND_ROUTE.name)
-        self.vehicle = ActionClient(node, DriveRoute, topics.name_of(topics.DRIVE_ROUTE, driver))
-
-    def begin(self, mission: Mission) -> None:
-        """Report answers to `mission` from now on."""
-        self._mission = mission
+        self.router = ActionClient(node, PlanGroundRoute, calls.PLAN_GROUND_ROUTE.name)
+        self.vehicle = ActionClient(node, DriveRoute, name_of(calls.DRIVE_ROUTE, driver))
 
     def close(self) -> None:
         """Destroy the clients of actions."""
@@ -97,7 +94,7 @@ class DriveRequests:
         if goal is None:
             self._refuse(order, 'no drive: nothing was found, and no evidence is named')
             return
-        self._send(self.router, goal, order, self._on_route)
+        self._send_goal(self.router, goal, order, self._on_route)
 
     def send_drive(self, order: Order) -> None:
         """Send the route to the vehicle."""
@@ -107,7 +104,7 @@ class DriveRequests:
 
         def send(lease: str) -> None:
             goal.lease = lease
-            self._send(self.vehicle, goal, order, self._on_driven)
+            self._send_goal(self.vehicle, goal, order, self._on_driven)
 
         self._leases.carry(order.vehicle, send, partial(self._refuse, order))
 
@@ -142,23 +139,3 @@ class DriveRequests:
     def _goal(self) -> PlanGroundRoute.Goal | None:
         monitor = self._monitor
         return drive_goal(self._scenario, monitor.sources, monitor.releases, self._so_far)
-
-    def _refuse(self, order: Order, text: str) -> None:
-        if self._mission is not None:
-            self._mission.refused(order, text)
-
-    def _send(
-        self, client: ActionClient, goal: Any, order: Order, on_result: Callable[..., None]
-    ) -> None:
-        sent = client.send_goal_async(goal)
-        sent.add_done_callback(partial(self._on_goal, order, on_result))
-
-    def _on_goal(self, order: Order, on_result: Callable[..., None], future: Any) -> None:
-        handle = future.result()
-        if self._mission is None or handle is None:
-            return
-        if not handle.accepted:
-            self._refuse(order, f'{order.vehicle or "router"}: request was not accepted')
-            return
-        self._mission.accepted(order)
-        handle.get_result_async().add_done_callback(partial(on_result, order))

@@ -34,7 +34,7 @@ from rocsafe_orchestrator.parameters import goal_conversions
 from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests_node import Requests
 from rocsafe_orchestrator.watches.decisions import Decision
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.domain.mission_identity import MissionIdentity
 from rocsafe_ros.frames import publish_origin
@@ -84,7 +84,7 @@ class OrchestratorNode(Node):
             enable_rosout=False,
         )
         self.requests = Requests(self.requester, scenario, monitor, identity.mission)
-        self.create_service(topics.REPLAN.call_type, topics.REPLAN.name, self._on_replan)
+        self.create_service(calls.REPLAN.call_type, calls.REPLAN.name, self._on_replan)
         self._wire()
 
     def _wire(self) -> None:

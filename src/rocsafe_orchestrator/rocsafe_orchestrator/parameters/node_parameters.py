@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from rocsafe_orchestrator.parameters.air_parameters import wind_settings
 from rocsafe_orchestrator.parameters.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.camera_blocks import camera_parameters
@@ -60,7 +61,7 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
     return {
         'home_latitude_deg': vehicle.home[0],
         'home_longitude_deg': vehicle.home[1],
-        **_vehicle_model(scenario, vehicle),
+        **_vehicle_model(scenario, vehicle, run),
         'spool_directory': str(run.spool / vehicle.name),
     }
 
@@ -73,7 +74,7 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
                 {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
             ]
         },
-        **_vehicle_model(scenario, scenario.simulated[0]),
+        **_vehicle_model(scenario, scenario.simulated[0], run),
         'spool_directory': str(run.spool),
     }
 
@@ -278,7 +279,7 @@ def _vehicle_participants(scenario: Scenario) -> list[str]:
     return [*([FLEET] if is_fleet and names else names), *driver]
 
 
-def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
+def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory) -> Parameters:
     """Return what a vehicle can do and what its sensors are like."""
     own_keys = {'name', 'home', 'autopilot', *PLANNING_KEYS, *LINK_KEYS}
     simulation = scenario.simulation.model_dump(exclude={'processes', 'sensors'})
@@ -288,8 +289,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         'hover_power_w': vehicle.hover_power_w,
         'wind_east_mps': scenario.survey.airspace.wind_mps[0],
         'wind_north_mps': scenario.survey.airspace.wind_mps[1],
-        'gust_std_mps': scenario.air.wind.gust_std_mps,
-        'gust_scale_s': scenario.air.wind.gust_scale_s,
+        **({} if scenario.air.wind.is_steady else {'wind_file': wind_settings(scenario, run)}),
         **simulation,
         **sensor_parameters(scenario.simulation.sensors),
         **camera_parameters(scenario.camera, scenario.other_cameras),

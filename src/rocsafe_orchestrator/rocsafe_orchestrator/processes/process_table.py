@@ -22,13 +22,14 @@ from rocsafe_orchestrator.parameters.ground_parameters import (
 )
 from rocsafe_orchestrator.parameters.node_parameters import AGENTS, AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import CallSpec, TopicSpec, name_of
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
 AIRSIM, AIRSIM_PACKAGE = 'airsim', 'rocsafe_airsim'
-Spec = topics.TopicSpec | topics.CallSpec
-VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
+Spec = TopicSpec | CallSpec
+VEHICLE_SPECS: tuple[Spec, ...] = (calls.FLY_ROUTE, topics.STATE, topics.SHOT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,12 +42,12 @@ class Endpoint:
     @property
     def kind(self) -> str:
         """``'topic'``, ``'service'`` or ``'action'``."""
-        return self.spec.kind if isinstance(self.spec, topics.CallSpec) else 'topic'
+        return self.spec.kind if isinstance(self.spec, CallSpec) else 'topic'
 
     @property
     def name(self) -> str:
         """Name relative to the namespace of the suite."""
-        return topics.name_of(self.spec, self.vehicle)
+        return name_of(self.spec, self.vehicle)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,19 +127,19 @@ def _shared_processes(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpe
                  parameters.recorder_parameters(scenario, run), *_shared(topics.STEP_DONE)),
         _process('planner', 'rocsafe_planner/planner',
                  parameters.planner_parameters(scenario, run),
-                 *_shared(topics.PLAN_SURVEY, topics.PLAN)),
+                 *_shared(calls.PLAN_SURVEY, topics.PLAN)),
         _process('world', 'rocsafe_sim/world',
                  parameters.world_parameters(scenario),
-                 *_shared(topics.WORLD_RUN, topics.CLOCK)),
+                 *_shared(calls.WORLD_RUN, topics.CLOCK)),
         _process('radiation_field', 'rocsafe_radiation/field',
                  field_parameters(scenario, run), *detectors),
         _process('localizer', 'rocsafe_radiation/localizer',
                  parameters.localizer_parameters(scenario, run),
-                 *_shared(topics.HAZARD_SOURCES, topics.SUGGEST_VIEWPOINTS)),
+                 *_shared(topics.HAZARD_SOURCES, calls.SUGGEST_VIEWPOINTS)),
         _process('mosaic', 'rocsafe_mapping/mosaic',
-                 parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
+                 parameters.mosaic_parameters(run), *_shared(calls.SAVE_MOSAIC)),
         _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
-                 parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
+                 parameters.fleet_verbs_parameters(scenario, run), *_shared(calls.FLEET_HOLD)),
         *_air_processes(scenario, run),
         *_ground_processes(scenario, run),
     )  # fmt: skip
@@ -198,12 +199,12 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
         sensors = (
             Endpoint(spec=topics.ANEMOMETER, vehicle=name) for name in scenario.metered_names
         )
-        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
+        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario, run), *sensors)
         yield _process(
             ESTIMATOR,
             'rocsafe_dispersion/estimator',
             estimator_parameters(scenario, run),
-            *_shared(topics.RELEASES, topics.SUGGEST_GAS_VIEWPOINTS),
+            *_shared(topics.RELEASES, calls.SUGGEST_GAS_VIEWPOINTS),
         )
         advisor = advisor_parameters(scenario, run)
         yield _process(ADVISOR, 'rocsafe_dispersion/advisor', advisor, *_shared(topics.AGENT))
@@ -249,9 +250,9 @@ def _ground_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Process
         return
     yield _process(
         ROUTER, 'rocsafe_ground/router', router_parameters(block, run),
-        *_shared(topics.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
+        *_shared(calls.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
     )  # fmt: skip
-    specs = (topics.DRIVE_ROUTE, topics.STATE, topics.SHOT)
+    specs = (calls.DRIVE_ROUTE, topics.STATE, topics.SHOT)
     yield _process(
         block.name, 'rocsafe_sim/rgv', rgv_parameters(scenario, block, run),
         *(Endpoint(spec=spec, vehicle=block.name) for spec in specs),

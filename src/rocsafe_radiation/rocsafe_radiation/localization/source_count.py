@@ -20,14 +20,13 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
+from rocsafe_radiation.localization.estimates import ELLIPSE_95
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import HEAD_SIZE, Fit, Likelihood
 from rocsafe_radiation.localization.starts import with_one_more, with_shades, without_sources
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_ORDER = 4
-# Quantile 0.95 of chi-square with two degrees of freedom.
-ELLIPSE_95 = 5.991
 # Indices of background_slopes, background_spacings, standard deviations of the fixes, rhos and
 # whether there are shades.
 Index = tuple[int, int, int, int, int]
