@@ -14,9 +14,10 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.wind.anemometer_file import read_wind
 from rocsafe_geo.wind.mission_wind import LEAST_WIND_MPS
 from rocsafe_scenario.camera_blocks import FIRST_CAMERA
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.host_blocks import host_mistakes
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import PLANNING_KEYS
+from rocsafe_scenario.scenario_blocks import PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.survey_size import fewest_viewpoints
 
 # Beyond this distance the error of the flat local frame exceeds the noise of a GPS fix.
@@ -105,8 +106,8 @@ def _missing_homes(scenario: Scenario) -> Iterator[str]:
 
 def _unreal_time(scenario: Scenario) -> Iterator[str]:
     speed = scenario.clock.speed
-    if scenario.linked and speed not in (0.0, 1.0):
-        name = scenario.linked[0].name
+    if scenario.real_names and speed not in (0.0, 1.0):
+        name = scenario.real_names[0]
         yield f'clock.speed = {speed:g}: must be 1, {name} is real (it has a link)'
 
 
@@ -114,7 +115,12 @@ def _double_autopilots(scenario: Scenario) -> Iterator[str]:
     """Refuse two real vehicles that cannot be told apart, or differ in what is of their link."""
     found: dict[tuple[str, int, int], str] = {}
     keys: dict[str, tuple[str, bool]] = {}
-    for index, vehicle in enumerate(scenario.vehicles):
+    blocks: list[tuple[str, VehicleBlock | GroundVehicleBlock]] = [
+        (f'vehicles[{index}]', vehicle) for index, vehicle in enumerate(scenario.vehicles)
+    ]
+    if scenario.ground_vehicle:
+        blocks.append(('ground_vehicle', scenario.ground_vehicle))
+    for block, vehicle in blocks:
         if not vehicle.link:
             continue
         drone = vehicle.drone
@@ -122,13 +128,13 @@ def _double_autopilots(scenario: Scenario) -> Iterator[str]:
         other = found.setdefault(number, vehicle.name)
         if other != vehicle.name:
             yield (
-                f'vehicles[{index}].drone.system = {drone.system}: {other} has it on the same '
+                f'{block}.drone.system = {drone.system}: {other} has it on the same '
                 'link, must differ'
             )
         key = (drone.signing_key_file, drone.unsigned)
         if keys.setdefault(vehicle.link, key) != key:
             yield (
-                f'vehicles[{index}].drone.signing_key_file and unsigned: must be those of the '
+                f'{block}.drone.signing_key_file and unsigned: must be those of the '
                 'other vehicles on its link'
             )
 

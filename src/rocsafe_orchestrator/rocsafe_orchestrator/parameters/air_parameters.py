@@ -26,11 +26,11 @@ def wind_settings(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 def air_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the air; `air_file` is the content of that file."""
-    metered, origin = scenario.with_simulated_detector, scenario.origin_position()
+    origin = scenario.origin_position()
     return {
         'vehicles': list(scenario.metered_names),
         # The true position of a real vehicle is unknown.
-        'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
+        'vehicles_at_their_fix': [n for n in scenario.metered_names if n in scenario.real_names],
         'start_time_s': scenario.clock.start.timestamp(),
         'air_file': {
             'wind': wind_settings(scenario, run),

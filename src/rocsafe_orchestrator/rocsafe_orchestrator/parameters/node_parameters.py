@@ -11,6 +11,7 @@ from rocsafe_orchestrator.parameters.air_parameters import wind_settings
 from rocsafe_orchestrator.parameters.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.camera_blocks import camera_parameters
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.simulation_blocks import sensor_parameters
@@ -20,6 +21,8 @@ Parameters = dict[str, Any]
 FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
 LOCALIZER, AIR, AGENTS = 'localizer', 'air', 'agents'
 LOCK_STEP = {'lock_step': True}
+# A route tells the speed of each line; none is faster.
+FASTEST_DRIVE_MPS = 1.5
 # Where the head of several hosts takes photographs from the others.
 PHOTOGRAPHS_PORT = 47612
 # Where agents listen with Zenoh.
@@ -43,7 +46,7 @@ def world_parameters(scenario: Scenario) -> Parameters:
 
     Not where a real vehicle takes part: time runs as on the wall then, and does not wait.
     """
-    is_real = bool(scenario.linked)
+    is_real = bool(scenario.real_names)
     return {
         'step_s': scenario.clock.step_s,
         'speed': 1.0 if is_real else scenario.clock.speed,
@@ -80,23 +83,36 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
 
 
 def bridge_parameters(
-    scenario: Scenario, state_directory: str, linked: tuple[VehicleBlock, ...]
+    scenario: Scenario,
+    state_directory: str,
+    linked: tuple[VehicleBlock, ...],
+    driver: GroundVehicleBlock | None = None,
 ) -> Parameters:
-    """Return the parameters of the bridge to some real vehicles."""
+    """Return the parameters of the bridge to some real vehicles, and to a ground vehicle."""
+    drones = [
+        {
+            'name': vehicle.name,
+            'link': vehicle.link,
+            'speed_mps': vehicle.cruise_speed_mps,
+            'hover_s': vehicle.hover_s,
+            'endurance_s': vehicle.endurance_s,
+            **vehicle.drone.model_dump(exclude={'detector'}),
+        }
+        for vehicle in linked
+    ]
+    if driver is not None:
+        drones.append(
+            {
+                'name': driver.name,
+                'link': driver.link,
+                'speed_mps': FASTEST_DRIVE_MPS,
+                'endurance_s': driver.endurance_s,
+                'drives': True,
+                **driver.drone.model_dump(exclude={'detector'}),
+            }
+        )
     return {
-        'drones_file': {
-            'drones': [
-                {
-                    'name': vehicle.name,
-                    'link': vehicle.link,
-                    'speed_mps': vehicle.cruise_speed_mps,
-                    'hover_s': vehicle.hover_s,
-                    'endurance_s': vehicle.endurance_s,
-                    **vehicle.drone.model_dump(exclude={'detector'}),
-                }
-                for vehicle in linked
-            ]
-        },
+        'drones_file': {'drones': drones},
         'state_directory': state_directory,
         'needs_supervisor': True,
         'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
@@ -182,12 +198,12 @@ def agent_parameters(scenario: Scenario, run: RunDirectory, host: str = '') -> P
     is_apart = scenario.simulation.processes != FLEET
     return {
         'vehicles': vehicles,
-        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
+        'real_vehicles': list(scenario.real_names),
         'mission': run.name,
         'plan_file': str(run.plan),
         'terrain_file': scenario.survey.terrain_file,
         'state_directory': str(run.path / AGENTS),
-        'lock_step': not scenario.linked,
+        'lock_step': not scenario.real_names,
         'participants': simulated if is_apart else [],
         'others': _participants_elsewhere(scenario, own),
         **_link_parameters(scenario, own),
@@ -227,7 +243,7 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'output_directory': str(run.path),
         'vehicles': list(scenario.all_names),
         'other_cameras': [camera.name for camera in scenario.other_cameras],
-        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
+        'real_vehicles': list(scenario.real_names),
         **LOCK_STEP,
     }
 
@@ -275,7 +291,8 @@ def _participants(scenario: Scenario) -> list[str]:
 def _vehicle_participants(scenario: Scenario) -> list[str]:
     is_fleet = scenario.simulation.processes == 'fleet'
     names = [vehicle.name for vehicle in scenario.simulated]
-    driver = [scenario.driver_name] if scenario.driver_name else []
+    is_simulated = scenario.driver_name and scenario.driver_name not in scenario.real_names
+    driver = [scenario.driver_name] if is_simulated else []
     return [*([FLEET] if is_fleet and names else names), *driver]
 
 
