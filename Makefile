@@ -27,7 +27,10 @@ mission: ## set up and fly the derailment mission
 	@.venv/bin/rocsafe run $(SCENARIO)
 
 # What the three tiers of tests leave out; the marks are explained in pyproject.toml.
+# Compiled files are kept also where the environment forbids it: without them, each worker and
+# each process of a test compiles all that it imports, and every test file.
 PYTEST = . ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
+    PYTHONDONTWRITEBYTECODE= \
     python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
     -p _hypothesis_pytestplugin -n 3 --dist loadscope
 

@@ -43,8 +43,9 @@ from rocsafe_radiation.decision.sequential_decision import sequential_evidence
 from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints
 from rocsafe_radiation.detection.detector import DETECTORS, measure, window_generator
+from rocsafe_radiation.localization.estimates import SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.localize import SourceEstimate, localize
+from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.physics.field import dose_rate_usvps
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.nuclide import nuclide

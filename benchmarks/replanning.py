@@ -17,11 +17,12 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import CoverageOptions, SeparationOptions
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, remaining_request, replan
+from rocsafe_planner.replanning import remaining_request, replan
 
 CORNER = GeoPosition(53.28, -9.06, 10.0)
 # A spacing of 20 m both ways.

@@ -8,7 +8,8 @@ import sys
 
 import numpy as np
 
-from rocsafe_radiation.localization.localize import Localization, localize
+from rocsafe_radiation.localization.estimates import Localization
+from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 

@@ -2,6 +2,7 @@
 """Fixtures of all tests."""
 
 import contextlib
+import functools
 import importlib.util
 import os
 import random
@@ -52,7 +53,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _starts_processes(item: pytest.Item) -> bool:
     """Return whether the file of a test, its fixtures or its helpers can start processes."""
-    spaces = [vars(item.module), *(one.func.__globals__ for one in _fixtures(item))]
+    modules = {item.module.__name__, *(one.func.__module__ for one in _fixtures(item))}
+    return any(_can_start_processes(name) for name in modules)
+
+
+@functools.cache
+def _can_start_processes(module: str) -> bool:
+    """Return whether a module, or a test's helper of which it has something, can do so."""
+    spaces = [vars(sys.modules[module])] if module in sys.modules else []
     helpers = {getattr(value, '__module__', None) for space in spaces for value in space.values()}
     spaces += [
         vars(sys.modules[name])

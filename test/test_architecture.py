@@ -178,6 +178,25 @@ EXEMPT_CLOCKS = {
 SEEDED = {'default_rng', 'Generator', 'SeedSequence', 'BitGenerator', 'PCG64', 'Philox'}
 
 
+# Modules in the longest chain of imports within a package, and packages that have more.
+MOST_LEVELS = 10
+LONG_CHAINS = {
+    # wind, plume, sensor, likelihood, posterior, products, files, node: each stands on the other
+    'rocsafe_dispersion': 12,
+    'rocsafe_ground': 11,
+    'rocsafe_mapping': 16,
+    # message, authority, command call, autopilot, settings, flight, session, drone, node
+    'rocsafe_mavlink': 16,
+    'rocsafe_orchestrator': 12,
+    # the compiled loops of the solver alone are nine: legs, moves, ruin, annealing, population
+    'rocsafe_planner': 13,
+    # photons, transmission, scatter, kernel, likelihood, search, localisation, products, files
+    'rocsafe_radiation': 16,
+    'rocsafe_scene': 13,
+    'rocsafe_sim': 15,
+}
+
+
 @dataclass(frozen=True)
 class Module:
     """One source file of a package, with what it imports."""
@@ -218,6 +237,24 @@ class Module:
                 found |= {f'{node.module}.{alias.name}' for alias in node.names}
             elif isinstance(node, ast.ImportFrom):
                 raise AssertionError(f'{self.name} line {node.lineno}: relative import')
+        return found
+
+    @cached_property
+    def loads(self) -> set[str]:
+        """Dotted names of what it imports when it is imported itself, not for types alone."""
+        found = set()
+        waiting: list[ast.AST] = [self.tree]
+        while waiting:
+            node = waiting.pop()
+            if isinstance(node, ast.Import):
+                found |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                found |= {f'{node.module}.{alias.name}' for alias in node.names}
+                found.add(str(node.module))
+            is_later = isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+            is_for_types = isinstance(node, ast.If) and 'TYPE_CHECKING' in ast.unparse(node.test)
+            if not is_later and not is_for_types:
+                waiting += ast.iter_child_nodes(node)
         return found
 
     @property
@@ -368,6 +405,24 @@ def test_no_circle_of_rooms():
             if (other := name.rpartition('.')[0]) != room and {room, other}.isdisjoint(OURS):
                 rooms.setdefault(room, set()).add(other)
     TopologicalSorter(rooms).prepare()
+
+
+def levels(package: str) -> int:
+    """Return the number of modules in the longest chain of imports within a package."""
+    own = {m.name.removesuffix('.__init__'): m for m in MODULES if m.package == package}
+    above = {name: (module.loads & own.keys()) - {name, package} for name, module in own.items()}
+    height: dict[str, int] = {}
+    for name in TopologicalSorter(above).static_order():
+        height[name] = 1 + max((height[other] for other in above[name]), default=0)
+    return max(height.values())
+
+
+def test_no_chain_of_imports_is_long():
+    """Who follows a call down passes few modules; the chains that are longer become no longer."""
+    packages = {module.package for module in MODULES}
+    long = {name: count for name in packages if (count := levels(name)) > MOST_LEVELS}
+    assert long.keys() <= LONG_CHAINS.keys()
+    assert {name: count for name, count in long.items() if count > LONG_CHAINS[name]} == {}
 
 
 def test_module_has_a_name_that_says_something():

@@ -19,6 +19,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.terrain.terrain import Terrain
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import (
     GRIDS,
     OBJECTIVES,
@@ -31,7 +32,6 @@ from rocsafe_planner.plan.survey_options import (
 )
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
-from rocsafe_planner.replanning import Situation
 from rocsafe_planner.routing.methods import METHODS
 
 CENTRE = GeoPosition(53.28, -9.06)

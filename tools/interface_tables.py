@@ -9,7 +9,9 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from rocsafe_ros.topics import CALLS, TOPICS, CallSpec, Scope, TopicSpec
+from rocsafe_ros.calls import CALLS
+from rocsafe_ros.interface_spec import CallSpec, Scope, TopicSpec
+from rocsafe_ros.topics import TOPICS
 
 DOCUMENT = Path(__file__).resolve().parents[1] / 'docs/interfaces.md'
 

@@ -3,7 +3,8 @@
 
     python tools/package_readmes.py
 
-What it says comes from package.xml, setup.py and the table of topics; a test keeps it current.
+What it says comes from package.xml, setup.py and the tables of topics and calls; a test keeps it
+current.
 """
 
 import ast
@@ -12,7 +13,8 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import CallSpec, Scope, TopicSpec
 
 ROOT = Path(__file__).resolve().parents[1]
 # Documents of each package in docs/.
@@ -27,7 +29,7 @@ DOCUMENTS = {
     'rocsafe_ros2cli': ('ros',), 'rocsafe_scenario': ('scenarios',), 'rocsafe_scene': ('scenes',),
     'rocsafe_sim': ('cameras', 'scenes'),
 }  # fmt: skip
-_NAME = re.compile(r'\btopics\.([A-Z][A-Z_]+)\b|\b([A-Z][A-Z_]+)\b')
+_NAME = re.compile(r'\b(?:topics|calls)\.([A-Z][A-Z_]+)\b|\b([A-Z][A-Z_]+)\b')
 
 
 def readmes() -> dict[Path, str]:
@@ -74,13 +76,14 @@ def _topics(package: Path) -> list[tuple[str, str]]:
         for match in _NAME.findall(path.read_text())
         for part in match
     }
-    specs = [getattr(topics, name) for name in sorted(names) if hasattr(topics, name)]
-    known = [spec for spec in specs if isinstance(spec, topics.TopicSpec | topics.CallSpec)]
+    table = vars(topics) | vars(calls)
+    specs = [table[name] for name in sorted(names) if name in table]
+    known = [spec for spec in specs if isinstance(spec, TopicSpec | CallSpec)]
     return [(_full(spec), spec.note) for spec in known]
 
 
-def _full(spec: topics.TopicSpec | topics.CallSpec) -> str:
-    return f'ravN/{spec.name}' if spec.scope is topics.Scope.VEHICLE else spec.name
+def _full(spec: TopicSpec | CallSpec) -> str:
+    return f'ravN/{spec.name}' if spec.scope is Scope.VEHICLE else spec.name
 
 
 def main() -> int:

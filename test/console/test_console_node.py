@@ -31,8 +31,8 @@ from rocsafe_console.picture.picture import Picture
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, ecef_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
-from rocsafe_interfaces.msg import GroundRoute, MissionState, VehicleState
-from rocsafe_ros import topics
+from rocsafe_interfaces.msg import AgentState, GroundRoute, MissionState, VehicleState
+from rocsafe_ros import calls, topics
 
 DEADLINE_S = 60.0
 SPEAK_S = 0.1
@@ -197,7 +197,7 @@ def test_a_new_plan_is_asked_of_the_mission(console):
         response.success, response.message = False, 'cannot plan anew: nothing flies'
         return response
 
-    console.speaker.create_service(Trigger, topics.REPLAN.name, on_replan)
+    console.speaker.create_service(Trigger, calls.REPLAN.name, on_replan)
     client = console.node.orders._mission[Action.REPLAN]
     console.ros.spin_until(client.service_is_ready, DEADLINE_S)
     results = console.order(Action.REPLAN, *NAMES)
@@ -319,3 +319,18 @@ def test_a_ground_vehicle_is_sent_by_the_route_that_was_offered(console):
     assert offers[3] == (None, 'rav2 does not drive')
     timer.cancel()
     rover.close()
+
+
+def test_whom_an_agent_hears_is_shown_with_the_age_of_its_word(console):
+    """Nothing is known of its age before the mission's clock is seen to run."""
+    agents = topics.create_publisher(console.speaker, topics.AGENTS)
+    state = AgentState(vehicle='rav1', heard=['rav1', 'rav2'])
+    picture = console.live.picture
+
+    def speak() -> bool:
+        agents.publish(state)
+        picture.refresh()
+        return bool(picture.sections.value('contacts'))
+
+    console.ros.spin_until(speak, DEADLINE_S)
+    assert picture.sections.value('contacts') == {'rav1': {'hears': ['rav2'], 'heard_s': None}}

@@ -18,7 +18,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import GasReading, GeoPoint, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
 from rocsafe_ros.parameters import ParameterError
 
@@ -109,7 +109,7 @@ def test_releases_zones_and_places_to_measure_come_from_readings(ros, tmp_path):
     assert release.rate_low_g_s < RELEASE.rate_g_s < release.rate_high_g_s
     ros.spin_until(lambda: bool(plumes) and bool(zones), DEADLINE_S)
     assert max(plumes[-1].data) > 0
-    client = drone.create_client(SuggestViewpoints, topics.SUGGEST_GAS_VIEWPOINTS.name)
+    client = drone.create_client(SuggestViewpoints, calls.SUGGEST_GAS_VIEWPOINTS.name)
     ros.spin_until(client.service_is_ready, DEADLINE_S)
     answers = []
 

@@ -145,7 +145,7 @@ def test_a_loss_that_is_announced_frees_its_points():
     assert outcome.missing == 0
     assert min(outcome.flying_s.values()) < 22.0
     assert not one.live[0].proposal.last
-    assert one.live[0].unable == {2: 'battery'}
+    assert one.live[0].knowledge.unable == {2: 'battery'}
 
 
 def test_a_zone_changes_the_plan():
@@ -279,3 +279,36 @@ def test_points_of_a_vehicle_that_is_heard_again_are_no_longer_last():
     assert (proposal.names, proposal.silent) == ({0, 1, 2}, {3})
     theirs = {view.id for view in one.survey.routes[3].viewpoints}
     assert proposal.last == theirs - proposal.visited
+
+
+def test_a_plan_that_a_silent_vehicle_never_claimed_leaves_its_own_route_to_it():
+    """Cut off while a plan for it was under way, it flies the one before: no duplicates."""
+    one = trial(radio=RadioOptions())
+    one.at(10.0, lambda fleet: fleet.radio.cut([[0, 1, 2], [3]]))
+    one.at(40.0, lambda fleet: fleet.radio.heal())
+    one.run(after(12.0))
+    # It says how it is, and hears nothing.
+    one.agents[2].receive = lambda _data, _now_s: None
+    one.run(lambda fleet: fleet.agents[0].wanted is not None)
+    one.radio.cut([[0, 1], [2, 3]])
+    one.run(after(15.0))
+    del one.agents[2].receive
+    assert (one.agents[0].proposal.names, one.agents[2].epoch[0]) == ({0, 1, 2}, 0)
+    one.run(after(19.0))
+    proposal = one.agents[0].proposal
+    assert proposal.silent == {2, 3}
+    theirs = {view.id for k in (2, 3) for view in one.survey.routes[k].viewpoints}
+    assert proposal.last >= theirs - proposal.visited
+    assert (one.run().duplicates, one.outcome.missing) == (0, 0)
+
+
+def test_those_that_are_cut_off_together_are_missed_together():
+    """Who is overdue is waited for: one proposal, not one a vehicle."""
+    one = trial(radio=RadioOptions())
+    # Vehicle 3 is heard for the last time a second before vehicle 2.
+    one.at(9.0, lambda fleet: fleet.radio.cut([[0, 1, 2], [3]]))
+    one.at(10.0, lambda fleet: fleet.radio.cut([[0, 1], [2, 3]]))
+    one.run(after(16.0))
+    assert {(agent.epoch[0], agent.proposal.silent) for agent in one.live[:2]} == {
+        (1, frozenset({2, 3}))
+    }

@@ -21,7 +21,7 @@ from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_mapping.live import map_worker
 from rocsafe_mapping.mosaic_node import MosaicNode
 from rocsafe_mapping.store.store import ImageStore
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import region_of_area
 
 _spec = importlib.util.spec_from_file_location(
@@ -48,7 +48,7 @@ class Bench:
         self.receipts = topics.create_publisher(self.operator, topics.RECEIPTS)
         topics.create_subscription(self.operator, topics.MOSAIC, self.maps.append)
         self.save_client = self.operator.create_client(
-            topics.SAVE_MOSAIC.call_type, topics.SAVE_MOSAIC.name
+            calls.SAVE_MOSAIC.call_type, calls.SAVE_MOSAIC.name
         )
         ros.executor.add_node(self.operator)
 
@@ -83,7 +83,7 @@ class Bench:
 
     def save(self):
         """Return the answer of the service."""
-        future = self.save_client.call_async(topics.SAVE_MOSAIC.call_type.Request())
+        future = self.save_client.call_async(calls.SAVE_MOSAIC.call_type.Request())
         self.ros.spin_until(future.done, DEADLINE_S)
         return future.result()
 
@@ -238,7 +238,7 @@ def test_the_node_receives_while_the_map_is_written(bench, monkeypatch):
     bench.start()
     bench.put(0)
     regions = topics.create_publisher(bench.operator, topics.REGION)
-    future = bench.save_client.call_async(topics.SAVE_MOSAIC.call_type.Request())
+    future = bench.save_client.call_async(calls.SAVE_MOSAIC.call_type.Request())
     bench.ros.spin_until(is_drawing.is_set, DEADLINE_S)
     boundary = tuple(GALWAY.frame.position_of(at) for at in ((0, 0, 0), (9, 0, 0), (0, 9, 0)))
     regions.publish(region_of_area(SurveyArea(boundary=boundary)))

@@ -16,14 +16,14 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 from rocsafe_geo.position import offset
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPolygon
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import point_of_position
 from rocsafe_ros.plan_digest import route_digest
 
 RUNS = 250
 ORDERS = [
-    *(topics.HOLD, topics.RESUME, topics.RETURN_HOME, topics.LAND, topics.GO_TO),
-    *(topics.SET_SPEED, topics.PUSH_FENCE, topics.PUSH_RALLY, topics.PREFLIGHT),
+    *(calls.HOLD, calls.RESUME, calls.RETURN_HOME, calls.LAND, calls.GO_TO),
+    *(calls.SET_SPEED, calls.PUSH_FENCE, calls.PUSH_RALLY, calls.PREFLIGHT),
 ]
 # Of the fake copter from its home, in a survey of 120 m.
 FURTHEST_M = 400.0

@@ -21,8 +21,9 @@ from std_srvs.srv import Trigger
 from rocsafe_interfaces.srv import FleetCommand, Lease, Resume
 from rocsafe_orchestrator.fleet_verbs_node import ANSWER_S, FleetVerbsNode
 from rocsafe_orchestrator.processes.launches import find_executable
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.control_lease import LeaseRefusedError
+from rocsafe_ros.interface_spec import CallSpec
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
@@ -38,9 +39,9 @@ class Vehicle:
         self.refusal = ''
         self.node = VehicleScopeNode('vehicle', namespace=f'/{name}', context=ros.context)
         self.lease = LeaseServer(self.node, None)
-        for spec in (topics.HOLD, topics.RETURN_HOME, topics.LAND):
+        for spec in (calls.HOLD, calls.RETURN_HOME, calls.LAND):
             self.node.create_service(Trigger, spec.name, self._answering(spec.name))
-        self.lease.serve(topics.RESUME, self._answering('resume'))
+        self.lease.serve(calls.RESUME, self._answering('resume'))
         ros.executor.add_node(self.node)
 
     def fall_silent(self) -> None:
@@ -79,7 +80,7 @@ class Stand:
             DEADLINE_S,
         )
 
-    def call(self, spec: topics.CallSpec, *vehicles: str) -> Any:
+    def call(self, spec: CallSpec, *vehicles: str) -> Any:
         """Return the answers to a command."""
         client = self.operator.create_client(FleetCommand, spec.name)
         self.ros.spin_until(client.service_is_ready, DEADLINE_S)
@@ -110,12 +111,12 @@ def stand(ros: Any) -> Iterator[Callable[..., Stand]]:
 @pytest.mark.parametrize(
     ('spec', 'verb'),
     [
-        (topics.FLEET_HOLD, 'hold'),
-        (topics.FLEET_RETURN_HOME, 'return_home'),
-        (topics.FLEET_LAND, 'land'),
+        (calls.FLEET_HOLD, 'hold'),
+        (calls.FLEET_RETURN_HOME, 'return_home'),
+        (calls.FLEET_LAND, 'land'),
     ],
 )
-def test_all_are_told(stand: Callable[..., Stand], spec: topics.CallSpec, verb: str) -> None:
+def test_all_are_told(stand: Callable[..., Stand], spec: CallSpec, verb: str) -> None:
     """Each vehicle gets the command once, and has one answer in the order of names."""
     post = stand('rav2', 'rav1')
     answer = post.call(spec)
@@ -132,7 +133,7 @@ def test_no_vehicle_keeps_the_others_from_obeying(stand: Callable[..., Stand]) -
     post = stand('rav1', 'rav2', 'rav3', 'rav4', missing=('rav3',))
     post.vehicles['rav1'].refusal = 'rav1: the pilot has it'
     post.vehicles['rav2'].fall_silent()
-    answer = post.call(topics.FLEET_HOLD, 'rav1', 'rav2', 'rav3', 'rav4', 'rav9')
+    answer = post.call(calls.FLEET_HOLD, 'rav1', 'rav2', 'rav3', 'rav4', 'rav9')
     assert not answer.success
     assert {one.vehicle: one.message for one in answer.answers} == {
         'rav1': 'rav1: the pilot has it',
@@ -153,14 +154,14 @@ def test_resume_has_the_lease_of_its_mission(stand: Callable[..., Stand]) -> Non
         taken = client.call_async(Lease.Request(holder=holder, mission=mission))
         post.ros.spin_until(taken.done, DEADLINE_S)
     post.ros.spin_until(lambda: post.verbs._controls['rav1'].mission == 'm1', DEADLINE_S)
-    answers = {one.vehicle: one for one in post.call(topics.FLEET_RESUME).answers}
+    answers = {one.vehicle: one for one in post.call(calls.FLEET_RESUME).answers}
     assert answers['rav1'].success
     assert answers['rav3'].success
     assert 'rav2 is led by anna, mission m2' in answers['rav2'].message
     assert post.vehicles['rav2'].told == []
     with pytest.raises(LeaseRefusedError, match='led by orchestrator, mission m1'):
         post.vehicles['rav1'].lease.require('')
-    assert Resume is topics.RESUME.call_type
+    assert Resume is calls.RESUME.call_type
 
 
 def test_fifty_vehicles_are_answered_for_within_a_second(stand: Callable[..., Stand]) -> None:
@@ -168,7 +169,7 @@ def test_fifty_vehicles_are_answered_for_within_a_second(stand: Callable[..., St
     post = stand(*MANY)
     for name in MANY[::10]:
         post.vehicles[name].fall_silent()
-    answer = post.call(topics.FLEET_HOLD)
+    answer = post.call(calls.FLEET_HOLD)
     assert [one.vehicle for one in answer.answers] == sorted(MANY)
     silent = {one.vehicle for one in answer.answers if not one.success}
     assert set(MANY[::10]) <= silent
@@ -200,7 +201,7 @@ def test_it_outlives_its_supervisor_and_ends_after_the_vehicles(
     assert supervisor.stdout is not None
     pid = int(supervisor.stdout.readline())
     try:
-        client = operator.create_client(FleetCommand, topics.FLEET_HOLD.name)
+        client = operator.create_client(FleetCommand, calls.FLEET_HOLD.name)
         ros.spin_until(client.service_is_ready, DEADLINE_S)
         supervisor.send_signal(signal.SIGKILL)
         supervisor.wait()

@@ -301,7 +301,7 @@ def test_vehicle_turns_back_and_others_take_over() -> None:
     """It gets one order, home by the way of least dose, and no more work."""
     flying = Airborne()
     for _ in range(2):
-        flying.mission.turn_back('rav2', 'turns back at 2e+05 uSv/h')
+        flying.mission.takeover.turn_back('rav2', 'turns back at 2e+05 uSv/h')
     assert set(flying.advance(seen())) == {
         order(OrderKind.HOLD, 'rav1'),
         order(OrderKind.HOLD, 'rav3'),
@@ -314,7 +314,7 @@ def test_vehicle_turns_back_and_others_take_over() -> None:
 def test_vehicle_that_turns_back_before_it_has_taken_off_gets_no_route() -> None:
     """The command to return withdraws its start; a route home would make it take off."""
     flying = Airborne()
-    flying.mission.turn_back('rav2', 'turns back at 2e+05 uSv/h', is_waiting=True)
+    flying.mission.takeover.turn_back('rav2', 'turns back at 2e+05 uSv/h', is_waiting=True)
     asked = flying.advance(seen())
     assert order(OrderKind.RETURN, 'rav2') in asked
     assert order(OrderKind.RETREAT, 'rav2') not in asked
@@ -325,7 +325,7 @@ def test_vehicle_that_turns_back_before_it_has_taken_off_gets_no_route() -> None
 def test_vehicle_that_cannot_fly_that_way_returns_home_by_its_own() -> None:
     """The order to return is always there."""
     flying = Airborne()
-    flying.mission.turn_back('rav2', 'turns back at 2e+05 uSv/h')
+    flying.mission.takeover.turn_back('rav2', 'turns back at 2e+05 uSv/h')
     flying.advance(seen())
     flying.mission.refused(order(OrderKind.RETREAT, 'rav2'), 'rav2: cannot fly a route: landing')
     assert order(OrderKind.RETURN, 'rav2') in flying.advance(seen())
@@ -334,13 +334,13 @@ def test_vehicle_that_cannot_fly_that_way_returns_home_by_its_own() -> None:
 def test_an_operator_has_the_rest_planned_anew() -> None:
     """All hold, the rest is planned, and all fly on: also where no loss is replaced."""
     flying = Airborne(replans=False)
-    assert flying.mission.replan() == ''
+    assert flying.mission.takeover.replan() == ''
     holds = flying.advance()
     assert holds == [order(OrderKind.HOLD, name) for name in NAMES]
     flying.accept(*holds)
     flying.accept(*flying.advance(still(*NAMES)))
     assert flying.advance(still(*NAMES)) == [order(OrderKind.PLAN)]
-    assert 'cannot plan anew' in flying.mission.replan(), 'not twice at a time'
+    assert 'cannot plan anew' in flying.mission.takeover.replan(), 'not twice at a time'
     flying.mission.planned(NAMES, visited=4)
     assert flying.advance() == [order(OrderKind.FLY, name) for name in NAMES]
     assert flying.mission.fleet.lost == {}
@@ -349,7 +349,7 @@ def test_an_operator_has_the_rest_planned_anew() -> None:
 def test_what_an_operator_leads_himself_is_left_out_of_the_new_plan() -> None:
     """It would refuse its route, and the mission would fail."""
     flying = Airborne(replans=False)
-    assert flying.mission.replan(['rav2']) == ''
+    assert flying.mission.takeover.replan(['rav2']) == ''
     assert flying.advance() == [order(OrderKind.HOLD, 'rav1'), order(OrderKind.HOLD, 'rav3')]
     assert flying.mission.fleet.others == ['rav1', 'rav3']
 
@@ -357,9 +357,9 @@ def test_what_an_operator_leads_himself_is_left_out_of_the_new_plan() -> None:
 def test_nothing_is_planned_anew_where_no_plan_is_flown() -> None:
     """Before the start, after a cancellation, with agents, and for nobody."""
     early = Mission(CREW, Deadlines())
-    assert 'do not fly' in early.replan()
+    assert 'do not fly' in early.takeover.replan()
     cancelled = Airborne()
     cancelled.mission.cancel('by the operator')
-    assert 'do not fly' in cancelled.mission.replan()
+    assert 'do not fly' in cancelled.mission.takeover.replan()
     alone = Airborne()
-    assert 'no vehicle takes orders' in alone.mission.replan(NAMES)
+    assert 'no vehicle takes orders' in alone.mission.takeover.replan(NAMES)

@@ -384,7 +384,7 @@ def test_a_further_round_is_planned_and_flown_where_it_tells_most() -> None:
     rehearsal = landed()
     assert ADVISE in [*rehearsal.advance(0.1), *rehearsal.advance()]
     assert rehearsal.is_in(Phase.PLANNING)
-    rehearsal.mission.advised(4, 'the ellipse is wide')
+    rehearsal.mission.rounds.advised(4, 'the ellipse is wide')
     assert rehearsal.advance(0.1) == [PLAN]
     rehearsal.mission.planned(['rav2'])
     assert [*rehearsal.advance(0.1), *rehearsal.advance(0.1)] == [FLY_2]
@@ -417,7 +417,7 @@ def test_no_round_is_flown_when_it_is_enough() -> None:
     """Its reason is kept."""
     rehearsal = landed(extra_rounds=3)
     rehearsal.advance(0.1)
-    rehearsal.mission.advised(0, '1 source, placed within 2 m')
+    rehearsal.mission.rounds.advised(0, '1 source, placed within 2 m')
     rehearsal.advance(0.1)
     assert rehearsal.is_in(Phase.COLLECTING)
     assert rehearsal.mission.remarks == ['no further round: 1 source, placed within 2 m']
@@ -428,7 +428,7 @@ def test_a_further_round_that_cannot_be_planned_is_no_failure() -> None:
     """The survey is done: batteries too empty for more do not spoil it."""
     rehearsal = landed()
     rehearsal.advance(0.1)
-    rehearsal.mission.advised(4, 'the ellipse is wide')
+    rehearsal.mission.rounds.advised(4, 'the ellipse is wide')
     rehearsal.advance(0.1)
     rehearsal.mission.refused(PLAN, 'planner: a route does not fit')
     rehearsal.advance(0.1)

@@ -42,7 +42,7 @@ from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
 from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
 from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_ros.lease_server_node import LeaseServer
@@ -324,7 +324,7 @@ def test_map_that_cannot_be_written_is_told(stage: Stage) -> None:
 
 def test_an_operator_who_wants_a_new_plan_is_answered(stage: Stage) -> None:
     """Nothing flies yet: why not is said."""
-    client = stage.servers.create_client(Trigger, topics.REPLAN.name)
+    client = stage.servers.create_client(Trigger, calls.REPLAN.name)
     stage.until(client.service_is_ready)
     answer = client.call_async(Trigger.Request())
     stage.until(answer.done)

@@ -63,6 +63,7 @@ def bound_of(world):
     return lower_bound(world, makespan, lambda _bound: True, PriceOptions())
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.lists(PLACES, min_size=1, max_size=4), fleets(), st.data())
 def test_bound_holds_against_brute_force(points, vehicles, data):
@@ -160,6 +161,7 @@ def test_bound_is_tight_on_a_ring():
     assert bound.makespan_s == pytest.approx(optimum, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_bound_comes_close_on_a_survey_grid():
     """On a grid of 10 by 10 with homes at three corners a simple plan is proven within 25 %."""
     points = [(25 * i, 25 * j) for j in range(10) for i in range(10)]
@@ -180,6 +182,7 @@ def best_finish(world):
     return best
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.lists(PLACES, min_size=1, max_size=3), st.integers(1, 2), st.data())
 def test_bound_holds_where_batteries_are_changed(points, count, data):
@@ -221,6 +224,7 @@ def test_every_battery_pays_its_way():
     assert 0.97 * best < bound.makespan_s <= best + ROUNDING_S
 
 
+@pytest.mark.slow
 def test_large_worlds_are_bounded_by_simpler_legs(monkeypatch):
     """Where tables would be too large, shorter legs without jerk prove nearly as much."""
     points = [(25 * i, 31 * j) for j in range(6) for i in range(7)]

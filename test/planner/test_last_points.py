@@ -14,11 +14,12 @@ from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_json import plan_document
 from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import CoverageOptions, Effort, SeparationOptions
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, replan
+from rocsafe_planner.replanning import replan
 
 CORNER = GeoPosition(53.28, -9.06, 10.0)
 CAMERA = PinholeCamera(2.0 * math.atan(15.0 / 32.0), 1000, 1000)

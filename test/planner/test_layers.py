@@ -14,10 +14,11 @@ from rocsafe_planner.flights.keeping_apart import _turns
 from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.plan.plan_json import plan_document
 from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import UnheardVehicle
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, replan
+from rocsafe_planner.replanning import replan
 
 from .fleets import STARTS, changed, request, vehicle
 from .surveys import surveys
@@ -213,6 +214,7 @@ def test_who_must_climb_where_a_vehicle_may_be_that_nobody_hears_is_named():
     assert any('comes near to where rav2 may be' in fault for fault in hidden)
 
 
+@pytest.mark.slow
 def test_layer_is_changed_for_the_column_of_a_vehicle_that_nobody_hears():
     """Where it is higher, who would fly through the column of its home flies above it."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))

@@ -13,9 +13,10 @@ from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NothingLeftError, PlannerError
 from rocsafe_planner.export.plan_files import write_plan
 from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, leaving_exclusions_m, replan, unreachable
+from rocsafe_planner.replanning import leaving_exclusions_m, replan, unreachable
 
 from .fleets import FIELD, FLEET, changed, request, vehicle
 

@@ -13,10 +13,11 @@ from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.flights.flight_track import FlightTrack
 from rocsafe_planner.flights.keeping_apart import _points, in_layers
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import SeparationOptions
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.replanning import Situation, remaining_request
+from rocsafe_planner.replanning import remaining_request
 from rocsafe_planner.site.survey_site import survey_site
 
 from .fleets import STARTS, request, vehicle

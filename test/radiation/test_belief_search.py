@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from rocsafe_radiation.belief.belief_search import believe, poisson_below
-from rocsafe_radiation.localization.localize import LocalizationOptions, TooFewReadingsError
+from rocsafe_radiation.errors import TooFewReadingsError
+from rocsafe_radiation.localization.localize import LocalizationOptions
 from rocsafe_radiation.products.assessment import AssessmentOptions, assess, suggested_waypoints
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
@@ -69,6 +70,7 @@ def test_a_picture_is_made_by_either_method():
         AssessmentOptions(method='guess')
 
 
+@pytest.mark.slow
 def test_without_a_source_the_doubtful_ground_is_to_be_measured():
     """As long as a source may be hidden there."""
     full = survey([], seed=1)

@@ -18,7 +18,7 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
 from rocsafe_interfaces.srv import QueryRadiationField
 from rocsafe_radiation.field_node import FieldNode
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError
 
@@ -74,7 +74,7 @@ class Bench:
         self.clock = topics.create_publisher(self.drone, topics.CLOCK)
         topics.create_subscription(self.drone, topics.RADIATION, self.readings.append, 'rav1')
         topics.create_subscription(self.drone, topics.STEP_DONE, self.reports.append)
-        self.query = self.drone.create_client(QueryRadiationField, topics.QUERY_FIELD.name)
+        self.query = self.drone.create_client(QueryRadiationField, calls.QUERY_FIELD.name)
         for node in (self.node, self.drone):
             ros.executor.add_node(node)
         ros.spin_until(self.is_connected, DEADLINE_S)

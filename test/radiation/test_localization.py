@@ -7,14 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from rocsafe_radiation.errors import TooFewReadingsError
+from rocsafe_radiation.localization.estimates import SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
-from rocsafe_radiation.localization.localize import (
-    LocalizationOptions,
-    SourceEstimate,
-    TooFewReadingsError,
-    localize,
-)
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.spectral_window import background_shape
 from rocsafe_radiation.readings.survey import LocalReading, RadiationSurvey, survey_of
@@ -63,6 +60,7 @@ def test_three_sources_are_told_apart():
     assert max(errors_m(found, truth)) < 6.0
 
 
+@pytest.mark.slow
 def test_position_noise_makes_no_further_sources():
     """3 m of noise about a strong source scatter counts far beyond Poisson."""
     truth = [(140.0, 150.0, 9250.0)]
@@ -71,6 +69,7 @@ def test_position_noise_makes_no_further_sources():
     assert errors_m(found, truth)[0] < 4.0
 
 
+@pytest.mark.slow
 def test_a_height_unknown_by_a_metre_is_fitted():
     """The strength goes with the height: with its prior, both come near the truth."""
     readings = survey([(140.0, 150.0, 9250.0)])
@@ -192,6 +191,7 @@ def test_a_window_without_a_count_is_refused():
         background_shape(survey([]).positions_enu_m, np.zeros(441))
 
 
+@pytest.mark.slow
 def test_take_off_and_landing_make_no_source():
     """Near the ground, its radiation is stronger: 0.1 uSv/h that falls by e in 120 m."""
     flown = survey([(140.0, 150.0, 1850.0)])

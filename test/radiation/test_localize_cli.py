@@ -103,6 +103,7 @@ def test_a_file_without_altitudes_was_flown_above_the_ground_not_on_it(table):
     )
 
 
+@pytest.mark.slow
 def test_products_are_written(table, tmp_path, capsys):
     """A GeoJSON point and a closed ring around it."""
     assert main([str(table(HEAD + derailment())), '--out', str(tmp_path / 'out')]) == 0
@@ -174,6 +175,7 @@ def test_counts_of_a_reference_window_are_read_with_their_rows(table):
     assert list(readings.dropped.values()) == [(3,)]
 
 
+@pytest.mark.slow
 def test_the_next_places_are_told(table, capsys):
     """As many as wanted, around the source, and whether the evidence is enough."""
     assert main([str(table(HEAD + derailment())), '--next', '3', '--ground', '66']) == 0

@@ -17,7 +17,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_interfaces.msg import DoseAlarm, DoseRate, GeoPoint, RadiationReading
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.localizer_node import LocalizerNode
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp, region_of_area, stamp_of_ns
 
 from .simulated_survey import survey
@@ -75,7 +75,7 @@ class Bench:
         self.publisher = topics.create_publisher(self.drone, topics.RADIATION, 'rav1')
         self.region = topics.create_publisher(self.drone, topics.REGION)
         self.found = self.hear(topics.HAZARD_SOURCES)
-        spec = topics.SUGGEST_VIEWPOINTS
+        spec = calls.SUGGEST_VIEWPOINTS
         self.suggest = self.drone.create_client(spec.call_type, spec.name)
         ros.spin_until(self.is_connected, DEADLINE_S)
 

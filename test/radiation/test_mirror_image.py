@@ -34,6 +34,7 @@ def test_beside_a_single_line_both_sides_are_within_the_ellipse():
     assert source.ellipse_95()[1] < 4.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('side', [-5.0, 5.0])
 def test_a_second_line_tells_the_side(side):
     """30 m away, it still sees more of a source between the two."""

@@ -14,7 +14,7 @@ from shapely.geometry import Point, shape
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_hazard.area_kml import KML_NAMESPACE
-from rocsafe_radiation.localization.localize import Localization, SourceEstimate
+from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.assessment import AssessmentOptions, assess
 from rocsafe_radiation.products.cordon import cordons

@@ -15,8 +15,9 @@ from rocsafe_radiation.belief.belief_grid import BeliefGrid, YesNoSensor
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
 from rocsafe_radiation.decision.stopping import ABSENT, CONTINUE, PRESENT, StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import log_volume, next_waypoints
+from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.localize import Localization, SourceEstimate, localize
+from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.physics.kernel import Kernel
 
 from .simulated_survey import LOSSLESS, survey
@@ -31,6 +32,7 @@ def places():
     return np.array([(x, y, 32.0) for x, y in itertools.product(axis, axis)])
 
 
+@pytest.mark.slow
 def test_the_next_places_lie_around_the_source_not_above_it():
     """Above it, counts do not change with the place: they tell strength, not position."""
     found = localize(survey([(150.0, 150.0, 925.0)]), LOSSLESS)

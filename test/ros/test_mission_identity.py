@@ -11,7 +11,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.domain.mission_identity import MissionIdentity, identity_of, new_identity
 
 NAMES = st.from_regex('[A-Za-z0-9][A-Za-z0-9_-]{0,63}', fullmatch=True)
@@ -58,7 +58,7 @@ def test_time_of_a_mission_has_names_of_its_own(ros_domain_id: int) -> None:
         for spec in (topics.CLOCK, topics.STEP_DONE):
             name = topics.create_publisher(node, spec).topic_name
             assert name == f'{hidden}/{spec.name.lstrip("/")}'
-        service = node.create_client(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name)
+        service = node.create_client(calls.WORLD_RUN.call_type, calls.WORLD_RUN.name)
         assert service.service_name == f'{hidden}/world/run'
         assert topics.create_publisher(node, topics.PLAN).topic_name == '/plan'
         enclaves = node.get_node_names_and_namespaces_with_enclaves()

@@ -4,12 +4,14 @@
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.qos import MEASUREMENTS_KEPT
 
 
 def test_names_are_unique_and_relative():
     """Only names that ROS itself fixes are absolute."""
-    names = [spec.name for spec in (*topics.TOPICS, *topics.CALLS)]
+    names = [spec.name for spec in (*topics.TOPICS, *calls.CALLS)]
     assert len(names) == len(set(names))
     fixed = {name for name in names if name.startswith('/')}
     assert fixed <= {'/clock', '/diagnostics', '/rosout', '/tf', '/tf_static'}
@@ -55,16 +57,16 @@ def test_what_is_published_again_and_again_is_not_overwritten():
 def test_measurements_reach_who_comes_late(spec):
     """A recorder that is started again gets what was published while it was away."""
     assert spec.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL
-    assert spec.qos.depth == topics.MEASUREMENTS_KEPT
+    assert spec.qos.depth == MEASUREMENTS_KEPT
 
 
 def test_vehicle_is_a_namespace():
     """A node outside the vehicle's namespace names the vehicle."""
-    assert topics.name_of(topics.FIX) == 'fix'
-    assert topics.name_of(topics.FIX, 'rav1') == 'rav1/fix'
+    assert name_of(topics.FIX) == 'fix'
+    assert name_of(topics.FIX, 'rav1') == 'rav1/fix'
 
 
 def test_fleet_names_take_no_vehicle():
     """A plan belongs to the fleet."""
     with pytest.raises(ValueError, match='plan belongs to the fleet'):
-        topics.name_of(topics.PLAN, 'rav1')
+        name_of(topics.PLAN, 'rav1')

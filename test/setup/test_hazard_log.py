@@ -69,11 +69,11 @@ QUESTIONS = {'preflight', 'camera/look', 'radiation_field/query'}
 def test_every_order_has_its_unsafe_control_actions():
     """All that moves, plans or leads, by service, action or topic."""
     pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
-    from rocsafe_ros import topics
+    from rocsafe_ros import calls, topics
 
     table = LOG.read_text().split('## Unsafe control actions')[1].split('## Known and open')[0]
     firsts = ' '.join(re.findall(r'^\| (.*?) \|', table, re.M))
     named = set(re.findall(r'`([^`]+)`', firsts))
-    orders = {spec.name for spec in topics.CALLS} - QUESTIONS
+    orders = {spec.name for spec in calls.CALLS} - QUESTIONS
     orders |= {topics.CMD_VEL.name, topics.GIMBAL_COMMAND.name}
     assert orders - named == set()

@@ -16,6 +16,7 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, Route, ShotReceipt, Viewpoint
 from rocsafe_interfaces.srv import Lease
 from rocsafe_ros import topics
+from rocsafe_ros.interface_spec import TopicSpec
 
 ORIGIN = GeoPosition(53.28, -9.06, 60.0)
 FRAME = LocalFrame(ORIGIN)
@@ -89,13 +90,13 @@ class Operator:
         self.gives_receipts = False
         self._receipts = topics.create_publisher(self.node, topics.RECEIPTS)
 
-    def listen(self, spec: topics.TopicSpec, vehicle: str = 'rav1') -> list[Any]:
+    def listen(self, spec: TopicSpec, vehicle: str = 'rav1') -> list[Any]:
         """Return a list that fills with the messages of a topic."""
         heard: list[Any] = []
         topics.create_subscription(self.node, spec, heard.append, vehicle)
         return heard
 
-    def wait_until_heard(self, node: Node, *specs: topics.TopicSpec) -> None:
+    def wait_until_heard(self, node: Node, *specs: TopicSpec) -> None:
         """Wait until the publishers of a vehicle's node have found who listens to them."""
         names = {f'{node.get_namespace()}/{spec.name}' for spec in specs}
         found = [each for each in node.publishers if each.topic_name in names]

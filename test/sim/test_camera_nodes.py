@@ -16,10 +16,11 @@ from test.sim.node_stand import DEADLINE_S, SMALL, Operator, route
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interface_spec import TopicSpec, of_camera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel
-from rocsafe_sim.rav.assembly import SharedParts
+from rocsafe_sim.rav.shared_parts import SharedParts
 
 DEPTH = np.array([[31.5, np.inf, 2.25], [30.25, 2.0, 40.5]], np.float32)
 NUMBERS = np.array([[2, 0, 70_000], [65_535, 3, 1]], np.uint32)
@@ -32,9 +33,9 @@ TURNED = {
 }  # fmt: skip
 
 
-def of(camera: str, spec: topics.TopicSpec) -> topics.TopicSpec:
+def of(camera: str, spec: TopicSpec) -> TopicSpec:
     """Return a topic of the first camera as that of another."""
-    return topics.of_camera(spec, camera)
+    return of_camera(spec, camera)
 
 
 def pixels(message: Any) -> Any:

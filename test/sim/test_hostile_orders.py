@@ -18,16 +18,16 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPolygon
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import topics
-from rocsafe_ros.topics import Scope
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import Scope
 
 RUNS = 800
 SERVICES = [
     spec
-    for spec in topics.CALLS
+    for spec in calls.CALLS
     if spec.scope is Scope.VEHICLE
     and hasattr(spec.call_type, 'Request')
-    and spec.name not in (topics.LEASE.name, topics.PREFLIGHT.name)
+    and spec.name not in (calls.LEASE.name, calls.PREFLIGHT.name)
 ]
 HEARD = (topics.CMD_VEL, topics.GIMBAL_COMMAND, topics.RECEIPTS)
 

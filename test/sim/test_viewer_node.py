@@ -16,7 +16,7 @@ from test.sim.node_stand import DEADLINE_S, Operator, parameters
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_interfaces.srv import SetLight
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_scene.errors import EngineError
 from rocsafe_scene.live.live_view import pose_at
 from rocsafe_sim import viewer_node
@@ -93,13 +93,13 @@ def test_vehicles_and_lines_are_drawn_while_somebody_looks(
 def test_the_light_changes_or_is_refused_with_the_reason(viewer: Any, operator: Operator) -> None:
     """As that of a vehicle's cameras."""
     request = SetLight.Request(sun_as_scenario=True, fog=0.5)
-    assert operator.ask(SetLight, topics.SET_SCENE_LIGHT.name, request).success
+    assert operator.ask(SetLight, calls.SET_SCENE_LIGHT.name, request).success
     assert viewer._view.lights[0].air.fog == 0.5
     assert (
-        operator.ask(SetLight, topics.SET_SCENE_LIGHT.name, request).message
+        operator.ask(SetLight, calls.SET_SCENE_LIGHT.name, request).message
         == 'draws without shadows'
     )
-    wrong = operator.ask(SetLight, topics.SET_SCENE_LIGHT.name, SetLight.Request(fog=7.0))
+    wrong = operator.ask(SetLight, calls.SET_SCENE_LIGHT.name, SetLight.Request(fog=7.0))
     assert 'fog' in wrong.message
 
 

@@ -9,6 +9,7 @@ from rclpy.publisher import Publisher
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_interfaces.msg import GimbalCommand, GimbalState
 from rocsafe_ros import topics
+from rocsafe_ros.interface_spec import of_camera
 
 # A gimbal turns by some 60 degrees a second of mission time; a world may be slow.
 SETTLE_S, LOOK_S = 30.0, 0.02
@@ -34,9 +35,9 @@ class Gimbals:
 
     def add(self, camera: str) -> None:
         """Use the gimbal of a camera, if it has one."""
-        state = topics.of_camera(topics.GIMBAL_STATE, camera)
+        state = of_camera(topics.GIMBAL_STATE, camera)
         topics.create_subscription(self._node, state, self._on_state, self._vehicle)
-        command = topics.of_camera(topics.GIMBAL_COMMAND, camera)
+        command = of_camera(topics.GIMBAL_COMMAND, camera)
         self._commands[camera] = topics.create_publisher(self._node, command, self._vehicle)
 
     async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:

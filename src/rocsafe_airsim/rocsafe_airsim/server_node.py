@@ -19,7 +19,7 @@ from rocsafe_airsim.options import AirsimOptions
 from rocsafe_airsim.protocol.server import AirsimServer
 from rocsafe_airsim.vehicle_node import RENEW_S, RosVehicle
 from rocsafe_geo.position import GeoPosition
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
@@ -44,7 +44,7 @@ class AirsimNode(Node):
         self._by_name: dict[str, RosVehicle] = {}
         self._is_paused = False
         self._drawings = Drawings(self)
-        self._run = self.create_client(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name)
+        self._run = self.create_client(calls.WORLD_RUN.call_type, calls.WORLD_RUN.name)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()

@@ -20,8 +20,9 @@ from rocsafe_airsim.vehicle import Light, Picture, Turn, VehicleNow
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import GeoPoint, VehicleState
 from rocsafe_interfaces.srv import GoTo, Lease, Look, Move, SetHome, SetLight, SetWind
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.interface_spec import CallSpec, name_of, of_camera
 
 HOLDER = 'airsim'
 # A client whose script ends without a word leads for no longer.
@@ -31,7 +32,7 @@ RENEW_S = 15.0
 ANSWER_S, PICTURE_S = 5.0, 30.0
 # A home is heard by its topic.
 HEARD_S, SAME_PLACE_M = 0.02, 0.5
-_PLAIN = {'hold': topics.HOLD, 'land': topics.LAND, 'return_home': topics.RETURN_HOME}
+_PLAIN = {'hold': calls.HOLD, 'land': calls.LAND, 'return_home': calls.RETURN_HOME}
 _NAN3 = (float('nan'),) * 3
 
 
@@ -65,17 +66,17 @@ class RosVehicle:
         for spec in (*own, topics.RADIATION, topics.GAS, *sensors):
             topics.create_subscription(node, spec, partial(self._on_message, spec.name), name)
         topics.create_subscription(node, topics.HOME, self._on_home, name)
-        calls = (*_PLAIN.values(), topics.LEASE, topics.MOVE, topics.GO_TO, topics.SET_HOME)
-        calls = (*calls, topics.SET_WIND, topics.SET_LIGHT)
-        self._clients = {spec.name: self._client(spec) for spec in calls}
+        moves = (calls.MOVE, calls.GO_TO, calls.SET_HOME, calls.SET_WIND, calls.SET_LIGHT)
+        services = (*_PLAIN.values(), calls.LEASE, *moves)
+        self._clients = {spec.name: self._client(spec) for spec in services}
 
     def add_camera(self, camera: str) -> None:
         """Use a camera, named as its topics are; the first of a vehicle comes first."""
         if camera in self.cameras:
             return
-        spec = topics.of_camera(topics.LOOK, camera)
+        spec = of_camera(calls.LOOK, camera)
         self._clients[spec.name] = self._client(spec)
-        table = topics.of_camera(topics.CAMERA_LABEL_TABLE, camera)
+        table = of_camera(topics.CAMERA_LABEL_TABLE, camera)
         topics.create_subscription(self._node, table, partial(self._on_table, camera), self.name)
         self._gimbals.add(camera)
         self.cameras = sorted([*self.cameras, camera], key=lambda c: (c != 'camera', c))
@@ -219,7 +220,7 @@ class RosVehicle:
 
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""
-        name = topics.of_camera(topics.LOOK, camera).name
+        name = of_camera(calls.LOOK, camera).name
         request = Look.Request(with_truth=with_truth)
         return conversions.picture_of(await self._order(name, request, PICTURE_S))
 
@@ -266,8 +267,8 @@ class RosVehicle:
         rows = json.loads(message.data)
         self._tables[camera] = rows if isinstance(rows, list) else rows.get('instances', ())
 
-    def _client(self, spec: topics.CallSpec) -> Any:
-        return self._node.create_client(spec.call_type, topics.name_of(spec, self.name))
+    def _client(self, spec: CallSpec) -> Any:
+        return self._node.create_client(spec.call_type, name_of(spec, self.name))
 
 
 def _settle(future: 'asyncio.Future[Any]', result: Any) -> None:

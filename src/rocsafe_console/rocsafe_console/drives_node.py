@@ -14,7 +14,8 @@ from rocsafe_console.orders.order_book import Order
 from rocsafe_console.picture.vehicle import Vehicle
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute
-from rocsafe_ros import topics
+from rocsafe_ros import calls
+from rocsafe_ros.interface_spec import name_of
 
 MOST_OFFERS = 50
 
@@ -46,13 +47,13 @@ class Drives:
         self._executor = SingleThreadedExecutor(context=node.context)
         self._executor.add_node(self._node)
         self._open = 0
-        self._router = ActionClient(self._node, PlanGroundRoute, topics.PLAN_GROUND_ROUTE.name)
+        self._router = ActionClient(self._node, PlanGroundRoute, calls.PLAN_GROUND_ROUTE.name)
         self._vehicles: dict[str, ActionClient] = {}
         self._offers: OrderedDict[str, GroundRoute] = OrderedDict()
 
     def add(self, vehicle: str) -> None:
         """Make the client of a ground vehicle."""
-        name = topics.name_of(topics.DRIVE_ROUTE, vehicle)
+        name = name_of(calls.DRIVE_ROUTE, vehicle)
         self._vehicles[vehicle] = ActionClient(self._node, DriveRoute, name)
 
     def look(self) -> None:

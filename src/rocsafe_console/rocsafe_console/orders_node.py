@@ -21,7 +21,8 @@ from rocsafe_console.orders.order_book import Order, Outcome, Result, Target
 from rocsafe_console.people.roles import Action
 from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_interfaces.srv import FleetCommand, GoTo, Lease, Resume
-from rocsafe_ros import topics
+from rocsafe_ros import calls
+from rocsafe_ros.interface_spec import CallSpec, name_of
 
 ANSWER_S = 5.0
 LOOK_S = 0.05
@@ -29,18 +30,18 @@ LOOK_S = 0.05
 LEASE_S = 60.0
 RENEW_S = 15.0
 FLEET = {
-    Action.HOLD: topics.FLEET_HOLD,
-    Action.RESUME: topics.FLEET_RESUME,
-    Action.RETURN: topics.FLEET_RETURN_HOME,
-    Action.LAND: topics.FLEET_LAND,
+    Action.HOLD: calls.FLEET_HOLD,
+    Action.RESUME: calls.FLEET_RESUME,
+    Action.RETURN: calls.FLEET_RETURN_HOME,
+    Action.LAND: calls.FLEET_LAND,
 }
 ALONE = {
-    Action.HOLD: topics.HOLD,
-    Action.RETURN: topics.RETURN_HOME,
-    Action.LAND: topics.LAND,
+    Action.HOLD: calls.HOLD,
+    Action.RETURN: calls.RETURN_HOME,
+    Action.LAND: calls.LAND,
 }
-MISSION_CALLS = {Action.REPLAN: topics.REPLAN}
-VEHICLE_CALLS = (*ALONE.values(), topics.RESUME, topics.LEASE, topics.GO_TO)
+MISSION_CALLS = {Action.REPLAN: calls.REPLAN}
+VEHICLE_CALLS = (*ALONE.values(), calls.RESUME, calls.LEASE, calls.GO_TO)
 
 Finish = Callable[[tuple[Result, ...]], None]
 
@@ -80,7 +81,7 @@ class Orders:
             for action, spec in MISSION_CALLS.items()
         }
         self.drives = Drives(node)
-        self._calls: dict[tuple[topics.CallSpec, str], Client] = {}
+        self._calls: dict[tuple[CallSpec, str], Client] = {}
         self._waiting: list[_Waiting] = []
         self._held: dict[str, _Held] = {}
         node.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -88,7 +89,7 @@ class Orders:
     def add(self, vehicle: str) -> None:
         """Make the clients of a vehicle."""
         for spec in VEHICLE_CALLS:
-            name = topics.name_of(spec, vehicle)
+            name = name_of(spec, vehicle)
             self._calls[spec, vehicle] = self._node.create_client(spec.call_type, name)
 
     def send(self, order: Order, names: tuple[str, ...], finish: Finish) -> None:
@@ -140,14 +141,14 @@ class Orders:
         if order.verb in ALONE:
             self._ask(ALONE[order.verb], Trigger.Request(), name, waiting)
         elif order.verb is Action.RESUME:
-            self._ask(topics.RESUME, Resume.Request(lease=lease), name, waiting)
+            self._ask(calls.RESUME, Resume.Request(lease=lease), name, waiting)
         elif order.verb is Action.SEND:
             self.drives.drive(order, name, lease, partial(self._note, waiting, name))
         elif isinstance(order.target, Target):
             target = order.target
             point = GeoPoint(latitude=target.latitude_deg, longitude=target.longitude_deg)
             request = GoTo.Request(lease=lease, position=point, height_m=target.height_m)
-            self._ask(topics.GO_TO, request, name, waiting)
+            self._ask(calls.GO_TO, request, name, waiting)
         elif order.verb is Action.TAKE:
             self._take(order.user, name, waiting)
         else:
@@ -163,16 +164,16 @@ class Orders:
             self._note(waiting, name, answer.success, answer.message)
 
         request = Lease.Request(holder=f'{user}@console', duration_s=LEASE_S, take_over=True)
-        self._ask(topics.LEASE, request, name, waiting, on_answer)
+        self._ask(calls.LEASE, request, name, waiting, on_answer)
 
     def _release(self, name: str, lease: str, waiting: _Waiting) -> None:
         self._held.pop(name, None)
         request = Lease.Request(request=Lease.Request.RELEASE, lease=lease)
-        self._ask(topics.LEASE, request, name, waiting)
+        self._ask(calls.LEASE, request, name, waiting)
 
     def _ask(
         self,
-        spec: topics.CallSpec,
+        spec: CallSpec,
         request: Any,
         name: str,
         waiting: _Waiting,
@@ -219,7 +220,7 @@ class Orders:
                 del self._held[name]
 
         request = Lease.Request(request=Lease.Request.RENEW, lease=held.lease, duration_s=LEASE_S)
-        client = self._calls[topics.LEASE, name]
+        client = self._calls[calls.LEASE, name]
         if client.service_is_ready():
             client.call_async(request).add_done_callback(on_answer)
 

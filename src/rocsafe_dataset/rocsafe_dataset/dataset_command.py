@@ -15,7 +15,8 @@ from rocsafe_dataset.files import DatasetFolder
 from rocsafe_dataset.options import FORMATS, DatasetOptions
 from rocsafe_dataset.summary import finish
 from rocsafe_dataset.worker_pool import claim_folder, open_tasks, run_tasks
-from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
+from rocsafe_geo.argument import image_size
+from rocsafe_scene.command_line.scene_arguments import exit_code_of
 from rocsafe_scene.errors import ViewError
 from rocsafe_scene.scene.description import SceneDescription
 from rocsafe_scene.scene.map_cache import default_folder

@@ -28,7 +28,7 @@ from rocsafe_dispersion.release_conversions import (
 from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import GasReading, Region, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -72,7 +72,7 @@ class EstimatorNode(Node):
             on_wind = partial(self._on_wind, vehicle)
             topics.create_subscription(self, topics.ANEMOMETER, on_wind, vehicle)
         topics.create_subscription(self, topics.REGION, self._on_region)
-        spec = topics.SUGGEST_GAS_VIEWPOINTS
+        spec = calls.SUGGEST_GAS_VIEWPOINTS
         self.create_service(spec.call_type, spec.name, self._on_suggest)
 
     def _on_gas(self, vehicle: str, message: GasReading) -> None:

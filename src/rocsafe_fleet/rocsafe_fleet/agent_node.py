@@ -32,7 +32,7 @@ from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
 from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.conversions import ns_of_stamp
@@ -78,7 +78,7 @@ class AgentsNode(Node):
         self._link = self._linked(options)
         self._states = topics.create_publisher(self, topics.AGENTS)
         self._done = topics.create_publisher(self, topics.STEP_DONE)
-        self._world = self.create_client(SetBool, topics.WORLD_RUN.name)
+        self._world = self.create_client(SetBool, calls.WORLD_RUN.name)
         leases = Leases(
             self, options.vehicles, options.mission, self._warn, role='agent', is_reserve=True
         )

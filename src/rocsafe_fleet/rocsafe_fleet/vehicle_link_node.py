@@ -13,7 +13,8 @@ from std_srvs.srv import Trigger
 from rocsafe_fleet.conversions import inability, is_aloft, numbers_of, visited_of
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Control, Route, VehicleState
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import name_of
 from rocsafe_ros.lease_holder_node import Leases
 from rocsafe_ros.plan_digest import route_digest
 
@@ -70,8 +71,8 @@ class VehicleLink:
         self._sending: tuple[Callable[[], None], float, int] | None = None
         topics.create_subscription(node, topics.STATE, self._on_state, name)
         topics.create_subscription(node, topics.CONTROL, self._on_control, name)
-        self._flights = ActionClient(node, FlyRoute, topics.name_of(topics.FLY_ROUTE, name))
-        self._home = node.create_client(Trigger, topics.name_of(topics.RETURN_HOME, name))
+        self._flights = ActionClient(node, FlyRoute, name_of(calls.FLY_ROUTE, name))
+        self._home = node.create_client(Trigger, name_of(calls.RETURN_HOME, name))
 
     def close(self) -> None:
         """Destroy the client of the action, which keeps its node in the graph."""

@@ -15,7 +15,7 @@ from rocsafe_mapping.live.map_worker import MapWorker
 from rocsafe_mapping.map_conversions import mosaic_message
 from rocsafe_mapping.options import MosaicOptions
 from rocsafe_mapping.products.map_files import MapFiles
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
@@ -44,7 +44,7 @@ class MosaicNode(Node):
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
         topics.create_subscription(self, topics.REGION, self._on_region)
         service = self.create_service(
-            topics.SAVE_MOSAIC.call_type, topics.SAVE_MOSAIC.name, lambda _, response: response
+            calls.SAVE_MOSAIC.call_type, calls.SAVE_MOSAIC.name, lambda _, response: response
         )
         # rclpy has no deferred answers, and its events executor no services that are coroutines:
         # what the executor would send at once is sent when the map is written.

@@ -10,9 +10,10 @@ from rocsafe_mavlink.conversions import check_message, ring_of
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.plan.fence import Fence
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.conversions import position_of_point
+from rocsafe_ros.interface_spec import CallSpec
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
@@ -49,21 +50,21 @@ class CommandServices:
         self._clock = clock
         self._waiting: list[_Answer] = []
         commands = drone.commands
-        self._serve(topics.HOLD, lambda _request, now_s: commands.hold(now_s))
-        self._serve(topics.RESUME, lambda _request, now_s: commands.resume(now_s))
+        self._serve(calls.HOLD, lambda _request, now_s: commands.hold(now_s))
+        self._serve(calls.RESUME, lambda _request, now_s: commands.resume(now_s))
         for spec, end in (
-            (topics.RETURN_HOME, commands.return_home),
-            (topics.LAND, commands.land),
+            (calls.RETURN_HOME, commands.return_home),
+            (calls.LAND, commands.land),
         ):
             self._serve(spec, partial(_given, end), ends_flight=True)
-        self._serve(topics.GO_TO, self._go_to)
+        self._serve(calls.GO_TO, self._go_to)
         self._serve(
-            topics.SET_SPEED,
+            calls.SET_SPEED,
             lambda request, now_s: commands.change_speed(request.speed_mps, now_s),
         )
-        self._serve(topics.PUSH_FENCE, self._push_fence)
-        self._serve(topics.PUSH_RALLY, self._push_rally)
-        spec = topics.PREFLIGHT
+        self._serve(calls.PUSH_FENCE, self._push_fence)
+        self._serve(calls.PUSH_RALLY, self._push_rally)
+        spec = calls.PREFLIGHT
         node.create_service(spec.call_type, spec.name, self._on_preflight)
 
     def step(self) -> None:
@@ -78,7 +79,7 @@ class CommandServices:
                 self._drone.gave_up()
             answer.give(error)
 
-    def _serve(self, spec: topics.CallSpec, begin: Begin, ends_flight: bool = False) -> None:
+    def _serve(self, spec: CallSpec, begin: Begin, ends_flight: bool = False) -> None:
         """Serve a command; `ends_flight`: once obeyed, it ends the flight by request."""
         answers: list[_Answer] = []
 

@@ -11,7 +11,7 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.node_timing import TIMING
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.conversions import point_of_position
 from rocsafe_ros.lease_server_node import LeaseServer
@@ -43,8 +43,8 @@ class DriveRouteServer:
         self._results: dict[bytes, DriveRoute.Result] = {}
         self._server = ActionServer(
             node,
-            topics.DRIVE_ROUTE.call_type,
-            topics.DRIVE_ROUTE.name,
+            calls.DRIVE_ROUTE.call_type,
+            calls.DRIVE_ROUTE.name,
             execute_callback=self._result,
             handle_accepted_callback=self._on_goal,
             cancel_callback=self._on_cancel,

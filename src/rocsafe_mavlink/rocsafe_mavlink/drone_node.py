@@ -38,6 +38,7 @@ from rocsafe_ros.conversions import (
 )
 from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
+from rocsafe_ros.interface_spec import TopicSpec
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Types of TUNNEL payloads up to this one are those of known devices.
@@ -173,5 +174,5 @@ class TelemetryPublisher:
                 self._path_s = now_s
                 self._publish(topics.PATH, self._track)
 
-    def _publish(self, spec: topics.TopicSpec, message: Any) -> None:
+    def _publish(self, spec: TopicSpec, message: Any) -> None:
         self._publishers[spec.name].publish(message)

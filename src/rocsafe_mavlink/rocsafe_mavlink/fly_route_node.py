@@ -19,7 +19,7 @@ from rocsafe_mavlink.result_conversions import (
     refusal_message,
     result_message,
 )
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.control_lease import LeaseRefusedError
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.plan_digest import route_digest
@@ -71,8 +71,8 @@ class FlyRouteServer:
         self._results: dict[bytes, FlyRoute.Result] = {}
         self._server = ActionServer(
             node,
-            topics.FLY_ROUTE.call_type,
-            topics.FLY_ROUTE.name,
+            calls.FLY_ROUTE.call_type,
+            calls.FLY_ROUTE.name,
             execute_callback=self._result,
             handle_accepted_callback=self._on_goal,
             cancel_callback=self._on_cancel,

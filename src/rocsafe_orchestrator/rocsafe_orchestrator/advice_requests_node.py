@@ -12,7 +12,7 @@ from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.request import Order
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_scenario.scenario import Scenario
 
 
@@ -20,10 +20,10 @@ def searches_of(scenario: Scenario) -> dict[str, Search]:
     """Return the searches of a scenario by the name of the service that says where to go."""
     gamma, gas = scenario.radiation.search, scenario.air.search
     return {
-        topics.SUGGEST_VIEWPOINTS.name: Search(
+        calls.SUGGEST_VIEWPOINTS.name: Search(
             extra_rounds=gamma.extra_rounds, viewpoints_a_round=gamma.viewpoints_a_round
         ),
-        topics.SUGGEST_GAS_VIEWPOINTS.name: Search(
+        calls.SUGGEST_GAS_VIEWPOINTS.name: Search(
             extra_rounds=gas.extra_rounds, viewpoints_a_round=gas.viewpoints_a_round
         ),
     }
@@ -71,4 +71,4 @@ class AdviceRequests:
         joined = self._advice.add(name, list(answer.viewpoints), answer.reason)
         if joined is not None:
             self.viewpoints, reason = joined
-            self._mission.advised(len(self.viewpoints), reason)
+            self._mission.rounds.advised(len(self.viewpoints), reason)

@@ -17,13 +17,14 @@ from rocsafe_orchestrator.errors import (
     OrchestratorError,
 )
 from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
-from rocsafe_ros import topics
+from rocsafe_ros import calls
+from rocsafe_ros.interface_spec import CallSpec
 
 SPECS = {
-    'hold': topics.FLEET_HOLD,
-    'resume': topics.FLEET_RESUME,
-    'return': topics.FLEET_RETURN_HOME,
-    'land': topics.FLEET_LAND,
+    'hold': calls.FLEET_HOLD,
+    'resume': calls.FLEET_RESUME,
+    'return': calls.FLEET_RETURN_HOME,
+    'land': calls.FLEET_LAND,
 }
 # The node that serves the fleet must be found, and must answer, within these times.
 FOUND_S = 5.0
@@ -55,7 +56,7 @@ def command_fleet(verb: str, vehicles: Sequence[str]) -> int:
 
 
 def _response(
-    node: Node, executor: SingleThreadedExecutor, spec: topics.CallSpec, vehicles: Sequence[str]
+    node: Node, executor: SingleThreadedExecutor, spec: CallSpec, vehicles: Sequence[str]
 ) -> Any:
     client = node.create_client(spec.call_type, spec.name)
     end_s = time.monotonic() + FOUND_S

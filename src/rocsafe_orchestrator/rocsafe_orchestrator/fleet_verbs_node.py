@@ -21,7 +21,8 @@ from std_srvs.srv import Trigger
 from rocsafe_geo.option import option
 from rocsafe_interfaces.msg import Control, VehicleAnswer
 from rocsafe_interfaces.srv import FleetCommand, Lease, Resume
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import CallSpec, name_of
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import is_orphan, run
 
@@ -31,9 +32,9 @@ LOOK_S = 0.02
 # An orphan without a vehicle that can be reached ends after this time.
 ALONE_S = 5.0
 VERBS = {
-    topics.FLEET_HOLD: topics.HOLD,
-    topics.FLEET_RETURN_HOME: topics.RETURN_HOME,
-    topics.FLEET_LAND: topics.LAND,
+    calls.FLEET_HOLD: calls.HOLD,
+    calls.FLEET_RETURN_HOME: calls.RETURN_HOME,
+    calls.FLEET_LAND: calls.LAND,
 }
 
 
@@ -86,17 +87,17 @@ class FleetVerbsNode(Node):
         self._options = declare_options(self, FleetVerbsOptions)
         self._controls: dict[str, Control] = {}
         self._calls: list[tuple[Call, Callable[[Any], None]]] = []
-        self._commands: dict[tuple[topics.CallSpec, str], Client] = {}
+        self._commands: dict[tuple[CallSpec, str], Client] = {}
         self._heard_s = time.monotonic()
         for name in self._options.vehicles:
-            for spec in (*VERBS.values(), topics.RESUME, topics.LEASE):
-                full = topics.name_of(spec, name)
+            for spec in (*VERBS.values(), calls.RESUME, calls.LEASE):
+                full = name_of(spec, name)
                 self._commands[spec, name] = self.create_client(spec.call_type, full)
             on_control = partial(self._controls.__setitem__, name)
             topics.create_subscription(self, topics.CONTROL, on_control, name)
         for served, spec in VERBS.items():
             self._serve(served, partial(self._command, spec))
-        self._serve(topics.FLEET_RESUME, self._resume)
+        self._serve(calls.FLEET_RESUME, self._resume)
         self.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     @property
@@ -104,12 +105,12 @@ class FleetVerbsNode(Node):
         """Whether a supervisor lives, or a vehicle can be reached."""
         now_s = time.monotonic()
         if not is_orphan() or any(
-            self._commands[topics.HOLD, name].service_is_ready() for name in self._options.vehicles
+            self._commands[calls.HOLD, name].service_is_ready() for name in self._options.vehicles
         ):
             self._heard_s = now_s
         return now_s - self._heard_s < ALONE_S
 
-    def _serve(self, spec: topics.CallSpec, ask: Callable[[Call, str], None]) -> None:
+    def _serve(self, spec: CallSpec, ask: Callable[[Call, str], None]) -> None:
         def on_call(request: FleetCommand.Request, response: Any) -> Call:
             wanted = sorted(set(request.vehicles)) or list(self._options.vehicles)
             call = Call(wanted, response)
@@ -138,28 +139,28 @@ class FleetVerbsNode(Node):
             else:
                 send(response)
 
-    def _command(self, spec: topics.CallSpec, call: Call, name: str) -> None:
+    def _command(self, spec: CallSpec, call: Call, name: str) -> None:
         self._ask(spec, Trigger.Request(), call, name)
 
     def _resume(self, call: Call, name: str) -> None:
         control = self._controls.get(name)
         if control is not None and control.lease and control.mission == self._options.mission:
-            self._ask(topics.RESUME, Resume.Request(lease=control.lease), call, name)
+            self._ask(calls.RESUME, Resume.Request(lease=control.lease), call, name)
             return
 
         def on_lease(answer: Any) -> None:
             if answer.success:
                 request = Resume.Request(lease=answer.control.lease)
-                self._ask(topics.RESUME, request, call, name)
+                self._ask(calls.RESUME, request, call, name)
             else:
                 call.note(name, success=False, message=answer.message)
 
         request = Lease.Request(holder=f'operator@{socket.gethostname()}')
-        self._ask(topics.LEASE, request, call, name, on_lease)
+        self._ask(calls.LEASE, request, call, name, on_lease)
 
     def _ask(
         self,
-        spec: topics.CallSpec,
+        spec: CallSpec,
         request: Any,
         call: Call,
         name: str,

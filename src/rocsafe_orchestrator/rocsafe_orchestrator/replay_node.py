@@ -24,7 +24,7 @@ from rocsafe_orchestrator.replay.recorded_inputs import (
     time_of,
 )
 from rocsafe_orchestrator.replay.shot_conversions import shot_message
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
 
 TICK_S = 0.01
@@ -57,9 +57,9 @@ class ReplayNode(Node):
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
         topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
         self._asking = self.create_client(
-            topics.SUGGEST_VIEWPOINTS.call_type, topics.SUGGEST_VIEWPOINTS.name
+            calls.SUGGEST_VIEWPOINTS.call_type, calls.SUGGEST_VIEWPOINTS.name
         )
-        self._saving = self.create_client(topics.SAVE_MOSAIC.call_type, topics.SAVE_MOSAIC.name)
+        self._saving = self.create_client(calls.SAVE_MOSAIC.call_type, calls.SAVE_MOSAIC.name)
         if inputs.region is not None:
             self._region.publish(inputs.region)
         self.create_timer(TICK_S, self._on_tick, clock=Clock(clock_type=ClockType.STEADY_TIME))

@@ -104,6 +104,11 @@ class RunDirectory:
         return self.path / 'session.json'
 
     @property
+    def flown(self) -> Path:
+        """Empty file that is there once all of a run is recorded."""
+        return self.spool / 'flown'
+
+    @property
     def lock(self) -> Path:
         """File that the process which flies the run keeps locked."""
         return self.path / 'run.lock'
@@ -125,6 +130,11 @@ class RunDirectory:
     def solids_of(self, scene: str) -> Path:
         """Return the file of the solid things and the ground of the scene file `scene`."""
         return self.parameters / f'{Path(scene).stem}-{crc32(scene.encode()):08x}.npz'
+
+    @property
+    def site_wind(self) -> Path:
+        """How the scene of ``air.wind`` changes the wind."""
+        return self.parameters / 'site-wind.npz'
 
     def parameters_of(self, process: str) -> Path:
         """Return the parameter file of `process`."""

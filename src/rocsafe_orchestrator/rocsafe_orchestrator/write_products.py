@@ -3,6 +3,7 @@
 
 import dataclasses
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
@@ -11,21 +12,52 @@ from rocsafe_orchestrator.parameters.air_parameters import ESTIMATOR
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
 from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.products.agent_advice import advise
+from rocsafe_orchestrator.products.flight_log import READING, read_flight_log
 from rocsafe_orchestrator.products.readings_table import write_readings
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_reading import read_run
 from rocsafe_orchestrator.products.run_record import RunRecord
-from rocsafe_orchestrator.products.source_estimates import estimate_sources
+from rocsafe_orchestrator.products.source_estimates import SourceEstimates, estimate_sources
 from rocsafe_orchestrator.products.summary import RunSummary, summarise
-from rocsafe_orchestrator.recording.finalising import finalise
-from rocsafe_orchestrator.report import report_page
+from rocsafe_orchestrator.recording.finalising import finalise, merge
+from rocsafe_orchestrator.recording.segments import MISSION_FILE, segments
+from rocsafe_orchestrator.report.page import report_page
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 
-def write_products(run_directory: Path) -> RunSummary:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EarlyEstimates:
+    """Sources that were estimated before all of a run was recorded, and their readings' table."""
+
+    table: bytes
+    estimates: SourceEstimates
+
+
+def estimate_early(run: RunDirectory) -> EarlyEstimates | None:
+    """Estimate sources from what is recorded so far; None: there is nothing to say."""
+    path = run.spool / MISSION_FILE
+    try:
+        merge(segments(run.path), path, kinds=(READING,))
+        record = dataclasses.replace(read_run(run.path), log=read_flight_log(path))
+    finally:
+        path.unlink(missing_ok=True)
+    record = _without_idle_detectors(record)
+    _write_readings(record, run)
+    estimates = _with_estimates(record, run, None).estimates
+    if estimates is None:
+        return None
+    return EarlyEstimates(table=run.readings.read_bytes(), estimates=estimates)
+
+
+def write_products(run_directory: Path, early: EarlyEstimates | None = None) -> RunSummary:
     """Write or renew all products of the run in `run_directory`, and return its figures.
 
     Works on an interrupted run: summary and report list what is missing. May be repeated.
+
+    Parameters
+    ----------
+    early
+        Sources that are not estimated again if no other reading has come since.
 
     Raises
     ------
@@ -39,14 +71,18 @@ def write_products(run_directory: Path) -> RunSummary:
         raise ValueError(f'{run_directory} is no run directory')
     finalise(run.path, [run.scenario, run.run_info, run.plan])
     record = read_run(run.path)
-    readings = record.log.readings if record.log else ()
-    write_readings(run.readings, readings, mission_frame(record))
-    record = _with_estimates(_without_idle_detectors(record), run)
+    _write_readings(record, run)
+    record = _with_estimates(_without_idle_detectors(record), run, early)
     record = _with_advice(_with_releases(record, run), run)
     summary = summarise(record)
     _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
     _write_text(run.report, report_page(record, summary, mission_frame(record)))
     return summary
+
+
+def _write_readings(record: RunRecord, run: RunDirectory) -> None:
+    readings = record.log.readings if record.log else ()
+    write_readings(run.readings, readings, mission_frame(record))
 
 
 def _without_idle_detectors(record: RunRecord) -> RunRecord:
@@ -56,10 +92,14 @@ def _without_idle_detectors(record: RunRecord) -> RunRecord:
     return dataclasses.replace(record, log=dataclasses.replace(record.log, readings=()))
 
 
-def _with_estimates(record: RunRecord, run: RunDirectory) -> RunRecord:
+def _with_estimates(
+    record: RunRecord, run: RunDirectory, early: EarlyEstimates | None
+) -> RunRecord:
     """Return `record` with the sources that its readings support."""
     if record.log is None or not record.log.readings or record.scenario is None:
         return record
+    if early is not None and early.table == run.readings.read_bytes():
+        return dataclasses.replace(record, estimates=early.estimates)
     try:
         # Runs of earlier versions have no such files.
         export_scenes(record.scenario, run)

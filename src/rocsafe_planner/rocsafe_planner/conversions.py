@@ -21,6 +21,7 @@ from rocsafe_planner.plan.flight_path import ground_places
 from rocsafe_planner.plan.objective import OBJECTIVE_VALUES
 from rocsafe_planner.plan.plan import Bends, Route, Sortie, SurveyPlan, Viewpoint
 from rocsafe_planner.plan.request import SurveyRequest
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import (
     AirspaceOptions,
     Continuation,
@@ -32,7 +33,6 @@ from rocsafe_planner.plan.survey_options import (
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.plan.viewpoint import viewpoints_over
-from rocsafe_planner.replanning import Situation
 from rocsafe_ros.conversions import (
     EARTH_FRAME,
     area_of_region,

@@ -32,9 +32,10 @@ from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.planning import UNKNOWN, Figures
 from rocsafe_planner.replanning import remaining_request
 from rocsafe_ros.background_job import BackgroundJob
+from rocsafe_ros.calls import PLAN_SURVEY
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
-from rocsafe_ros.topics import PLAN, PLAN_SURVEY, create_publisher
+from rocsafe_ros.topics import PLAN, create_publisher
 
 # How often a running job is looked at, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1

@@ -8,15 +8,14 @@ seconds, so that all who know the same situation find the same plan, each for it
 
 import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
-from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.position import distance_m
 from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.plan.survey_options import Continuation, UnheardVehicle
+from rocsafe_planner.plan.situation import Situation
+from rocsafe_planner.plan.survey_options import Continuation
 from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.plan.viewpoint import Viewpoint, viewpoints_over
 from rocsafe_planner.planning import Progress
@@ -27,38 +26,6 @@ from rocsafe_planner.site.survey_site import frame_of
 _PROPOSALS_A_POINT = 2500
 _LEAST_PROPOSALS = 100_000
 _MOST_PROPOSALS = 2_000_000
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Situation:
-    """What became of a plan.
-
-    Attributes
-    ----------
-    alive
-        Names of the vehicles that can go on: in the air with their places and the time used on
-        their batteries; a number of seconds for those that stand at home with batteries used so
-        long; None for those with full ones.
-    visited
-        Ids of the viewpoints that are photographed.
-    new_places
-        More places to photograph from, given on the ground below; their ids follow on those of
-        the plan.
-    new_exclusions
-        More zones that no leg crosses. Viewpoints inside cannot be visited any more.
-    unheard
-        Vehicles in the air of which nobody hears, see `Continuation`.
-    last
-        Ids of viewpoints that each vehicle visits after all its others: somebody who is not
-        heard may be about to visit them.
-    """
-
-    alive: Mapping[str, Aloft | float | None]
-    visited: frozenset[int] = frozenset()
-    new_places: tuple[GeoPosition, ...] = ()
-    new_exclusions: tuple[SurveyArea, ...] = field(default=())
-    unheard: tuple[UnheardVehicle, ...] = ()
-    last: frozenset[int] = frozenset()
 
 
 def replan(

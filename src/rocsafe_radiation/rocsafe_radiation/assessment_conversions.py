@@ -18,7 +18,7 @@ from rocsafe_interfaces.msg import HazardSource, HazardSourceArray
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.belief.belief_search import BeliefMap
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
-from rocsafe_radiation.localization.localize import Localization, SourceEstimate
+from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.products.assessment import Assessment
 from rocsafe_radiation.products.cordon import MEAN, Cordon

@@ -12,3 +12,7 @@ class UnknownPointError(RadiationError):
 
 class DetectorLostError(RadiationError):
     """The port of a detector was tried as often as allowed."""
+
+
+class TooFewReadingsError(RadiationError):
+    """There are too few readings to localise sources."""

@@ -22,7 +22,7 @@ from rocsafe_radiation.errors import RadiationError, UnknownPointError
 from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.physics.field import require_point
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.fix_pairs_node import FixPairs
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
@@ -103,7 +103,7 @@ class FieldNode(Node):
         self._detectors = [
             Detector(self, vehicle, options, self._field) for vehicle in options.vehicles
         ]
-        self.create_service(topics.QUERY_FIELD.call_type, topics.QUERY_FIELD.name, self._on_query)
+        self.create_service(calls.QUERY_FIELD.call_type, calls.QUERY_FIELD.name, self._on_query)
         if options.lock_step:
             self._participant = Participant(self, self.get_name(), self._on_step, self._hears_all)
 

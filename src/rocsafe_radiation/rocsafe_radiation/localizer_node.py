@@ -19,14 +19,14 @@ from rocsafe_radiation.assessment_conversions import (
     fill_suggestion,
     sources_message,
 )
-from rocsafe_radiation.localization.localize import TooFewReadingsError
+from rocsafe_radiation.errors import TooFewReadingsError
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.products.assessment import Assessment, assess, suggested_waypoints
 from rocsafe_radiation.products.files import write_products
 from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -75,7 +75,7 @@ class LocalizerNode(Node):
             on_reading = partial(self._on_reading, vehicle)
             topics.create_subscription(self, topics.RADIATION, on_reading, vehicle)
         topics.create_subscription(self, topics.REGION, self._on_region)
-        spec = topics.SUGGEST_VIEWPOINTS
+        spec = calls.SUGGEST_VIEWPOINTS
         self.create_service(spec.call_type, spec.name, self._on_suggest)
 
     def _restore(self) -> None:

@@ -17,7 +17,8 @@ from rocsafe_radiation.detection.dosimeter import (
     DEFAULT_VEHICLE_BUDGET_USV,
     AlarmLevels,
 )
-from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
+from rocsafe_radiation.localization.estimates import METHODS, ML_METHOD
+from rocsafe_radiation.localization.localize import LocalizationOptions
 from rocsafe_radiation.localization.source_count import LARGEST_ORDER
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel

@@ -13,8 +13,9 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.control_lease import MISSION_VARIABLE, server_of
+from rocsafe_ros.interface_spec import name_of
 
 # A mission that has died leaves its vehicles to others after this time.
 LEASE_S = 60.0
@@ -69,7 +70,7 @@ class Leases:
         self._token = os.environ.get(MISSION_VARIABLE, '')
         self._say = say
         self._clients: dict[str, Client] = {
-            name: node.create_client(topics.LEASE.call_type, topics.name_of(topics.LEASE, name))
+            name: node.create_client(calls.LEASE.call_type, name_of(calls.LEASE, name))
             for name in vehicles
         }
         self._held: dict[str, str] = {}

@@ -18,7 +18,7 @@ from rocsafe_geo.storage.kept_file import KeptFile
 from rocsafe_geo.storage.value_file import values_of
 from rocsafe_interfaces.msg import Control
 from rocsafe_interfaces.srv import Lease as LeaseService
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.control_lease import (
     MISSION_VARIABLE,
     Lease,
@@ -27,6 +27,7 @@ from rocsafe_ros.control_lease import (
     server_of,
 )
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.interface_spec import CallSpec
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
@@ -67,7 +68,7 @@ class LeaseServer:
         self._keeper = LeaseKeeper(self._vehicle, self._kept_lease(path), time.monotonic())
         self._was_valid = self._keeper.is_valid(time.monotonic())
         self._control = topics.create_publisher(node, topics.CONTROL)
-        spec = topics.LEASE
+        spec = calls.LEASE
         self._service = node.create_service(spec.call_type, spec.name, self._on_request)
         self._silence(self._service)
         node.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -106,7 +107,7 @@ class LeaseServer:
         self._keeper.revoke(why)
         self._note(before)
 
-    def serve(self, spec: topics.CallSpec, on_order: Callable[[Any, Any], Any]) -> None:
+    def serve(self, spec: CallSpec, on_order: Callable[[Any, Any], Any]) -> None:
         """Serve an order, called with request and response if it carries the lease."""
 
         def on_call(request: Any, response: Any) -> Any:

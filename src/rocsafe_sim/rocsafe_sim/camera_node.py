@@ -6,10 +6,11 @@ from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_interfaces.srv import Look
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
 from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
+from rocsafe_ros.interface_spec import TopicSpec, of_camera
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
@@ -63,7 +64,7 @@ class CameraInterface:
             self._table.publish(String(data=camera.model.camera.label_table()))
         rate_hz = camera.settings.stream_rate_hz
         self._stream = Cadence(period_ns(rate_hz)) if rate_hz else None
-        look = topics.of_camera(topics.LOOK, camera.name)
+        look = of_camera(calls.LOOK, camera.name)
         node.create_service(look.call_type, look.name, self._on_look)
         if camera.gimbal is not None:
             self._add_gimbal()
@@ -138,7 +139,7 @@ class CameraInterface:
         self._gimbals = Cadence(GIMBAL_PERIOD_NS)
         self._is_settled = False
         self._state = self._publisher(topics.GIMBAL_STATE)
-        spec = topics.of_camera(topics.GIMBAL_COMMAND, self.name)
+        spec = of_camera(topics.GIMBAL_COMMAND, self.name)
         topics.create_subscription(self._node, spec, self._on_command)
 
     def _on_command(self, command: GimbalCommand) -> None:
@@ -160,8 +161,8 @@ class CameraInterface:
             self._frames.turn(frame, rotation, stamp_of_ns(time_ns))
         self._is_settled = gimbal.is_settled(time_ns)
 
-    def _publisher(self, spec: topics.TopicSpec) -> Publisher:
-        return topics.create_publisher(self._node, topics.of_camera(spec, self.name))
+    def _publisher(self, spec: TopicSpec) -> Publisher:
+        return topics.create_publisher(self._node, of_camera(spec, self.name))
 
 
 def _is_heard(publisher: Publisher) -> bool:

@@ -7,7 +7,7 @@ from rocsafe_geo.limits import require_positive
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_interfaces.srv import GoTo, Move, PushRally
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.conversions import fence_of, places_of
@@ -48,29 +48,29 @@ class CommandServices:
         self._frame = rav.parts.frame
         vehicle = rav.vehicle
         for spec, command in (
-            (topics.HOLD, vehicle.hold),
-            (topics.RETURN_HOME, vehicle.return_home),
-            (topics.LAND, vehicle.land),
+            (calls.HOLD, vehicle.hold),
+            (calls.RETURN_HOME, vehicle.return_home),
+            (calls.LAND, vehicle.land),
         ):
             node.create_service(spec.call_type, spec.name, answers.to_end(command))
-        lease.serve(topics.RESUME, answers.to(lambda _request: vehicle.resume()))
-        lease.serve(topics.GO_TO, answers.to(self._go_to))
+        lease.serve(calls.RESUME, answers.to(lambda _request: vehicle.resume()))
+        lease.serve(calls.GO_TO, answers.to(self._go_to))
         lease.serve(
-            topics.SET_SPEED, answers.to(lambda request: vehicle.set_speed(request.speed_mps))
+            calls.SET_SPEED, answers.to(lambda request: vehicle.set_speed(request.speed_mps))
         )
         lease.serve(
-            topics.SET_HOME,
+            calls.SET_HOME,
             answers.to(lambda request: vehicle.set_home(*self._places([request.position]))),
         )
         lease.serve(
-            topics.PUSH_FENCE,
+            calls.PUSH_FENCE,
             answers.to(lambda request: vehicle.push_fence(fence_of(request, self._frame))),
         )
         self._stream = VelocityStream(node, rav, lease, on_command)
-        lease.serve(topics.MOVE, answers.to(self._move))
+        lease.serve(calls.MOVE, answers.to(self._move))
         wind = answers.to(lambda told: vehicle.set_wind((told.east_mps, told.north_mps)))
-        node.create_service(topics.SET_WIND.call_type, topics.SET_WIND.name, wind)
-        lease.serve(topics.PUSH_RALLY, answers.to(self._push_rally))
+        node.create_service(calls.SET_WIND.call_type, calls.SET_WIND.name, wind)
+        lease.serve(calls.PUSH_RALLY, answers.to(self._push_rally))
 
     def _go_to(self, request: GoTo.Request) -> None:
         vehicle = self._rav.vehicle

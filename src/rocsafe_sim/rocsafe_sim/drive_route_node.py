@@ -4,7 +4,7 @@
 from collections.abc import Callable
 
 from rocsafe_interfaces.action import DriveRoute
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.driving.rgv import Rgv
@@ -28,7 +28,7 @@ class DriveRouteServer(RouteGoals):
         on_command: Callable[[], None],
     ) -> None:
         self._rgv = rgv
-        super().__init__(node, topics.DRIVE_ROUTE, lease, on_command)
+        super().__init__(node, calls.DRIVE_ROUTE, lease, on_command)
 
     def begin(self, request: DriveRoute.Goal) -> str:
         """Command the drive."""

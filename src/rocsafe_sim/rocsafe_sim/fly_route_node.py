@@ -4,7 +4,7 @@
 from collections.abc import Callable
 
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.lease_server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.conversions import refusal_message, result_message, route_of
@@ -23,7 +23,7 @@ class FlyRouteServer(RouteGoals):
         on_command: Callable[[], None],
     ) -> None:
         self._rav = rav
-        super().__init__(node, topics.FLY_ROUTE, lease, on_command)
+        super().__init__(node, calls.FLY_ROUTE, lease, on_command)
 
     def begin(self, request: FlyRoute.Goal) -> str:
         """Command the flight."""

@@ -2,7 +2,7 @@
 """The service `set_light` of a simulated vehicle: sun and air of the scene that it sees."""
 
 from rocsafe_interfaces.srv import SetLight
-from rocsafe_ros import topics
+from rocsafe_ros import calls
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.messages.light_conversions import light_of
@@ -22,7 +22,7 @@ class LightService:
 
     def __init__(self, node: VehicleScopeNode, rav: Rav) -> None:
         self._rav = rav
-        node.create_service(SetLight, topics.SET_LIGHT.name, self._on_light)
+        node.create_service(SetLight, calls.SET_LIGHT.name, self._on_light)
 
     def _on_light(
         self, request: SetLight.Request, response: SetLight.Response

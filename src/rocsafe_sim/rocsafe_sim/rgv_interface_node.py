@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage, VehicleState
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -88,11 +88,11 @@ class RgvInterface:
     def _serve(self, node: VehicleScopeNode, lease: LeaseServer) -> None:
         rover = self._rgv.rover
         answers = OrderAnswers(self._rgv.name, self._after_command, self._drives)
-        for spec, command in ((topics.HOLD, rover.hold), (topics.RETURN_HOME, rover.return_home)):
+        for spec, command in ((calls.HOLD, rover.hold), (calls.RETURN_HOME, rover.return_home)):
             node.create_service(spec.call_type, spec.name, answers.to_end(command))
-        lease.serve(topics.RESUME, answers.to(lambda _request: rover.resume()))
+        lease.serve(calls.RESUME, answers.to(lambda _request: rover.resume()))
         lease.serve(
-            topics.SET_SPEED, answers.to(lambda request: rover.set_speed(request.speed_mps))
+            calls.SET_SPEED, answers.to(lambda request: rover.set_speed(request.speed_mps))
         )
 
     def health(self) -> DiagnosticStatus | None:

@@ -8,8 +8,8 @@ from typing import Any
 from rclpy.action import ActionServer, CancelResponse
 
 from rocsafe_ros.control_lease import LeaseRefusedError
+from rocsafe_ros.interface_spec import CallSpec
 from rocsafe_ros.lease_server_node import LeaseServer
-from rocsafe_ros.topics import CallSpec
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.errors import CommandRefusedError

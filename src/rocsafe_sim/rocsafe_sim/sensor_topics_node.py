@@ -7,6 +7,7 @@ from typing import Any
 from rclpy.publisher import Publisher
 
 from rocsafe_ros import topics
+from rocsafe_ros.interface_spec import TopicSpec
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.sensor_conversions import (
     imu_message,
@@ -31,7 +32,7 @@ class SensorTopics:
 
     def __init__(self, node: VehicleScopeNode, rig: SensorRig) -> None:
         self._vehicle = node.vehicle_name
-        table: tuple[tuple[object, type, topics.TopicSpec, Convert], ...] = (
+        table: tuple[tuple[object, type, TopicSpec, Convert], ...] = (
             (rig.imu, ImuReading, topics.IMU, imu_message),
             (rig.barometer, PressureReading, topics.BAROMETER, pressure_message),
             (rig.magnetometer, MagneticReading, topics.MAGNETOMETER, magnetic_message),

@@ -11,7 +11,7 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from rocsafe_interfaces.srv import SetLight
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import MAP_FRAME, jpeg_message, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
@@ -46,7 +46,7 @@ class ViewerNode(Node):
         except ViewError as error:
             raise ParameterError(f'viewer: {error}') from error
         self._publisher = topics.create_publisher(self, topics.SCENE_VIEW)
-        self.create_service(SetLight, topics.SET_SCENE_LIGHT.name, self._on_light)
+        self.create_service(SetLight, calls.SET_SCENE_LIGHT.name, self._on_light)
         for number, name in enumerate(self._options.vehicles):
             for spec, heard in (
                 (topics.ODOM, partial(self._on_odom, name)),

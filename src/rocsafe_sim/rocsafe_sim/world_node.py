@@ -11,7 +11,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import SetBool
 
 from rocsafe_interfaces.msg import StepDone
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import diagnostic, ns_of_stamp, stamp_of_ns
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
@@ -46,7 +46,7 @@ class WorldNode(Node):
         self._markers = topics.create_publisher(self, topics.SCENE_MARKERS)
         self._markers.publish(scene_markers(read_boxes(options.scene)))
         topics.create_subscription(self, topics.STEP_DONE, self._on_step_done)
-        self.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        self.create_service(calls.WORLD_RUN.call_type, calls.WORLD_RUN.name, self._on_run)
         self._public = self._open_to_the_public()
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         tick_s = min(TICK_S, options.step_s / options.speed) if options.speed else TICK_S
@@ -69,7 +69,7 @@ class WorldNode(Node):
             enable_rosout=False,
         )
         self._clocks_out.append(topics.create_publisher(public, topics.CLOCK))
-        public.create_service(topics.WORLD_RUN.call_type, topics.WORLD_RUN.name, self._on_run)
+        public.create_service(calls.WORLD_RUN.call_type, calls.WORLD_RUN.name, self._on_run)
         return public
 
     @property

@@ -37,11 +37,6 @@ class Api:
         )
         self._methods = {name: f for part in parts for name, f in methods_of(part).items()}
 
-    @property
-    def methods(self) -> list[str]:
-        """Names of the methods that are served."""
-        return sorted(self._methods)
-
     async def handle(self, call: Call) -> Any:
         """Carry out a call; raises `AirsimError` to refuse it."""
         method = self._methods.get(call.method)

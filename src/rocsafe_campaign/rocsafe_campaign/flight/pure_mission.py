@@ -14,7 +14,7 @@ from rocsafe_orchestrator.parameters.node_parameters import localizer_parameters
 from rocsafe_orchestrator.planning_commands.plan_command import survey_request
 from rocsafe_planner.checked_planning import checked_plan
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_radiation.localization.localize import TooFewReadingsError
+from rocsafe_radiation.errors import TooFewReadingsError
 from rocsafe_radiation.localizer_options import LocalizerOptions
 from rocsafe_radiation.products.assessment import Assessment, assess
 from rocsafe_radiation.readings.reading_log import FlightReading, ReadingLog
@@ -90,7 +90,7 @@ def impure_keys(scenario: Scenario) -> Iterator[str]:
         yield f'radiation.scene_file = {radiation.scene_file!r}: {only}'
     if scenario.extra_rounds:
         yield f'search.extra_rounds = {scenario.extra_rounds}: {only}'
-    if scenario.air.is_used or scenario.air.wind.gust_std_mps:
+    if scenario.air.is_used or not scenario.air.wind.is_steady:
         yield f'air: {only}'
 
 

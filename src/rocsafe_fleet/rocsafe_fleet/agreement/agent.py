@@ -7,12 +7,14 @@ an agent knows holds. Parts of the fleet that do not hear each other go on by th
 again as soon as they meet.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from rocsafe_fleet.agreement.exchange import Exchange
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring
+from rocsafe_fleet.agreement.knowledge import Knowledge
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
+from rocsafe_fleet.agreement.possible_routes import PossibleRoutes
 from rocsafe_fleet.errors import PacketError
 from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
 from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
@@ -22,9 +24,7 @@ from rocsafe_fleet.ledger.records import (
     Epoch,
     Place,
     Proposal,
-    claim_of,
     proposal_of,
-    ring_of,
     set_bytes,
     set_of,
 )
@@ -68,6 +68,8 @@ class Agent:
     ----------
     ledger
         What it knows.
+    knowledge
+        What the ledger says.
     plan
         What it keeps to.
     proposal
@@ -94,6 +96,7 @@ class Agent:
         _check(own, self._count, self._points)
         self.own = own
         self.ledger = Ledger((own, incarnation))
+        self.knowledge = Knowledge(self.ledger, self._count)
         self.plan = first
         self.proposal = Proposal(number=0, members=())
         self.alarms: set[Epoch] = set()
@@ -106,8 +109,7 @@ class Agent:
         self._exchange = Exchange(self.ledger, self._count)
         self._places: dict[int, tuple[tuple[int, int], Place]] = {}
         self._route = first.routes.get(own, ())
-        # For each vehicle: the newest plan known here of which it was a member.
-        self._routes = dict(first.routes)
+        self._routes = PossibleRoutes(first.routes, self.knowledge)
         self._live = self._everyone
         self._next_beat_s = now_s
         self._sent_s = now_s - self._options.least_gap_s
@@ -116,8 +118,6 @@ class Agent:
         self._proposed = 1
         self._looked_at: object = None
         self._skewed: dict[int, int] = {}
-        self._decoded: tuple[int, list[tuple[Epoch, Proposal]]] = (0, [])
-        self._known: tuple[int, Numbers] = (0, frozenset())
         self.ledger.write(Kind.ABLE, b'')
 
     # What the agent knows.
@@ -138,26 +138,9 @@ class Agent:
         return frozenset(k for k, (_, place) in places if place.is_aloft and k in self._live)
 
     @property
-    def unable(self) -> Mapping[int, str]:
-        """Vehicles that say that they take no more work, and why."""
-        texts = {k: self.ledger.newest(k, Kind.ABLE) for k in range(self._count)}
-        return {k: text.decode() for k, text in texts.items() if text}
-
-    @property
     def visited(self) -> Numbers:
         """Viewpoints that anybody has photographed."""
-        if self._known[0] != self.ledger.digest:
-            sets = [set_of(value) for _, _, value in self.ledger.values(Kind.VISITED)]
-            self._known = self.ledger.digest, frozenset().union(*sets)
-        return self._known[1]
-
-    @property
-    def duplicates(self) -> int:
-        """Photographs of viewpoints that another vehicle has photographed too."""
-        by_vehicle: dict[int, set[int]] = {}
-        for (vehicle, _), _, value in self.ledger.values(Kind.VISITED):
-            by_vehicle.setdefault(vehicle, set()).update(set_of(value))
-        return sum(map(len, by_vehicle.values())) - len(self.visited)
+        return self.knowledge.visited
 
     @property
     def left(self) -> Numbers:
@@ -180,14 +163,13 @@ class Agent:
 
         One whose coordinator did not hear this agent is not for it.
         """
-        mine = [one for one in self._proposals() if self.own not in one[1].silent]
+        mine = [one for one in self.knowledge.proposals if self.own not in one[1].silent]
         epoch, proposal = max(mine, key=lambda one: one[0], default=(FIRST_EPOCH, self.proposal))
         if epoch <= self.plan.epoch:
             return None
-        zones = {(w[0], part): ring_of(v) for w, part, v in self.ledger.values(Kind.EXCLUSION)}
-        if any(zone not in zones for zone in proposal.exclusions):
+        rings = self.knowledge.rings(proposal)
+        if rings is None:
             return None
-        rings = tuple(zones[zone] for zone in proposal.exclusions)
         return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings)
 
     # What its vehicle does.
@@ -212,7 +194,7 @@ class Agent:
             return
         self.plan, self.proposal = plan, wanted.proposal
         if not plan.error:
-            self._routes |= plan.routes
+            self._routes.note(plan.epoch, plan.routes)
         if self.own in wanted.proposal.names:
             self._route = plan.routes[self.own]
         claim = Claim(epoch=plan.epoch, plan_hash=plan.digest)
@@ -281,7 +263,7 @@ class Agent:
     @property
     def _period_s(self) -> float:
         """Time between heartbeats: shorter while somebody is missing, who may come back."""
-        is_complete = self._live | self.unable.keys() == self._everyone
+        is_complete = self._live | self.knowledge.unable.keys() == self._everyone
         return self._options.membership.period_s * (1.0 if is_complete else 0.5)
 
     def _packet(self, now_s: float) -> bytes:
@@ -305,17 +287,6 @@ class Agent:
 
     # Agreement.
 
-    def _proposals(self) -> list[tuple[Epoch, Proposal]]:
-        if self._decoded[0] != self.ledger.digest:
-            found = [(w, proposal_of(v)) for w, _, v in self.ledger.values(Kind.PROPOSAL)]
-            known = [((proposal.number, *writer), proposal) for writer, proposal in found]
-            self._decoded = self.ledger.digest, known
-        return self._decoded[1]
-
-    def _claim(self, member: int) -> Claim | None:
-        value = self.ledger.newest(member, Kind.CLAIM)
-        return None if value is None else claim_of(value)
-
     def _odd(self) -> Numbers:
         """Return who computes other plans than this agent, until they are started again."""
         beats = self._membership.beats
@@ -326,7 +297,7 @@ class Agent:
     def _look_for_alarms(self) -> None:
         """Note who claims another plan of the epoch that this agent keeps to."""
         for member in self.proposal.names - {self.own}:
-            claim = self._claim(member)
+            claim = self.knowledge.claim(member)
             if claim is None or claim.epoch != self.plan.epoch:
                 continue
             if claim.plan_hash != self.plan.digest:
@@ -350,13 +321,18 @@ class Agent:
             self._repeat(now_s)
         elif self._reason_s is None:
             self._reason_s = now_s
-        elif now_s - self._reason_s >= self._waits_s(members):
+        elif now_s - self._reason_s >= self._waits_s(members, now_s):
             self._reason_s = None
             self._propose(members & self._places.keys(), silent)
             self._repeats = self._options.repeats, now_s
 
-    def _waits_s(self, members: Numbers) -> float:
-        """Return how long to wait before a proposal: longer while places are old."""
+    def _waits_s(self, members: Numbers, now_s: float) -> float:
+        """Return how long to wait before a proposal: longer while places are old.
+
+        Also while a member may be silent too: those that are cut off are missed one by one.
+        """
+        if members & self._membership.late(now_s):
+            return self._options.patience_s
         beats = self._membership.beats
         for member in members:
             known = self._places.get(member)
@@ -367,7 +343,7 @@ class Agent:
 
     def _parts(self) -> tuple[Numbers, Numbers]:
         """Return who takes part in the next plan, and who may fly on unheard."""
-        unable = frozenset(self.unable)
+        unable = frozenset(self.knowledge.unable)
         odd = self._odd()
         members = self._live - unable - odd
         silent = (self._everyone - self._live - unable) | (odd & self._live)
@@ -380,29 +356,30 @@ class Agent:
             before, unheard = self._everyone, frozenset[int]()
         else:
             before, unheard = self.proposal.names, self.proposal.silent
-        if any(epoch > self.plan.epoch for epoch, _ in self._proposals()):
+        if any(epoch > self.plan.epoch for epoch, _ in self.knowledge.proposals):
             return True  # others keep to a plan that was made without this agent
-        if members != before or silent != unheard or self._zones() != self.proposal.exclusions:
+        if (
+            members != before
+            or silent != unheard
+            or self.knowledge.zones != self.proposal.exclusions
+        ):
             return bool(self.left) or members != before
         open_points = [p for k in members for p in self.plan.routes.get(k, ())]
         return bool(self.left) and self.visited.issuperset(open_points) and not self.plan.error
 
-    def _zones(self) -> tuple[tuple[int, int], ...]:
-        return tuple(sorted({(w[0], part) for w, part, _ in self.ledger.values(Kind.EXCLUSION)}))
-
     def _propose(self, members: Numbers, silent: Numbers) -> None:
-        number = max([epoch[0] for epoch, _ in self._proposals()] + [self.plan.epoch[0]]) + 1
-        theirs = {p for k in silent for p in self._routes.get(k, ())}
+        epochs = [self.plan.epoch, *(epoch for epoch, _ in self.knowledge.proposals)]
+        theirs = {p for k in silent for p in self._routes.points(k)}
         if silent >= self.proposal.silent:
             # Else the points of those that are heard again would stay among the last.
             theirs |= self.proposal.last
         proposal = Proposal(
-            number=number,
+            number=max(epochs)[0] + 1,
             members=tuple((k, self._places[k][1]) for k in sorted(members)),
             silent=silent,
             visited=self.visited,
             last=frozenset(theirs) - self.visited,
-            exclusions=self._zones(),
+            exclusions=self.knowledge.zones,
         )
         self.ledger.write(Kind.PROPOSAL, proposal.encoded())
         self._proposed = self.ledger.vector[self.ledger.writer]
@@ -415,7 +392,7 @@ class Agent:
             return
         proposal = proposal_of(own)
         epoch = proposal.number, *self.ledger.writer
-        claims = [self._claim(member) for member in proposal.names & self._live]
+        claims = [self.knowledge.claim(member) for member in proposal.names & self._live]
         waits = any(claim is None or claim.epoch < epoch for claim in claims)
         self._repeats = (left - 1 if waits else 0), now_s
         if waits:

@@ -11,8 +11,9 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.vehicle import Aloft
-from rocsafe_planner.replanning import Situation, replan
+from rocsafe_planner.replanning import replan
 
 MOST_KEPT = 16
 """Plans that a process keeps for its agents."""

@@ -16,6 +16,8 @@ from rocsafe_fleet.ledger.packet import Beat
 from rocsafe_geo.limits import require_count, require_positive
 
 NEVER: Beat = (0, 0)
+OVERDUE = 1.5
+"""A heartbeat is overdue after so many periods."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,6 +110,12 @@ class Membership:
         gaps = sorted(self._members[number].gaps)
         usual_s = gaps[math.ceil(0.99 * len(gaps)) - 1] if gaps else 0.0
         return min(max(least_s, usual_s), max(least_s, self._options.longest_s))
+
+    def late(self, now_s: float) -> frozenset[int]:
+        """Return the agents of which a heartbeat is overdue."""
+        longest_s = OVERDUE * self._options.period_s
+        members = self._members.items()
+        return frozenset(n for n, m in members if n != self._own and now_s - m.heard_s > longest_s)
 
     def live(self, now_s: float) -> frozenset[int]:
         """Return the agents that are heard, this one included."""

@@ -67,12 +67,6 @@ class SurfaceLayer:
         convective = self.convective_velocity_mps()
         return math.hypot(1.9 * self.friction_velocity_mps, math.sqrt(0.35) * convective)
 
-    def sigma_w_mps(self, height_m: ArrayLike) -> FloatArray:
-        """Return the standard deviation of the vertical wind, m/s (Panofsky and others 1977)."""
-        height = np.asarray(height_m, float)
-        factor = 1.0 + 3.0 * np.maximum(-height / self.obukhov_length_m, 0.0)
-        return np.asarray(1.3 * self.friction_velocity_mps * np.cbrt(factor))
-
 
 def surface_layer(
     speed_mps: float,

@@ -20,8 +20,8 @@ from rocsafe_ground.drivable.route_grid import RouteGrid
 # Nearer than this to a source a rate is that of this distance, metres.
 LEAST_DISTANCE_M = 0.1
 MEAN, UPPER = 0, 2
-# Where a source may be: so many deviations of its place, and so far beyond. There the upper 95 %
-# is that of draws, because the map tells it of wide cells.
+# A cell is near a source within this many standard deviations of its place plus this distance,
+# metres. The cells of the map are too wide there: the upper 95 % comes from draws.
 NEAR_STDS, NEAR_M = 3.0, 2.0
 UPPER_QUANTILE, UPPER_DRAWS, UPPER_SEED = 0.95, 128, 0
 

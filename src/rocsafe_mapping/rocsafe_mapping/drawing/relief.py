@@ -7,7 +7,9 @@ do not correlate, the height is unknown: there an expected height is used, from 
 nearby and, with little weight, of the whole map.
 """
 
+import os
 from collections.abc import Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import cv2
@@ -20,6 +22,11 @@ from rocsafe_mapping.drawing.ownership import Labels
 from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, Shares
 from rocsafe_mapping.drawing.plane_sweep import NOT_SEEN, SweepImage, likeness
 from rocsafe_mapping.drawing_options import ReliefOptions
+
+# Each has the pictures of a photograph for all heights that are tried.
+MOST_THREADS = 4
+# Where a photograph is shown and its own pixels; their heights, and which of them are seen twice.
+Measured = tuple[tuple[slice, slice], BoolArray, Shares, BoolArray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,18 +73,26 @@ def relief(
         name: _sweep_image(views[name], placed_photos[name], grid, options.edge_px)
         for name in sorted(tied)
     }
-    for number, name in enumerate(sorted(views)):
+
+    def measured(number: int, name: str) -> Measured | None:
         part = views[name].window.cut(window)
         is_own = owner[part.within(window)] == number
         if name not in looks or not is_own.any():
-            continue
+            return None
         box, is_own = _grown_about(is_own, part, options.compared_px)
         partners = _partners(looks[name], looks, box, is_own, options)
-        if partners:
-            found, is_seen = _heights(looks[name], partners, box, options)
-            place = box.within(window)
-            heights[place][is_own] = found[is_own]
-            is_twice[place][is_own] = is_seen[is_own]
+        if not partners:
+            return None
+        found, is_seen = _heights(looks[name], partners, box, options)
+        return box.within(window), is_own, found[is_own], is_seen[is_own]
+
+    # The work is done by OpenCV and numpy, which let threads run beside each other.
+    names = sorted(views)
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, MOST_THREADS)) as threads:
+        for one in filter(None, threads.map(measured, range(len(names)), names)):
+            place, is_own, found, is_seen = one
+            heights[place][is_own] = found
+            is_twice[place][is_own] = is_seen
     return Relief(heights_m=heights, rise_m=_rise(heights, is_twice, options))
 
 

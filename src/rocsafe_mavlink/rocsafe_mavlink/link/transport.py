@@ -8,11 +8,10 @@ on a radio. Nothing here knows MAVLink.
 import contextlib
 import os
 import socket
-import termios
-import tty
 from collections.abc import Callable
 from typing import Protocol
 
+from rocsafe_geo.storage.serial_line import is_baud, open_serial
 from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind
 from rocsafe_mavlink.link.link import Address
@@ -185,10 +184,11 @@ def open_transport(endpoint: Endpoint) -> Transport:
         return UdpTransport(endpoint)
     if endpoint.kind is EndpointKind.TCP:
         return StreamTransport(address_of(endpoint), lambda: _open_tcp(endpoint))
-    speed = getattr(termios, f'B{endpoint.baud}', None)
-    if speed is None:
+    if not is_baud(endpoint.baud):
         raise EndpointError(f'{endpoint.device}: the system has no baud rate {endpoint.baud}')
-    return StreamTransport(endpoint.device, lambda: _open_serial(endpoint.device, speed))
+    return StreamTransport(
+        endpoint.device, lambda: open_serial(endpoint.device, endpoint.baud, os.O_RDWR)
+    )
 
 
 def address_of(endpoint: Endpoint) -> Address:
@@ -211,19 +211,6 @@ def _open_tcp(endpoint: Endpoint) -> int:
         connection.close()
         raise
     return connection.detach()
-
-
-def _open_serial(device: str, speed: int) -> int:
-    descriptor = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        tty.setraw(descriptor)
-        settings = termios.tcgetattr(descriptor)
-        settings[4] = settings[5] = speed
-        termios.tcsetattr(descriptor, termios.TCSANOW, settings)
-    except termios.error as error:
-        os.close(descriptor)
-        raise OSError(*error.args) from error
-    return descriptor
 
 
 def _family(host: str) -> socket.AddressFamily:

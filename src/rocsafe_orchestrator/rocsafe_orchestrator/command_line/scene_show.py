@@ -9,7 +9,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rocsafe_geo.argument import number
+from rocsafe_geo.argument import image_size, number
 from rocsafe_orchestrator.command_line import Commands
 from rocsafe_orchestrator.command_line.passed_on import SCENE, SHOW
 
@@ -39,7 +39,7 @@ def add_to(commands: Commands) -> None:
         )  # fmt: skip
     parser.add_argument('--follow', default='', metavar='VEHICLE', help='look from behind it')
     parser.add_argument(
-        '--size', type=_size, default=SIZE, metavar='WxH', help='pixels (default: 960x600)'
+        '--size', type=image_size, default=SIZE, metavar='WxH', help='pixels (default: 960x600)'
     )
     parser.add_argument(
         '--rate',
@@ -60,14 +60,6 @@ def _place(text: str) -> tuple[float, ...]:
     except ValueError:
         raise argparse.ArgumentTypeError(f'{text}: must be three numbers, E,N,U') from None
     return east, north, up
-
-
-def _size(text: str) -> tuple[int, int]:
-    try:
-        width, height = (int(part) for part in text.lower().split('x'))
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'{text}: must be WxH, for instance 960x600') from None
-    return width, height
 
 
 def _show(arguments: argparse.Namespace) -> int:

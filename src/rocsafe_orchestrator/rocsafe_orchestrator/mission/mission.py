@@ -10,18 +10,17 @@ from collections.abc import Callable, Iterable
 
 from rocsafe_orchestrator.mission.closing import MOSAIC, REPORT, Closing
 from rocsafe_orchestrator.mission.driving import DriveEnd, Driving
+from rocsafe_orchestrator.mission.landing import Landing
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.phase_record import PhaseRecord
 from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
 from rocsafe_orchestrator.mission.request_book import RequestBook
+from rocsafe_orchestrator.mission.rounds import Rounds
 from rocsafe_orchestrator.mission.situation import Crew, Situation
+from rocsafe_orchestrator.mission.takeover import AGENTS, Takeover
 from rocsafe_orchestrator.mission.time_watch import TimeWatch
-
-LOCALIZER, AGENTS = 'localizer', 'agents'
-# Agents must have nothing left for so long: a loss may give them more.
-AGENTS_DONE_S = 3.0
 
 
 class Mission(PhaseRecord):
@@ -50,6 +49,10 @@ class Mission(PhaseRecord):
     ----------
     fleet
         Presence of the vehicles, and the replanning after losses.
+    takeover
+        How others take over from a vehicle.
+    rounds
+        Further flights after the survey.
     """
 
     def __init__(
@@ -77,14 +80,14 @@ class Mission(PhaseRecord):
             deadlines.lease(slowest_beat_s),
             is_replaced=replans,
         )
-        self._has_agents = has_agents
-        self._agents_done_s: float | None = None
-        self._down_by_s: float | None = None
-        self._rounds_left = extra_rounds
-        self._is_extra = False
         self._time = TimeWatch(self._requests)
+        self.takeover = Takeover(
+            self, self._requests, self.fleet, self._time, has_agents=has_agents
+        )
+        self._landing = Landing(self, deadlines.homecoming_s)
         self._driving = Driving(self, self._requests, deadlines, crew.driver)
         self._closing = Closing(self, self._requests, deadlines, self._after_map)
+        self.rounds = Rounds(self, self._requests, self._closing, self._time, extra_rounds)
         self._shots_before, self._has_images = 0, False
 
     @property
@@ -145,22 +148,10 @@ class Mission(PhaseRecord):
             self.fault(f'no plan for the rest: {text}')
             self.fleet.go_on()
             self.enter(Phase.FLYING)
-        elif self._is_extra and self.phase is Phase.PLANNING:
-            self._collect_next(f'no further round: {text}')
+        elif self.rounds.is_further and self.phase is Phase.PLANNING:
+            self.rounds.end(f'no further round: {text}')
         else:
             self.fault(text)
-
-    def advised(self, place_count: int, text: str) -> None:
-        """Note how many further places to measure at, 0 if the evidence suffices, and why."""
-        request = self._requests.get(OrderKind.ADVISE)
-        if request is None or request.status is Status.DONE or self.phase is not Phase.PLANNING:
-            return
-        request.finish()
-        if place_count:
-            self.remarks.append(f'another round to {place_count} places: {text}')
-            self._requests.add(OrderKind.PLAN, PLANNER)
-        else:
-            self._collect_next(f'no further round: {text}')
 
     def planned(self, routed: Iterable[str], visited: int = 0) -> None:
         """Note the plan: the vehicles named have viewpoints to visit.
@@ -198,13 +189,13 @@ class Mission(PhaseRecord):
         if request is None or request.status is Status.DONE:
             return
         request.finish()
-        if self._has_agents:
+        if self.takeover.has_agents:
             # The image store counts: agents give vehicles other routes meanwhile.
             return
         self._closing.shots += shots
         if not fault:
             return
-        if not self._replaced([vehicle], fault):
+        if not self.takeover.replaced([vehicle], fault):
             self.fault(f'{vehicle}: {fault}')
         if is_refused:
             self.fleet.withdraw(vehicle, fault)
@@ -218,66 +209,6 @@ class Mission(PhaseRecord):
         """Note that the ground vehicle has ended its drive; `text` says why if not as planned."""
         if self.phase is Phase.DRIVING:
             self._driving.driven(text, ending)
-
-    def turn_back(self, vehicle: str, why: str, *, is_waiting: bool = False) -> None:
-        """Let a vehicle return by the way of least dose; others take over its work.
-
-        `is_waiting`: it has not taken off. It is told to return by the plain command, which
-        withdraws its start: a route would make it take off.
-        """
-        is_aloft = self.phase is Phase.FLYING or self.fleet.is_gathering
-        if not is_aloft or not self.fleet.member(vehicle).takes_orders:
-            return
-        self._requests.finish(OrderKind.FLY, vehicle)
-        if not self._replaced([vehicle], why) and not self._has_agents:
-            self.fault(f'{vehicle}: {why}')
-        self.fleet.withdraw(vehicle, why, OrderKind.RETURN if is_waiting else OrderKind.RETREAT)
-
-    def replan(self, led_by_others: Iterable[str] = ()) -> str:
-        """Plan the rest anew for the vehicles in flight; return why not, empty if it does.
-
-        Vehicles in `led_by_others` would refuse the new plan: the others take over from them.
-        """
-        if self.phase is not Phase.FLYING or self.is_cancelled:
-            return 'cannot plan anew: the vehicles do not fly a plan now'
-        if self._has_agents:
-            return 'cannot plan anew: the agents of the vehicles plan by themselves'
-        why = 'is led by somebody else'
-        if not (self.fleet.note(led_by_others, why, is_gone=False) or self.fleet.gather()):
-            return 'cannot plan anew: no vehicle takes orders of the mission'
-        self._time.begin()
-        self.remarks.append('an operator has the rest planned anew')
-        self.enter(Phase.PLANNING)
-        return ''
-
-    def sent_home(self, vehicle: str) -> None:
-        """Note that the plan leaves nothing to a vehicle in the air: it returns home."""
-        self._requests.finish(OrderKind.FLY, vehicle)
-        self.fleet.withdraw(vehicle, 'nothing is left for it')
-
-    def _replaced(self, vehicles: list[str], why: str, *, is_gone: bool = False) -> bool:
-        """Let others take over from lost vehicles; return whether they do."""
-        is_aloft = self.phase is Phase.FLYING or self.fleet.is_gathering
-        if not vehicles or not is_aloft or self.is_cancelled:
-            return False
-        if not self.fleet.note(vehicles, why, is_gone=is_gone):
-            return self._left_to_agents(vehicles, why, is_gone=is_gone)
-        self._time.begin()
-        self.remarks.append(f'{", ".join(vehicles)}: {why}; the others take over')
-        self.enter(Phase.PLANNING)
-        return True
-
-    def _left_to_agents(self, vehicles: list[str], why: str, *, is_gone: bool) -> bool:
-        """Leave lost vehicles to the agents of the others; return whether there are any."""
-        if not self._has_agents or not self.fleet.others:
-            return False
-        names = ', '.join(vehicles)
-        self.remarks.append(f'{names}: {why}; the agents of the others take over')
-        for vehicle in vehicles:
-            self._requests.finish(OrderKind.FLY, vehicle)
-        if is_gone:
-            self.fleet.dismiss_again()
-        return True
 
     def restarted(self, process: str, now_s: float) -> None:
         """Repeat the requests to `process`, which has lost them by its restart."""
@@ -305,18 +236,11 @@ class Mission(PhaseRecord):
         elif self.phase is Phase.DRIVING:
             self._fail(f'{process} {text}')
         elif process == AGENTS and self.phase < Phase.MAPPING:
-            self._do_without_agents(text)
-        elif self._replaced(self.fleet.of_process(process), text, is_gone=True):
+            self.takeover.do_without_agents(text)
+        elif self.takeover.replaced(self.fleet.of_process(process), text, is_gone=True):
             return
         elif self.phase < Phase.REPORTING:
             self._fail(f'{process} {text}', has_mosaic=process != MOSAIC)
-
-    def _do_without_agents(self, text: str) -> None:
-        """Handle losses here from now on; simulated time does not wait for the agents."""
-        self._has_agents = False
-        self.fleet.replace_losses()
-        self.remarks.append(f'{AGENTS} {text}: losses are handled without them')
-        self._requests.renew(OrderKind.DISMISS, WORLD, AGENTS)
 
     def cancel(self, text: str) -> None:
         """Cancel the mission: time stops, map and products are made within a short time."""
@@ -370,14 +294,14 @@ class Mission(PhaseRecord):
             self._fail()
         elif self._requests.all_done(OrderKind.PLAN):
             self.enter(Phase.FLYING)
-        elif self._is_extra and self.passed_s(now_s) > self._plan_timeout_s:
-            self._collect_next(f'no further round planned within {self._plan_timeout_s:g} s')
+        elif self.rounds.is_further and self.passed_s(now_s) > self._plan_timeout_s:
+            self.rounds.end(f'no further round planned within {self._plan_timeout_s:g} s')
         elif self.passed_s(now_s) > self._plan_timeout_s:
             self._fail(f'{PLANNER}: no plan within {self._plan_timeout_s:g} s')
 
     def _gather(self, now_s: float, situation: Situation) -> None:
         """Let the vehicles that are not lost hold, and plan the rest for them."""
-        if self._watch_fleet(situation):
+        if self.takeover.watch(situation):
             return
         self.fleet.advance(now_s, situation)
         if self.fleet.is_paused:
@@ -404,63 +328,26 @@ class Mission(PhaseRecord):
             self._watch_time(now_s, situation)
 
     def _fly(self, now_s: float, situation: Situation) -> None:
-        if self._watch_fleet(situation):
+        if self.takeover.watch(situation):
             return
         routes = self._requests.of_kind(OrderKind.FLY)
         is_flying = bool(situation.aloft) or not self._requests.all_done(OrderKind.FLY)
         if is_flying and all(request.status is not Status.WAITING for request in routes):
             self._requests.add(OrderKind.RUN_CLOCK, WORLD)
         if self._requests.all_done(OrderKind.FLY) and self._are_over(now_s, situation):
-            self._go_on_or_collect()
+            self.rounds.go_on_or_collect()
             return
         is_running = self._time.is_begun or self._requests.all_done(OrderKind.RUN_CLOCK)
         if not self._are_late(now_s) and is_running:
             self._watch_time(now_s, situation)
 
-    def _watch_fleet(self, situation: Situation) -> bool:
-        """Look for vehicles that are lost or come back; return whether others take over now."""
-        lost, remarks = self.fleet.look(situation.sightings)
-        self.remarks += remarks
-        is_replaced = False
-        for vehicle, why in lost.items():
-            is_gone = not situation.sightings[vehicle].ending
-            if self._replaced([vehicle], why, is_gone=is_gone):
-                is_replaced = True
-            elif is_gone and self.fleet.others:
-                self._give_up_on(vehicle, why)
-        back = [] if self._has_agents else self.fleet.regain()
-        if back:
-            self.enter(Phase.PLANNING)
-        return is_replaced or bool(back)
-
-    def _give_up_on(self, vehicle: str, why: str) -> None:
-        """Stop waiting for a vehicle that cannot be replaced; the others fly on."""
-        self.fault(f'{vehicle}: {why}')
-        self.fleet.dismiss_again()
-        self._requests.finish(OrderKind.FLY, vehicle)
-
     def _are_over(self, now_s: float, situation: Situation) -> bool:
         """Return whether all flights are over: with agents when these have nothing left."""
-        if not self._has_agents:
-            return self._are_down(now_s, situation)
-        if not situation.agents_are_done:
-            self._agents_done_s = None
-            return False
-        self._closing.shots = situation.images_expected
-        if self._agents_done_s is None:
-            self._agents_done_s = now_s
-        return now_s - self._agents_done_s >= AGENTS_DONE_S
-
-    def _are_down(self, now_s: float, situation: Situation) -> bool:
-        """Return whether every vehicle that reports has landed, or had time enough for it."""
-        if self._down_by_s is None:
-            self._down_by_s = now_s + self._deadlines.homecoming_s
-        if situation.aloft and now_s < self._down_by_s:
-            return False
-        if situation.aloft:
-            self.fault(f'{", ".join(sorted(situation.aloft))}: still in the air')
-        self._down_by_s = None
-        return True
+        if not self.takeover.has_agents:
+            return self._landing.are_down(now_s, situation)
+        if situation.agents_are_done:
+            self._closing.shots = situation.images_expected
+        return self._landing.is_agreed(now_s, situation)
 
     def _are_late(self, now_s: float) -> bool:
         """Return whether a node did not accept a request in time; a vehicle is lost then."""
@@ -472,27 +359,10 @@ class Mission(PhaseRecord):
             return False
         what = f'did not accept to {late[0].order.kind.value} within {limit:g} s'
         vehicles = [r.order.vehicle for r in late if r.order.kind is OrderKind.FLY]
-        if not self._replaced(vehicles, what, is_gone=True):
+        if not self.takeover.replaced(vehicles, what, is_gone=True):
             names = ', '.join(dict.fromkeys(request.server for request in late))
             self._fail(f'{names}: {what}')
         return True
-
-    def _go_on_or_collect(self) -> None:
-        """All have landed: ask where to measure next while rounds are left, else collect."""
-        if self._rounds_left <= 0 or self.faults:
-            self._collect_next()
-            return
-        self._rounds_left -= 1
-        self._time.begin()
-        self._is_extra = True
-        self._requests.forget()
-        self.enter(Phase.PLANNING)
-        self._requests.add(OrderKind.ADVISE, LOCALIZER)
-
-    def _collect_next(self, remark: str = '') -> None:
-        if remark:
-            self.remarks.append(remark)
-        self._closing.begin()
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
         self._time.look(now_s, situation.simulated_s)
@@ -509,7 +379,7 @@ class Mission(PhaseRecord):
         """End this phase; map and products are made from what was recorded."""
         if text:
             self.fault(text)
-        is_extra = self._is_extra and self.phase is not Phase.DRIVING
+        is_extra = self.rounds.is_further and self.phase is not Phase.DRIVING
         has_images = self.phase in (Phase.FLYING, Phase.COLLECTING) or is_extra
         self.enter(Phase.MAPPING if has_images and has_mosaic else Phase.REPORTING)
 

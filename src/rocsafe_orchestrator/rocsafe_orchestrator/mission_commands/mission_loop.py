@@ -16,6 +16,7 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, RunStatus
+from rocsafe_orchestrator.mission_commands.confirmation import DRIVE, PLAN, Confirmation
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.progress import Display
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
@@ -39,8 +40,6 @@ PUBLISH_PERIOD_S = 0.5
 DISK_PERIOD_S = 1.0
 # If simulated time stands still for longer, the participants are asked which one is late.
 STALL_WATCH_S = 1.0
-# A plan of real vehicles must be confirmed within this time.
-CONFIRM_S = 120.0
 # The end of a run does not wait for the landing of a vehicle that is silent for longer.
 LONGEST_SILENCE_S = 15.0
 # States of a ground vehicle that stands and has no drive.
@@ -105,7 +104,12 @@ class MissionLoop:
         self._is_shortage_told = False
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
-        self._asked_s: float | None = None
+        requests = parts.node.requests
+        self._confirmations = [
+            Confirmation(waiting, parts.terminal, parts.display, parts.confirmed, subject)
+            for waiting, subject in ((requests.plans, PLAN), (requests.drives, DRIVE))
+            if waiting is not None
+        ]
         self._marked: dict[str, str] = {}
         self._decisions = Decisions()
         self._own = [spec.name for spec in parts.table if spec.is_here]
@@ -113,6 +117,7 @@ class MissionLoop:
     def fly(self) -> Phase:
         """Run the mission to its end and return how it ended; no process is left."""
         parts = self._parts
+        parts.directory.flown.unlink(missing_ok=True)
         try:
             parts.node.requests.begin(parts.mission)
             parts.node.publish_region()
@@ -130,7 +135,10 @@ class MissionLoop:
     def _tick(self, now_s: float) -> None:
         parts = self._parts
         may_order = self._watch_operator(now_s)
-        self._await_confirmation(now_s)
+        for one in self._confirmations:
+            if digest := one.watch(now_s):
+                parts.run_info[f'confirmed_{one.subject.what}'] = digest
+                self._say(f'{one.subject.what} {digest} is confirmed')
         if parts.interrupt.count:
             parts.mission.cancel(parts.interrupt.text)
         parts.interrupt.is_saving = parts.mission.phase >= Phase.MAPPING
@@ -141,7 +149,7 @@ class MissionLoop:
         for vehicle, why in parts.monitor.turned_back.items():
             seen = parts.monitor.vehicle(vehicle)
             if seen.is_aloft or seen.is_waiting:
-                parts.mission.turn_back(vehicle, why, is_waiting=seen.is_waiting)
+                parts.mission.takeover.turn_back(vehicle, why, is_waiting=seen.is_waiting)
         parts.mission.remarks += parts.crew_watch.advance()
         self._mark_contaminated()
         if may_order:
@@ -183,31 +191,6 @@ class MissionLoop:
     def _say(self, remark: str) -> None:
         self._tell([Decision(kind='remark', text=remark)])
         self._parts.display.say(remark)
-
-    def _await_confirmation(self, now_s: float) -> None:
-        """Let a person confirm the plan by which real vehicles take off."""
-        requests, terminal = self._parts.node.requests, self._parts.terminal
-        digest = requests.unconfirmed
-        if not digest:
-            return
-        if digest in self._parts.confirmed or (self._asked_s and terminal.typed() == 'y'):
-            self._asked_s = None
-            self._parts.run_info['confirmed_plan'] = digest
-            self._say(f'plan {digest} is confirmed')
-            requests.confirm()
-        elif not terminal.is_there:
-            requests.reject(
-                f'plan {digest} of real vehicles is not confirmed: look at plan.json, then run '
-                f'again with --confirm {digest}, or in a terminal'
-            )
-        elif self._asked_s is None:
-            self._asked_s = now_s
-            self._parts.display.say(
-                f'real vehicles take off by plan {digest}, see plan.json: y and Enter confirms it'
-            )
-        elif now_s - self._asked_s > CONFIRM_S:
-            self._asked_s = None
-            requests.reject(f'plan {digest} was not confirmed within {CONFIRM_S:.0f} s')
 
     def _mark_contaminated(self) -> None:
         """Report the vehicles that may be contaminated; write the real ones to a file."""
@@ -283,6 +266,9 @@ class MissionLoop:
     def _carry_out(self, order: Order) -> None:
         if order.kind is not OrderKind.WRITE_PRODUCTS:
             self._parts.node.requests.send(order)
+            if order.kind is OrderKind.SAVE_MOSAIC and not self._parts.monitor.driver.name:
+                # All is measured: sources are estimated while the map is written.
+                self._start_report()
             return
         self._parts.mission.accepted(order)
         self._show(time.monotonic())
@@ -291,6 +277,11 @@ class MissionLoop:
         self._write_outcome(is_over=False)
         if self._parts.interrupt.is_urgent:
             return
+        self._parts.directory.flown.touch()
+        self._start_report()
+
+    def _start_report(self) -> None:
+        """Start the process that makes the products, unless it runs."""
         try:
             self._parts.supervisor.start(REPORT)
         except SetupError as error:

@@ -14,8 +14,9 @@ from rocsafe_orchestrator.planning_commands.plan_tables import quality_table, ro
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan
+from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.vehicle import Aloft
-from rocsafe_planner.replanning import Situation, leaving_exclusions_m, unreachable
+from rocsafe_planner.replanning import leaving_exclusions_m, unreachable
 from rocsafe_planner.replanning import replan as planner_replan
 from rocsafe_scenario.errors import ScenarioError
 

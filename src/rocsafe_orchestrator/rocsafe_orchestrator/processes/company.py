@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from rocsafe_orchestrator.processes.process_table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 from rocsafe_ros.domain.mission_identity import BOUND, MissionIdentity
+from rocsafe_ros.interface_spec import Scope, name_of, of_camera
 from rocsafe_scenario.scenario import Scenario
 
 ELSEWHERE = 'wait for its end, or choose another domain, for instance ROS_DOMAIN_ID=1'
@@ -45,9 +46,9 @@ def needed_names(scenario: Scenario, table: Iterable[ProcessSpec]) -> frozenset[
     """Return the topics, services and actions that only the mission's own processes may have."""
     names = {end.name for spec in table for end in spec.readiness if end.spec not in BOUND}
     names |= {
-        topics.name_of(call, vehicle)
-        for call in topics.CALLS
-        if call.scope is topics.Scope.VEHICLE
+        name_of(call, vehicle)
+        for call in calls.CALLS
+        if call.scope is Scope.VEHICLE
         for vehicle in scenario.all_names
     }
     # Names that begin with a slash are everybody's, such as /diagnostics.
@@ -58,11 +59,11 @@ def open_topics(scenario: Scenario) -> Iterator[str]:
     """Yield the topics that programs of others may publish to a mission in flight."""
     others = [camera.name for camera in scenario.other_cameras]
     simulated = set(scenario.metered_names)
-    gimbals = [topics.of_camera(topics.GIMBAL_COMMAND, camera) for camera in others]
+    gimbals = [of_camera(topics.GIMBAL_COMMAND, camera) for camera in others]
     for spec, vehicle in recorded_topics(scenario.all_names, others):
         is_detector = spec in DETECTOR_TOPICS and vehicle not in simulated
         if is_detector or spec in (*topics.FROM_ANYBODY, *gimbals):
-            yield topics.name_of(spec, vehicle)
+            yield name_of(spec, vehicle)
 
 
 def _topics(scenario: Scenario) -> Iterator[str]:
@@ -70,7 +71,7 @@ def _topics(scenario: Scenario) -> Iterator[str]:
     simulated = set(scenario.metered_names)
     for spec, vehicle in recorded_topics(scenario.all_names, others):
         if spec not in DETECTOR_TOPICS or vehicle in simulated:
-            yield topics.name_of(spec, vehicle)
+            yield name_of(spec, vehicle)
 
 
 def objections(mission: MissionIdentity, speakers: Iterable[Speaker]) -> list[str]:

@@ -98,7 +98,7 @@ def _launch(
 
 def _report_launch(run: RunDirectory) -> Launch:
     """Return how to make the products, in a separate process that can be killed."""
-    command = (sys.executable, '-m', 'rocsafe_orchestrator.cli', 'report', str(run.path))
+    command = (sys.executable, '-m', 'rocsafe_orchestrator.report_process', str(run.path))
     return Launch(
         name=REPORT, command=command, log=run.log_of(REPORT), restart=NEVER, is_task=True
     )

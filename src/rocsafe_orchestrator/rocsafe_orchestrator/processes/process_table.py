@@ -22,13 +22,15 @@ from rocsafe_orchestrator.parameters.ground_parameters import (
 )
 from rocsafe_orchestrator.parameters.node_parameters import AGENTS, AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
+from rocsafe_ros.interface_spec import CallSpec, TopicSpec, name_of
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
 AIRSIM, AIRSIM_PACKAGE = 'airsim', 'rocsafe_airsim'
-Spec = topics.TopicSpec | topics.CallSpec
-VEHICLE_SPECS: tuple[Spec, ...] = (topics.FLY_ROUTE, topics.STATE, topics.SHOT)
+Spec = TopicSpec | CallSpec
+VEHICLE_SPECS: tuple[Spec, ...] = (calls.FLY_ROUTE, topics.STATE, topics.SHOT)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,12 +43,12 @@ class Endpoint:
     @property
     def kind(self) -> str:
         """``'topic'``, ``'service'`` or ``'action'``."""
-        return self.spec.kind if isinstance(self.spec, topics.CallSpec) else 'topic'
+        return self.spec.kind if isinstance(self.spec, CallSpec) else 'topic'
 
     @property
     def name(self) -> str:
         """Name relative to the namespace of the suite."""
-        return topics.name_of(self.spec, self.vehicle)
+        return name_of(self.spec, self.vehicle)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,6 +114,7 @@ def _host_processes(scenario: Scenario, run: RunDirectory, own: str) -> Iterator
             *_collector_processes(scenario, run, host),
             *_agent_processes(scenario, run, host),
             *_vehicle_processes(scenario, run, vehicles),
+            *_bridge_processes(scenario, run, vehicles, host),
         )
         for spec in specs:
             renamed = () if is_head else (*names, *spec.remappings)
@@ -126,19 +129,19 @@ def _shared_processes(scenario: Scenario, run: RunDirectory) -> tuple[ProcessSpe
                  parameters.recorder_parameters(scenario, run), *_shared(topics.STEP_DONE)),
         _process('planner', 'rocsafe_planner/planner',
                  parameters.planner_parameters(scenario, run),
-                 *_shared(topics.PLAN_SURVEY, topics.PLAN)),
+                 *_shared(calls.PLAN_SURVEY, topics.PLAN)),
         _process('world', 'rocsafe_sim/world',
                  parameters.world_parameters(scenario),
-                 *_shared(topics.WORLD_RUN, topics.CLOCK)),
+                 *_shared(calls.WORLD_RUN, topics.CLOCK)),
         _process('radiation_field', 'rocsafe_radiation/field',
                  field_parameters(scenario, run), *detectors),
         _process('localizer', 'rocsafe_radiation/localizer',
                  parameters.localizer_parameters(scenario, run),
-                 *_shared(topics.HAZARD_SOURCES, topics.SUGGEST_VIEWPOINTS)),
+                 *_shared(topics.HAZARD_SOURCES, calls.SUGGEST_VIEWPOINTS)),
         _process('mosaic', 'rocsafe_mapping/mosaic',
-                 parameters.mosaic_parameters(run), *_shared(topics.SAVE_MOSAIC)),
+                 parameters.mosaic_parameters(run), *_shared(calls.SAVE_MOSAIC)),
         _process('fleet_verbs', 'rocsafe_orchestrator/fleet_verbs',
-                 parameters.fleet_verbs_parameters(scenario, run), *_shared(topics.FLEET_HOLD)),
+                 parameters.fleet_verbs_parameters(scenario, run), *_shared(calls.FLEET_HOLD)),
         *_air_processes(scenario, run),
         *_ground_processes(scenario, run),
     )  # fmt: skip
@@ -198,12 +201,12 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
         sensors = (
             Endpoint(spec=topics.ANEMOMETER, vehicle=name) for name in scenario.metered_names
         )
-        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
+        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario, run), *sensors)
         yield _process(
             ESTIMATOR,
             'rocsafe_dispersion/estimator',
             estimator_parameters(scenario, run),
-            *_shared(topics.RELEASES, topics.SUGGEST_GAS_VIEWPOINTS),
+            *_shared(topics.RELEASES, calls.SUGGEST_GAS_VIEWPOINTS),
         )
         advisor = advisor_parameters(scenario, run)
         yield _process(ADVISOR, 'rocsafe_dispersion/advisor', advisor, *_shared(topics.AGENT))
@@ -212,9 +215,8 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
 def _vehicle_processes(
     scenario: Scenario, run: RunDirectory, vehicles: tuple[VehicleBlock, ...]
 ) -> Iterator[ProcessSpec]:
-    """Yield one process for all real vehicles of a host, and one or several for the others."""
+    """Yield one process or several for the simulated vehicles of a host."""
     simulated = tuple(vehicle for vehicle in vehicles if not vehicle.link)
-    linked = tuple(vehicle for vehicle in vehicles if vehicle.link)
     if simulated and scenario.simulation.processes == 'fleet':
         values = parameters.fleet_parameters(scenario, run)
         yield _process(FLEET, 'rocsafe_sim/fleet', values, *_of_each(simulated, *VEHICLE_SPECS))
@@ -225,20 +227,30 @@ def _vehicle_processes(
             yield _process(
                 vehicle.name, 'rocsafe_sim/rav', values, *ready, node=f'/{vehicle.name}/rav'
             )
-    if linked:
-        values = parameters.bridge_parameters(scenario, str(run.spool), linked)
-        bridge = parameters.name_on(scenario, BRIDGE, scenario.host_of(linked[0].name))
-        spec = _process(
-            bridge, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS)
-        )
+
+
+def _bridge_processes(
+    scenario: Scenario, run: RunDirectory, vehicles: tuple[VehicleBlock, ...], host: str
+) -> Iterator[ProcessSpec]:
+    """Yield one process for all real vehicles of a host, and those of their detectors."""
+    linked = tuple(vehicle for vehicle in vehicles if vehicle.link)
+    block = scenario.ground_vehicle
+    driver = block if block and block.link and host == scenario.head else None
+    ready = [*_of_each(linked, *VEHICLE_SPECS), *(_of_driver(driver) if driver else ())]
+    if ready:
+        values = parameters.bridge_parameters(scenario, str(run.spool), linked, driver)
+        bridge = parameters.name_on(scenario, BRIDGE, host)
+        spec = _process(bridge, 'rocsafe_mavlink/bridge', values, *ready)
         yield (
             spec if bridge == BRIDGE else replace(spec, remappings=(f'{BRIDGE}:__node:={bridge}',))
         )
-    for vehicle in linked:
+    detected: list[VehicleBlock | GroundVehicleBlock] = [*linked]
+    for vehicle in [*detected, *([driver] if driver else [])]:
         if isinstance(vehicle.drone.detector, DetectorBlock):
             yield _process(
                 f'detector_{vehicle.name}', 'rocsafe_radiation/detector',
-                vehicle.drone.detector.model_dump(), *_of_each((vehicle,), topics.RADIATION),
+                vehicle.drone.detector.model_dump(),
+                Endpoint(spec=topics.RADIATION, vehicle=vehicle.name),
                 node=f'/{vehicle.name}/detector',
             )  # fmt: skip
 
@@ -249,14 +261,18 @@ def _ground_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Process
         return
     yield _process(
         ROUTER, 'rocsafe_ground/router', router_parameters(block, run),
-        *_shared(topics.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
+        *_shared(calls.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
     )  # fmt: skip
-    specs = (topics.DRIVE_ROUTE, topics.STATE, topics.SHOT)
-    yield _process(
-        block.name, 'rocsafe_sim/rgv', rgv_parameters(scenario, block, run),
-        *(Endpoint(spec=spec, vehicle=block.name) for spec in specs),
-        node=f'/{block.name}/rgv',
-    )  # fmt: skip
+    if not block.link:
+        yield _process(
+            block.name, 'rocsafe_sim/rgv', rgv_parameters(scenario, block, run),
+            *_of_driver(block), node=f'/{block.name}/rgv',
+        )  # fmt: skip
+
+
+def _of_driver(block: GroundVehicleBlock) -> Iterator[Endpoint]:
+    specs = (calls.DRIVE_ROUTE, topics.STATE, topics.SHOT)
+    return (Endpoint(spec=spec, vehicle=block.name) for spec in specs)
 
 
 def _shared(*specs: Spec) -> Iterator[Endpoint]:

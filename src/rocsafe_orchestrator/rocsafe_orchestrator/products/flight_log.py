@@ -26,7 +26,7 @@ from rocsafe_orchestrator.products.run_record import (
     VehicleSample,
 )
 
-_READING = 'rocsafe_interfaces/msg/RadiationReading'
+READING = 'rocsafe_interfaces/msg/RadiationReading'
 _GAS = 'rocsafe_interfaces/msg/GasReading'
 _PARTICLES = 'rocsafe_interfaces/msg/ParticleReading'
 _FIX = 'sensor_msgs/msg/NavSatFix'
@@ -76,7 +76,7 @@ class _Log:
     def read(self) -> FlightLog:
         """Read all messages of interest."""
         handlers: dict[str, Callable[[str, Any], None]] = {
-            _READING: self._on_reading,
+            READING: self._on_reading,
             _GAS: self._on_gas,
             _PARTICLES: self._on_particles,
             _FIX: self._on_fix,

@@ -11,7 +11,7 @@ import mmap
 import os
 import struct
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -177,8 +177,29 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
     if path.is_file():
         _reopen(path, directory)
     paths = recording.segments(directory)
+    merged = merge(paths, path, attachments)
+    for part in paths:
+        part.unlink()
+    return merged
+
+
+def merge(
+    paths: Sequence[Path],
+    path: Path,
+    attachments: Iterable[Path] = (),
+    kinds: Collection[str] = (),
+) -> FinalisedRecording:
+    """Write the recording at `path` from segments, whose recorder may still be at work.
+
+    `kinds` are the types of messages that are wanted; none: all.
+    """
     opened = [_Segment(part, number) for number, part in enumerate(paths)]
-    positions = sorted(position for segment in opened for position in segment.positions())
+    positions = sorted(
+        position
+        for segment in opened
+        for position in segment.positions()
+        if not kinds or segment.channels[position.channel].schema_name in kinds
+    )
     kept = list(_without_repeats(opened, positions))
     temporary = path.with_suffix('.tmp')
     with temporary.open('wb') as stream:
@@ -189,8 +210,6 @@ def finalise(directory: Path, attachments: Iterable[Path] = ()) -> FinalisedReco
         stream.flush()
         os.fsync(stream.fileno())
     temporary.replace(path)
-    for part in paths:
-        part.unlink()
     return FinalisedRecording(
         path=path,
         segment_count=len(paths),

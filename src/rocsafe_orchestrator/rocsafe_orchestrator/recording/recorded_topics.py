@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 
 from rocsafe_orchestrator.recording.segments import Channel
 from rocsafe_ros import topics
-from rocsafe_ros.topics import Scope, TopicSpec
+from rocsafe_ros.interface_spec import Scope, TopicSpec, of_camera
 
 LEFT_OUT: dict[str, str] = {
     topics.CAMERA_IMAGE.name: 'its JPEG is recorded; taken only while somebody looks',
@@ -59,7 +59,7 @@ def recorded_topics(
                 yield spec, vehicle
         for camera in cameras:
             for spec in CAMERA_TOPICS:
-                yield topics.of_camera(spec, camera), vehicle
+                yield of_camera(spec, camera), vehicle
     for spec in kept:
         if spec.scope is Scope.FLEET:
             yield spec, ''

@@ -30,6 +30,8 @@ Separation = Literal['delay', 'layers', 'reserved']
 SpacingRule = Literal['iou', 'linear']
 GRIDS: tuple[Grid, ...] = get_args(Grid)
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
+PEAK_OBJECTIVES = ('longest_time', 'longest_distance')
+"""Objectives of the costliest route; the others are sums over all routes."""
 SEPARATIONS: tuple[Separation, ...] = get_args(Separation)
 METHODS = (
     'solver', 'boustrophedon_minmax', 'boustrophedon_equal', 'strips', 'christofides',

@@ -8,8 +8,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import IndexArray
 from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.solver_problem import PEAK_OBJECTIVES
 from rocsafe_planner.routing.sorties import sorties
 
 

@@ -112,7 +112,7 @@ def searched(
 ) -> list[Order]:
     """Return the points of each vehicle, flight after flight, with the least sum of costs.
 
-    They are those that an objective of `request.OBJECTIVES` counts: times, lengths or energy.
+    They are those that an objective of `OBJECTIVES` counts: times, lengths or energy.
     """
     owners = [k for k, own in enumerate(caps) for _ in own]
     start = _dealt(problem, caps, known)

@@ -5,7 +5,7 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 
-from rocsafe_planner.plan.survey_options import Effort
+from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES, Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.boustrophedon import (
     boustrophedon_equal,
@@ -17,7 +17,7 @@ from rocsafe_planner.routing.boustrophedon import (
 from rocsafe_planner.routing.costs import objective_value
 from rocsafe_planner.routing.methods import Optimised
 from rocsafe_planner.routing.sensor_repair import with_sensors
-from rocsafe_planner.routing.solver_problem import PEAK_OBJECTIVES, routing_problem
+from rocsafe_planner.routing.solver_problem import routing_problem
 from rocsafe_planner.solver import Bound, Progress, SearchOptions, solve
 
 Watch = Callable[[float, float], bool]

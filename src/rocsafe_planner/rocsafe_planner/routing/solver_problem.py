@@ -13,6 +13,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.motion import MotionLimits, leg_duration_s
+from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
@@ -29,14 +30,11 @@ MOST_CLOSED_SITES = 800
 LEAST_RAMP_S = 1e-6
 """Shorter ramps are ignored."""
 
-PEAK_OBJECTIVES = ('longest_time', 'longest_distance')
-"""Objectives of the costliest route; the others are sums over all routes."""
-
 
 def routing_problem(
     problem: FleetProblem, objective: str, *, is_bounded: bool = False
 ) -> RoutingProblem:
-    """Return the problem that the solver is given for an objective of `request.OBJECTIVES`.
+    """Return the problem that the solver is given for an objective of `OBJECTIVES`.
 
     With `is_bounded`, no flights cost less than its routes, for bounds of the time alone: legs
     become shorter if they are estimates, or too many for a table with the triangle inequality.

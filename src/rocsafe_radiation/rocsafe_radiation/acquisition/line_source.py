@@ -9,11 +9,10 @@ import contextlib
 import ipaddress
 import os
 import socket
-import termios
-import tty
 from collections.abc import Callable
 from typing import Protocol
 
+from rocsafe_geo.storage.serial_line import is_baud, open_serial
 from rocsafe_radiation.errors import DetectorLostError
 
 LARGEST_PIECE = 65_535
@@ -59,10 +58,9 @@ class SerialSource:
     def __init__(
         self, device: str, baud: int, largest_tries: int, tell: Callable[[str], None]
     ) -> None:
-        speed = getattr(termios, f'B{baud}', None)
-        if speed is None:
+        if not is_baud(baud):
             raise ValueError(f'baud is {baud}: the system has no such rate')
-        self._device, self._speed = device, int(speed)
+        self._device, self._baud = device, baud
         self._largest_tries, self._tell = largest_tries, tell
         self._descriptor: int | None = None
         self._retry_at_s = -LARGEST_PAUSE_S
@@ -100,7 +98,7 @@ class SerialSource:
             return
         self._tries += 1
         try:
-            self._descriptor = _opened(self._device, self._speed)
+            self._descriptor = open_serial(self._device, self._baud, os.O_RDONLY)
             self._tell(f'{self._device}: open')
         except OSError as error:
             words = f'{self._device}: {error.strerror or error}'
@@ -160,19 +158,6 @@ class DatagramSource:
     def close(self) -> None:
         """Close the socket."""
         self._socket.close()
-
-
-def _opened(device: str, speed: int) -> int:
-    descriptor = os.open(device, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
-    try:
-        tty.setraw(descriptor)
-        settings = termios.tcgetattr(descriptor)
-        settings[4] = settings[5] = speed
-        termios.tcsetattr(descriptor, termios.TCSANOW, settings)
-    except termios.error as error:
-        os.close(descriptor)
-        raise OSError(*error.args) from error
-    return descriptor
 
 
 def _is_loopback(host: str) -> bool:

@@ -17,13 +17,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_radiation.belief.belief_grid import BeliefGrid, YesNoSensor
-from rocsafe_radiation.localization.localize import (
-    BELIEF_METHOD,
-    Localization,
-    LocalizationOptions,
-    SourceEstimate,
-    require_enough,
-)
+from rocsafe_radiation.localization.estimates import BELIEF_METHOD, Localization, SourceEstimate
+from rocsafe_radiation.localization.localize import LocalizationOptions, require_enough
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey
 

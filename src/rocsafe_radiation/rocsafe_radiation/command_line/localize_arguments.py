@@ -8,7 +8,8 @@ from pathlib import Path
 from rocsafe_geo.argument import number
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.detection.detector import DETECTOR_NAMES, IDEAL
-from rocsafe_radiation.localization.localize import METHODS, ML_METHOD, LocalizationOptions
+from rocsafe_radiation.localization.estimates import METHODS, ML_METHOD
+from rocsafe_radiation.localization.localize import LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.nuclide import DEFAULT_NUCLIDE, nuclide_names
 

@@ -16,7 +16,8 @@ from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
 from rocsafe_radiation.detection.detector import response_of
 from rocsafe_radiation.errors import RadiationError
-from rocsafe_radiation.localization.localize import Localization, LocalizationOptions
+from rocsafe_radiation.localization.estimates import Localization
+from rocsafe_radiation.localization.localize import LocalizationOptions
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.assessment import (

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
-from rocsafe_radiation.localization.localize import Localization
+from rocsafe_radiation.localization.estimates import Localization
 
 CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
 

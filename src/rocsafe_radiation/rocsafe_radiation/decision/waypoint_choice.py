@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.localization.localize import Localization
+from rocsafe_radiation.localization.estimates import Localization
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey
 

@@ -14,15 +14,14 @@ from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, s
 from rocsafe_radiation.decision.stopping import StoppingRule, StoppingVerdict
 from rocsafe_radiation.decision.waypoint_choice import Waypoint, candidate_places, next_waypoints
 from rocsafe_radiation.localization.candidates import best_separated
-from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.localize import (
+from rocsafe_radiation.localization.estimates import (
     BELIEF_METHOD,
     METHODS,
     ML_METHOD,
     Localization,
-    LocalizationOptions,
-    localize,
 )
+from rocsafe_radiation.localization.fit_setting import Setting
+from rocsafe_radiation.localization.localize import LocalizationOptions, localize
 from rocsafe_radiation.products.cordon import DEFAULT_LEVELS_USVH, Cordon, cordons
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
 from rocsafe_radiation.readings.survey import RadiationSurvey

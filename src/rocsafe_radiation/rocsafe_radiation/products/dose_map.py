@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_radiation.localization.localize import Localization, SourceEstimate
+from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.products.residual_kriging import residual
 from rocsafe_radiation.readings.survey import RadiationSurvey

@@ -8,7 +8,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_radiation.localization.localize import Localization, SourceEstimate
+from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.products.assessment import Assessment
 
 ELLIPSE_CORNERS = 72

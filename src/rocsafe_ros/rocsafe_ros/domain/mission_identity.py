@@ -6,12 +6,12 @@ import re
 import secrets
 from dataclasses import dataclass
 
-from rocsafe_ros import topics
+from rocsafe_ros import calls, topics
 
 # Enclaves of the processes of missions begin so.
 ROOT = '/rocsafe/'
 # Simulated time belongs to one mission: it is reached under names that only its nodes know.
-BOUND = (topics.CLOCK, topics.STEP_DONE, topics.WORLD_RUN)
+BOUND = (topics.CLOCK, topics.STEP_DONE, calls.WORLD_RUN)
 TOKEN_BYTES = 16
 # Names of ROS have no hyphen, and no two underscores in a row.
 _ESCAPES = {'_': '_u', '-': '_d'}

@@ -12,12 +12,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from rocsafe_geo.argument import image_size
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.solids_file import write_solids
 from rocsafe_scene.command_line.label_images import truth_sheet
 from rocsafe_scene.command_line.routes_overview import RunRoutes, draw_routes, read_run
-from rocsafe_scene.command_line.scene_arguments import exit_code_of, image_size
+from rocsafe_scene.command_line.scene_arguments import exit_code_of
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.ground.height_file import write_heights
 from rocsafe_scene.mesh.mesh import Floats

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The end of the flights of a mission: all have landed, or the agents have nothing left."""
+
+from rocsafe_orchestrator.mission.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission.situation import Situation
+
+# Agents must have nothing left for so long: a loss may give them more.
+AGENTS_DONE_S = 3.0
+
+
+class Landing:
+    """Tells when no flight is left.
+
+    Parameters
+    ----------
+    record
+        Faults of the mission.
+    homecoming_s
+        Time within which vehicles in the air must land, seconds of wall time.
+    """
+
+    def __init__(self, record: PhaseRecord, homecoming_s: float) -> None:
+        self._record = record
+        self._homecoming_s = homecoming_s
+        self._agents_done_s: float | None = None
+        self._down_by_s: float | None = None
+
+    def is_agreed(self, now_s: float, situation: Situation) -> bool:
+        """Return whether the agents have had nothing left for long enough."""
+        if not situation.agents_are_done:
+            self._agents_done_s = None
+            return False
+        if self._agents_done_s is None:
+            self._agents_done_s = now_s
+        return now_s - self._agents_done_s >= AGENTS_DONE_S
+
+    def are_down(self, now_s: float, situation: Situation) -> bool:
+        """Return whether every vehicle that reports has landed, or had time enough for it."""
+        if self._down_by_s is None:
+            self._down_by_s = now_s + self._homecoming_s
+        if situation.aloft and now_s < self._down_by_s:
+            return False
+        if situation.aloft:
+            self._record.fault(f'{", ".join(sorted(situation.aloft))}: still in the air')
+        self._down_by_s = None
+        return True

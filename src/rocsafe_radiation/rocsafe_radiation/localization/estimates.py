@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a localisation finds: sources with their uncertainty, their number, and doubts."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
+
+ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
+METHODS = (ML_METHOD, BELIEF_METHOD)
+NORMAL_95 = 1.96
+# Quantile 0.95 of chi-square with two degrees of freedom.
+ELLIPSE_95 = 5.991
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceEstimate:
+    """A source found.
+
+    Attributes
+    ----------
+    position_enu_m
+        Its place, shape (3,), metres.
+    dose_rate_at_1m_usvh
+        Its strength, without air.
+    joint_covariance
+        Covariance of east, north, up in metres and the logarithm of the strength, (4, 4).
+    detection_llr
+        Decrease of the log likelihood without it, all else unchanged.
+    """
+
+    position_enu_m: FloatArray
+    dose_rate_at_1m_usvh: float
+    joint_covariance: FloatArray
+    detection_llr: float
+
+    @property
+    def covariance_m2(self) -> FloatArray:
+        """Covariance of the position, shape (3, 3)."""
+        return self.joint_covariance[:3, :3]
+
+    @property
+    def log_std(self) -> float:
+        """Standard deviation of the natural logarithm of the strength."""
+        return math.sqrt(max(float(self.joint_covariance[3, 3]), 0.0))
+
+    @property
+    def dose_rate_at_1m_std_usvh(self) -> float:
+        """Standard deviation of the strength."""
+        return self.dose_rate_at_1m_usvh * self.log_std
+
+    def interval_95_usvh(self) -> tuple[float, float]:
+        """Return the bounds of the strength with a probability of 0.95."""
+        factor = math.exp(min(NORMAL_95 * self.log_std, 50.0))
+        return self.dose_rate_at_1m_usvh / factor, self.dose_rate_at_1m_usvh * factor
+
+    def ellipse_95(self) -> tuple[float, float, float]:
+        """Return half axes in metres, long first, and the angle of the long one from east, rad."""
+        values, vectors = np.linalg.eigh(self.covariance_m2[:2, :2])
+        axes = np.sqrt(np.maximum(values, 0.0) * ELLIPSE_95)
+        return float(axes[1]), float(axes[0]), math.atan2(vectors[1, 1], vectors[0, 1])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Localization:
+    """The sources that the readings support.
+
+    Attributes
+    ----------
+    sources
+        The sources, the one with the most evidence first.
+    order_probabilities
+        Probability of 0, 1, 2 ... sources.
+    background_usvh, background_std_usvh
+        Mean background at the readings and its uncertainty.
+    reading_count
+        Number of readings used.
+    dispersion
+        Standard deviations by which the misfit exceeds that of the model.
+    rho
+        Share of the excess by which readings scatter beyond Poisson.
+    is_structured
+        Whether the background varies from place to place.
+    is_misfit
+        Whether the misfit is so large that ellipses are widened.
+    spike_count
+        Readings that fit neither sources nor background, and count for nothing.
+    is_understood
+        Whether sources and background explain the readings, but for few spikes.
+    is_lopsided
+        Whether something beside the sources may take part of their dose rate on one side.
+    is_ground_guessed
+        Whether nobody has stated where the ground is.
+    unread_count
+        Readings of a dead detector, which are left out.
+    method
+        Method by which they were found, one of `METHODS`.
+    """
+
+    sources: tuple[SourceEstimate, ...]
+    order_probabilities: tuple[float, ...]
+    background_usvh: float
+    background_std_usvh: float
+    reading_count: int
+    dispersion: float
+    rho: float
+    is_structured: bool
+    is_misfit: bool = False
+    spike_count: int = 0
+    is_understood: bool = True
+    is_lopsided: bool = False
+    is_ground_guessed: bool = False
+    unread_count: int = 0
+    method: str = ML_METHOD
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What differs from counts of sources over a constant background, in words."""
+        found = []
+        if self.is_ground_guessed:
+            found.append('the ground is not given: taken to be as low as the lowest reading')
+        if self.unread_count:
+            found.append(
+                f'{self.unread_count} readings are of a dead detector: nothing is known there'
+            )
+        if self.is_lopsided:
+            found.append('something beside the sources may take part of their dose rate')
+        if self.is_structured:
+            found.append('the background is uneven')
+        if self.rho > 0.0:
+            found.append(f'readings scatter by {self.rho:.0%} of the excess beyond their counts')
+        if self.spike_count:
+            found.append(f'{self.spike_count} readings fit nothing and are left out as spikes')
+        if self.is_misfit:
+            found.append(
+                f'the readings differ from this by {self.dispersion:.0f} standard deviations more '
+                'than they may: ellipses are widened'
+            )
+        return tuple(found)
