@@ -36,6 +36,7 @@ from rocsafe_mavlink.drone.drone import Drone, DroneSpec
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
+from rocsafe_mavlink.knowledge.reducer import NO_AUTOPILOT
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import mission_of
@@ -47,7 +48,7 @@ STEP_S, FLIGHT_S, CALM_S = 0.25, 100.0, 45.0
 # No operation may take longer: a start with 13 items, with every answer at the last moment.
 DEADLINE_S = 420.0
 # A mode that the bridge asked for so recently may be its own doing.
-ASKED_S = 30.0
+ASKED_S, LATE_S = 30.0, 5.0
 READING = frozenset(
     {
         *('HEARTBEAT', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT', 'MISSION_ACK'),
@@ -67,7 +68,7 @@ class Watch:
     def __init__(self, run):
         self.run = run
         self.owner, self.mode, self.is_armed = OURS, -1, False
-        self.is_heard = self.has_failed = False
+        self.is_heard = self.has_failed = self.is_critical = self.is_expected = False
         self.asked_s = {}
         self.tainted = None
         self.total = 0
@@ -79,12 +80,16 @@ class Watch:
         self.has_failed |= self.is_armed and any(word in said for word in FAILSAFE_WORDS)
         if message.name == 'MISSION_CURRENT':
             self.total = message.fields.get('total', 0)
-        if message.name != 'HEARTBEAT' or id(message) not in run.vehicle.owners:
+        is_beat = message.name == 'HEARTBEAT' and id(message) in run.vehicle.owners
+        if not is_beat or message['autopilot'] == NO_AUTOPILOT:
             return
         _, owner = run.vehicle.owners[id(message)]
         mode, is_armed = message['custom_mode'], bool(message['base_mode'] & 0x80)
         is_new = mode != self.mode and owner != OURS and is_armed and self.is_armed
+        if mode != self.mode:
+            self.is_expected = self._was_asked(mode, LATE_S)
         self.is_heard, self.owner, self.mode, self.is_armed = True, owner, mode, is_armed
+        self.is_critical = message['system_status'] >= 5
         # One odd status in flight is no failsafe: nothing has switched it.
         if message['system_status'] >= 5 and is_armed and owner == FAILSAFE:
             self.has_failed = True
@@ -114,10 +119,12 @@ class Watch:
             return
         commanded = (modes['mission'], modes['hold'], modes['guided'])
         is_theirs = self.owner in (PILOT, FAILSAFE) and self.mode not in commanded
-        may_be_ours = self._was_asked(self.mode) and not self.has_failed
+        is_urgent = self._is_urgent(message)
+        # An order to return or land may show after a failsafe that was over before.
+        is_late = is_urgent and not self.is_critical and self.is_expected
+        may_be_ours = is_late or (self._was_asked(self.mode) and not self.has_failed)
         name = run.vehicle.kind.mode_name(self.mode)
         assert not is_theirs or may_be_ours, f'{what}: {self.owner} has it, in {name}'
-        is_urgent = self._is_urgent(message)
         assert not self.has_failed or is_urgent, f'{what}: a failsafe was announced, in {name}'
         is_old = self.tainted is not None and self.tainted[0] == run.drone.session.sequence_count
         is_flight = run.drone.session.flight is not None and run.drone.session.flight.is_beginning
@@ -137,8 +144,8 @@ class Watch:
             stored = run.vehicle.stored[0]
             assert run.is_planned(stored), f'{what}: not verified, {len(stored)} items'
 
-    def _was_asked(self, mode):
-        return self.run.now_s - self.asked_s.get(mode, -1e9) < ASKED_S
+    def _was_asked(self, mode, ago_s=ASKED_S):
+        return self.run.now_s - self.asked_s.get(mode, -1e9) < ago_s
 
     def _leads_to(self, message):
         modes, kind = self.run.vehicle.modes, self.run.vehicle.kind

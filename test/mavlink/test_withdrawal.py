@@ -108,7 +108,25 @@ def test_mode_of_a_failsafe_is_not_the_late_one_of_an_order_before():
     before = changes(air)
     air.wait(20.0)
     assert changes(air) == before
-    assert 'withdrawn: the vehicle was switched to RTL' in commands.outcome(commands.count)
+    assert 'withdrawn: a failsafe has the vehicle, in RTL' in commands.outcome(commands.count)
+
+
+def test_hold_is_not_given_against_a_failsafe_that_goes_on_with_an_ordered_return():
+    """Without a word, in the same mode: the critical status comes between order and command."""
+    air = flying()
+    copter, commands = air.copters[1], air.drones[1].commands
+    commands.return_home(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None)
+    air.until(lambda: copter.mode == RTL)
+    air.wait(2.0)
+    before = changes(air)
+    commands.hold(air.now_s)
+    copter.status = 5
+    beat = {'type': 2, 'autopilot': 3, 'base_mode': 0x80, 'custom_mode': RTL, 'system_status': 5}
+    air.say(pack_frame(*encode(Message('HEARTBEAT', beat)), 1, 1, 0, sign=False))
+    air.wait(20.0)
+    assert changes(air) == before
+    assert 'withdrawn: a failsafe has the vehicle, in RTL' in commands.outcome(commands.count)
 
 
 def test_critical_status_withdraws_all_but_what_makes_the_flight_safer():

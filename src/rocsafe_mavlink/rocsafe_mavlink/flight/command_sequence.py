@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import failsafe_of
 from rocsafe_mavlink.knowledge.telemetry import MODE_SHOWS_S, Contact, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
@@ -225,7 +226,7 @@ class CommandSequence:
         Mission that was uploaded by this sequence and read back as it was sent; None: none yet.
     is_always_taken
         Whether the sequence makes a flight safer (hold, return home, land): it begins at once,
-        and a critical status alone does not withdraw it.
+        and a critical status alone, in a mode that obeys, does not withdraw it.
     is_withdrawn
         Whether it ended because somebody else took the vehicle over, or it was not heard.
     mode
@@ -376,12 +377,12 @@ class CommandSequence:
             return 'somebody else started the motors'
         mode = self.autopilot.mode_name(vehicle.custom_mode)
         own = step.modes if self.is_begun else frozenset[int]()
-        # A mode that comes with a critical status is more likely that of a failsafe.
-        is_late = now_s < self.late_until_s and not vehicle.is_in_failsafe
-        late = self.late_modes if is_late else frozenset[int]()
+        late = self.late_modes if now_s < self.late_until_s else frozenset[int]()
         if vehicle.custom_mode not in {self.mode, *own, *late}:
             return f'the vehicle was switched to {mode}'
-        if vehicle.is_in_failsafe and not self.is_always_taken:
+        # In another mode than these it returns or lands, by an order before this or by itself.
+        is_obeying = vehicle.custom_mode in own or is_commanded(vehicle, self.autopilot)
+        if vehicle.is_in_failsafe and not (self.is_always_taken and is_obeying):
             return f'a failsafe has the vehicle, in {mode}'
         return ''
 
