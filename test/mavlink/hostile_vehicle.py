@@ -8,6 +8,8 @@ Each heartbeat is marked with whose the vehicle was when it was sent; the bridge
 import heapq
 import math
 
+from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
+from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.wire.dialect import Message
 
 HOME_E7 = (473977420, 85455940)
@@ -21,6 +23,49 @@ TEXTS = (
     'EKF Failsafe: changed to LAND Mode',
     'Circle fence breached',
 )
+# Positions and the like come this often, as on a slow radio.
+FAST_S = 1.0
+PIECE = 50
+READING = ('PARAM_REQUEST_READ', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT')
+REAL32 = 9
+# Settings with which a flight may begin.
+SETTINGS = {
+    ARDUPILOT: {
+        'WPNAV_SPEED': 500.0,
+        'WPNAV_ACCEL': 250.0,
+        'WPNAV_RADIUS': 200.0,
+        'FS_GCS_ENABLE': 1.0,
+        'BATT_FS_LOW_ACT': 2.0,
+        'FS_OPTIONS': 0.0,
+        'FS_THR_ENABLE': 1.0,
+        'FENCE_ENABLE': 0.0,
+        'FENCE_TYPE': 7.0,
+        'FENCE_ACTION': 1.0,
+        'FENCE_RADIUS': 900.0,
+        'FENCE_ALT_MAX': 110.0,
+        'WP_YAW_BEHAVIOR': 0.0,
+        'SYSID_MYGCS': 255.0,
+        'RTL_ALT': 3000.0,
+        'ARMING_CHECK': 1.0,
+        'RALLY_LIMIT_KM': 0.3,
+        'RALLY_INCL_HOME': 1.0,
+        'OA_TYPE': 0.0,
+    },
+    PX4: {
+        'MPC_XY_CRUISE': 5.0,
+        'MPC_ACC_HOR': 3.0,
+        'NAV_ACC_RAD': 5.0,
+        'NAV_DLL_ACT': 2.0,
+        'COM_LOW_BAT_ACT': 3.0,
+        'GF_ACTION': 3.0,
+        'COM_DLL_EXCEPT': 0.0,
+        'NAV_RCL_ACT': 2.0,
+        'RTL_RETURN_ALT': 30.0,
+        'RTL_TYPE': 0.0,
+        'GF_MAX_HOR_DIST': 0.0,
+        'GF_MAX_VER_DIST': 0.0,
+    },
+}
 
 
 class Channel:
@@ -53,6 +98,9 @@ class HostileVehicle:
     ----------
     owner : whose it is now.
     stored : items by mission type, each as the fields of `_KEPT`.
+    changed_s : when somebody else changed the mission; negative: not since our last upload.
+    told_missions : what MISSION_CURRENT has told.
+    obeys_another : whether it obeys another station, and ignores ours.
     owners : owner of each heartbeat, by the identity of the message.
     """
 
@@ -60,7 +108,10 @@ class HostileVehicle:
         self.kind, self.modes, self.rng, self.spite = kind, modes, rng, spite
         self.said, self.owners = [], {}
         self.stored = {0: [], 1: [], 2: []}
+        self.settings = dict(SETTINGS[kind.number])
         self.boot_s = -60.0
+        self.changed_s = -1.0
+        self.told_missions = [{'seq': 0, 'mission_state': 2, 'total': 3}]
         self._start(0.0)
 
     def _start(self, now_s):
@@ -70,7 +121,9 @@ class HostileVehicle:
         self.current, self.phase, self.reached = 0, 1, 0
         self.since_s = self.next_s = now_s
         self.home, self.home_mm = HOME_E7, 488_000
-        self.is_stuck = False
+        self.is_stuck = self.obeys_another = self.fails_in_upload = False
+        self.shift_e7, self.is_lost_until_s = 0, -1.0
+        self._late = []
         self._taking = None
         self._beat_s = self._fast_s = now_s
         self.is_breached = False
@@ -91,31 +144,49 @@ class HostileVehicle:
         """A failsafe acts: with or without words, with or without a status."""
         kind = self.rng.randrange(3)
         if kind != 1:
-            self.say('STATUSTEXT', severity=2, text=self.rng.choice(TEXTS), id=0, chunk_seq=0)
+            self._announce(self.rng.choice(TEXTS))
         if kind != 2:
             self.status = 5
-        self.take(FAILSAFE, self.modes[self.rng.choice(('return', 'land'))], now_s)
+        self.take(FAILSAFE, self.modes[self.rng.choice(('return', 'land', 'hold'))], now_s)
+
+    def _announce(self, text):
+        """Say it in one message, or in two of which one may be lost."""
+        if self.rng.random() < 0.7:
+            self.say('STATUSTEXT', severity=2, text=text, id=0, chunk_seq=0)
+            return
+        is_first = self.rng.random() < 0.5
+        before = '' if is_first else f'{"Navigation of vehicle one says:":{PIECE}}'
+        whole = f'{before}{text}: the charge is at 12 percent, it flies home at 30 m'
+        lost = self.rng.choice((None, 0, 1))
+        for number, piece in enumerate((whole[:PIECE], whole[PIECE:])):
+            if number != lost:
+                self.say('STATUSTEXT', severity=2, text=piece, id=7, chunk_seq=number)
 
     def reboot(self, now_s):
         """Start again, on the ground or in the air."""
         if self.rng.random() < 0.7:
             self.stored = {0: [], 1: [], 2: []}
-        self.boot_s = now_s
+        self.boot_s = self.changed_s = now_s
         self._start(now_s)
         self.status = 1
 
-    def overwrite(self):
+    def overwrite(self, now_s):
         """Another station writes another mission, often one of the same length."""
         is_alike = self.stored[0] and self.rng.random() < 0.5
         count = len(self.stored[0]) if is_alike else self.rng.randrange(1, 6)
         self.stored[0] = [(3, 16, 0.0, 0.0, 0.0, 0.0, 1, 2, 3.0)] * count
+        self.changed_s = now_s
 
     # What it is told.
 
     def receive(self, message, now_s):
         """Take a message of the bridge."""
+        if self.obeys_another and message.name not in READING:
+            return
         if message.name in ('COMMAND_LONG', 'COMMAND_INT'):
             self._command(message, now_s)
+        elif message.name == 'PARAM_REQUEST_READ':
+            self._tell_setting(message['param_id'])
         elif message.name == 'MISSION_COUNT':
             self._offer(message)
         elif message.name == 'MISSION_ITEM_INT':
@@ -142,6 +213,8 @@ class HostileVehicle:
             self.say('COMMAND_ACK', command=number, result=result)
         if spite['endless'] and rng.random() < 0.9:
             self.say('COMMAND_ACK', command=number, result=5)
+        if rng.random() < spite['rebooting']:
+            self.reboot(now_s)
 
     def _obey(self, message, now_s):
         number, first = message['command'], message.fields.get('param1', 0.0)
@@ -152,6 +225,9 @@ class HostileVehicle:
         elif number == 400:
             self.is_armed = first == 1.0 or self.is_flying
             self.since_s = now_s
+            if self.is_armed and self.rng.random() < self.spite['rehomes']:
+                self.home = (HOME_E7[0] + self.rng.choice((100, 9000)), HOME_E7[1])
+                self.home_mm += self.rng.choice((0, 5000))
         elif number == 300:
             self._switch(self.modes['mission'], now_s)
         elif number == 193:
@@ -163,8 +239,15 @@ class HostileVehicle:
         return 0
 
     def _switch(self, mode, now_s):
-        if self.rng.random() < self.spite['deaf']:
+        rng = self.rng
+        if rng.random() < self.spite['deaf']:
             return
+        if rng.random() < self.spite['late']:
+            self._late.append((now_s + 4.0 * rng.random(), mode))
+            return
+        self._obeyed(mode, now_s)
+
+    def _obeyed(self, mode, now_s):
         self.take(OURS, mode, now_s)
         self.is_paused = False
         self.next_s = now_s + ITEM_S
@@ -206,6 +289,11 @@ class HostileVehicle:
         named = {'target_system': 255, 'target_component': 190}
         return self.say(name, seq=len(items), mission_type=kind, **named)
 
+    def _tell_setting(self, name):
+        if name in self.settings and self.rng.random() >= self.spite['untold']:
+            value = self.settings[name]
+            self.say('PARAM_VALUE', param_id=name, param_value=value, param_type=REAL32)
+
     def _give(self, kind, number):
         if number < len(self.stored[kind]):
             fields = dict(zip(_KEPT, self.stored[kind][number], strict=True))
@@ -215,8 +303,14 @@ class HostileVehicle:
 
     def step(self, now_s):
         """Fly on; return what it said."""
+        for at_s, mode in [late for late in self._late if late[0] <= now_s]:
+            self._late.remove((at_s, mode))
+            self._obeyed(mode, now_s)
+        if self.fails_in_upload and self._taking is not None and self.is_armed:
+            self.fails_in_upload = False
+            self.fail(now_s)
         self._fly(now_s)
-        if now_s - self._fast_s >= 0.5 and not self.is_stuck:
+        if now_s - self._fast_s >= FAST_S and not self.is_stuck:
             self._fast_s = now_s
             self._tell(now_s)
         if now_s - self._beat_s >= 1.0:
@@ -240,6 +334,18 @@ class HostileVehicle:
             },
         )
         self.owners[id(beat)] = (beat, self.owner)
+
+    def beat_beside(self):
+        """Let another component beat, in a state that is not the vehicle's."""
+        rng = self.rng
+        fields = {
+            'type': rng.choice((18, 26, 2)),
+            'autopilot': rng.choice((0, 8, self.kind.number)),
+            'base_mode': rng.choice((0, 0x80)),
+            'custom_mode': rng.choice(list(self.modes['pilot'])),
+            'system_status': rng.choice((0, 1, 3, 4, 5)),
+        }
+        self.said.append(Message('HEARTBEAT', fields, 1, rng.choice((100, 154, 191))))
 
     def beat_oddly(self):
         """Say once in a heartbeat what is not so."""
@@ -286,10 +392,11 @@ class HostileVehicle:
     def _tell(self, now_s):
         up_ms = max(1, round((now_s - self.boot_s) * 1000))
         height = 30_000 if self.is_flying else 0
+        is_lost = now_s < self.is_lost_until_s
         self.say(
             'GLOBAL_POSITION_INT',
-            time_boot_ms=up_ms,
-            lat=HOME_E7[0],
+            time_boot_ms=up_ms % 2**32,
+            lat=HOME_E7[0] + self.shift_e7,
             lon=HOME_E7[1],
             alt=488_000 + height,
             relative_alt=height,
@@ -308,7 +415,7 @@ class HostileVehicle:
             h_acc=0,
             v_acc=0,
         )
-        self.say('EKF_STATUS_REPORT', flags=831)
+        self.say('EKF_STATUS_REPORT', flags=37 if is_lost else 831)
         self.say(
             'SYS_STATUS',
             onboard_control_sensors_health=PREARM,
@@ -319,7 +426,10 @@ class HostileVehicle:
         self.say('EXTENDED_SYS_STATE', landed_state=2 if self.is_flying else 1)
         phase = 4 if self.is_paused else 3 if self.is_flying else 2
         total = max(0, len(self.stored[0]) - self.kind.first_own_item)
-        self.say('MISSION_CURRENT', seq=self.current, mission_state=phase, total=total)
+        told = {'seq': self.current, 'mission_state': phase, 'total': total}
+        if told not in self.told_missions:
+            self.told_missions.append(told)
+        self.say('MISSION_CURRENT', **told)
         latitude, longitude = self.home
         self.say('HOME_POSITION', latitude=latitude, longitude=longitude, altitude=self.home_mm)
 
@@ -330,12 +440,23 @@ _KEPT = (
 )
 
 
+# A vehicle that does what it is told.
+KIND = {
+    **dict.fromkeys(('refusing', 'lying', 'silent', 'torn', 'deaf'), 0.0),
+    **dict.fromkeys(('rebooting', 'rehomes', 'late', 'untold'), 0.0),
+    'endless': False,
+    'stuck': 0,
+}
+
+
 def spite_of(rng):
     """Draw how the vehicle misbehaves: not at all, in one way, or in all at once."""
-    amount = dict.fromkeys(('refusing', 'lying', 'silent', 'torn', 'deaf'), 0.0)
-    for name in amount:
+    amount = dict(KIND)
+    for name in ('refusing', 'lying', 'silent', 'torn', 'deaf'):
         if rng.random() < 0.15:
             amount[name] = rng.choice((0.05, 0.2, 0.6))
+    for name in ('rebooting', 'rehomes', 'late', 'untold'):
+        amount[name] = rng.choice((0.05, 0.3)) if rng.random() < 0.1 else 0.0
     amount['endless'] = rng.random() < 0.05
     amount['stuck'] = rng.randrange(1, 4) if rng.random() < 0.05 else 0
     return amount

@@ -191,6 +191,24 @@ def test_delay_of_a_route_does_not_count_again_after_a_restart(ros, air, tmp_pat
     assert due_s[0] == due_s[1]
 
 
+def test_goal_without_the_lease_ends_no_wait_of_another(ground):
+    """Nor does it wait itself: it is refused before its delay counts."""
+    route = survey()
+    route.delay_s = 600.0
+    waiting = ground.fly(route=route)
+    ground.listen(topics.STATE)
+    ground.until(lambda: ground.seen().state == VehicleState.WAITING)
+    for delay_s in (0.0, 5.0):
+        foreign = survey(4)
+        foreign.delay_s = delay_s
+        goal = FlyRoute.Goal(route=foreign, plan_id='other', lease='')
+        refused = ground.ended(ground.send(goal))
+        assert refused.outcome == FlyRoute.Result.REJECTED
+        assert 'led by operator' in refused.error_msg
+    assert not waiting.done()
+    assert ground.seen().state == VehicleState.WAITING
+
+
 @pytest.mark.parametrize('delay_s', [math.nan, math.inf, -1.0, 1e308])
 def test_delay_that_is_no_time_is_refused(ground, delay_s):
     """Others are kept away by it: without one the vehicle must not begin at once."""

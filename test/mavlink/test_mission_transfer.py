@@ -200,6 +200,24 @@ def test_other_stations_transfer_is_waited_out():
     assert rig.run().error.startswith('denied')
 
 
+def test_request_that_the_link_doubled_is_answered_once():
+    """An autopilot that asks again for each item that came twice would get them without end."""
+    begun, _ = transfer(survey(3), TARGET, first_compared=1).begin(0.0)
+    first, asking = (
+        Message('MISSION_REQUEST_INT', {'seq': number, 'mission_type': 0}, *TARGET)
+        for number in range(2)
+    )
+    going, sent = begun.on_message(first, 0.1)
+    assert [item['seq'] for item in sent] == [0]
+    again, nothing = going.on_message(first, 0.15)
+    assert (again, nothing) == (going, [])
+    # It asks again by itself no sooner than after 0.25 s: the item was lost.
+    _, repeated = going.on_message(first, 0.35)
+    assert [item['seq'] for item in repeated] == [0]
+    _, following = going.on_message(asking, 0.11)
+    assert [item['seq'] for item in following] == [1]
+
+
 def test_other_vehicles_words_change_nothing():
     """An acknowledgement of another vehicle on the link is not ours."""
     begun, _ = transfer(survey(3), TARGET, first_compared=1).begin(0.0)

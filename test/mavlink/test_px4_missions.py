@@ -6,7 +6,7 @@ import random
 import numpy as np
 import pytest
 from test.fakes.px4_missions import IDLE, Px4Missions
-from test.mavlink.hostile_vehicle import HostileVehicle, modes_of
+from test.mavlink.hostile_vehicle import KIND, HostileVehicle, modes_of
 from test.mavlink.test_flight import plan
 
 from rocsafe_mavlink.autopilots.autopilot import Verb
@@ -19,15 +19,13 @@ from rocsafe_mavlink.wire.dialect import Message
 US, TARGET = (255, 190), (1, 1)
 STEP_S, LONGEST_S = 0.05, 90.0
 ITEMS = mission_of(plan(4), MULTICOPTER).items
-KIND_NO_SPITE = dict.fromkeys(('refusing', 'lying', 'silent', 'torn', 'deaf', 'endless'), 0.0)
 
 
 class Px4Vehicle(HostileVehicle):
     """A well-behaved vehicle but for the states of its mission protocol."""
 
     def __init__(self):
-        spite = {**KIND_NO_SPITE, 'stuck': 0}
-        super().__init__(MULTICOPTER, modes_of(MULTICOPTER, Verb), random.Random(1), spite)
+        super().__init__(MULTICOPTER, modes_of(MULTICOPTER, Verb), random.Random(1), KIND)
         self.missions = Px4Missions()
 
     def receive(self, message, now_s):

@@ -134,6 +134,21 @@ def test_cancelled_drive_stands(ground):
     ground.wait_for_state(VehicleState.HOLDING)
 
 
+def test_cancelled_new_drive_is_not_driven(ground):
+    """While it takes the place of another: the vehicle holds."""
+    first = under_way(ground, drive(8.0, 60.0))
+    other = drive(30.0)
+    other.route_id = 'drive-2'
+    result = sent(ground, other, replace=True)
+    ground.until(lambda: any('MISSION_COUNT' in one for one in ground.air.told()[-3:]))
+    answer = ground.goal.cancel_goal_async()
+    ground.until(answer.done)
+    assert answer.result().goals_canceling
+    ground.wait_for_state(VehicleState.HOLDING)
+    assert ground.ended(result, ground.deadline_s).outcome != DriveRoute.Result.COMPLETED
+    assert not first.done()
+
+
 @pytest.mark.parametrize(
     ('route', 'text'),
     [

@@ -76,6 +76,59 @@ def test_new_route_is_withdrawn_when_the_vehicle_is_taken_over(take_over, words)
     assert not air.copters[1].is_armed or air.copters[1].mode == mode
 
 
+def test_failsafe_that_a_part_of_a_text_names_counts_at_once():
+    """The rest of a long text may come late or never: nothing is sent meanwhile."""
+    air = flying()
+    number, commands = replacing(air), air.drones[1].commands
+    text = f'{"Battery Failsafe, 10.6 V and 274 mAh used of":<50}'
+    fields = {'severity': 2, 'text': text, 'id': 7, 'chunk_seq': 0}
+    before = changes(air)
+    air.say(pack_frame(*encode(Message('STATUSTEXT', fields)), 1, 1, 0, sign=False))
+    assert 'withdrawn: Battery Failsafe' in commands.outcome(number)
+    with pytest.raises(CommandRefusedError, match='not ours to command: failsafe: battery'):
+        commands.replace_route(plan(4), air.now_s)
+    air.wait(20.0)
+    assert changes(air) == before
+
+
+def test_mode_of_a_failsafe_is_not_the_late_one_of_an_order_before():
+    """A return that was lost, a hold, and a failsafe that returns without a word."""
+    air = flying()
+    copter, commands = air.copters[1], air.drones[1].commands
+    receive = copter.receive
+    copter.receive = lambda message, sender: (
+        None if message.name == 'COMMAND_LONG' else receive(message, sender)
+    )
+    commands.return_home(air.now_s)
+    air.wait(0.5)
+    commands.hold(air.now_s)
+    air.wait(0.5)
+    copter.mode, copter.status = RTL, 5
+    air.wait(1.5)
+    before = changes(air)
+    air.wait(20.0)
+    assert changes(air) == before
+    assert 'withdrawn: a failsafe has the vehicle, in RTL' in commands.outcome(commands.count)
+
+
+def test_hold_is_not_given_against_a_failsafe_that_goes_on_with_an_ordered_return():
+    """Without a word, in the same mode: the critical status comes between order and command."""
+    air = flying()
+    copter, commands = air.copters[1], air.drones[1].commands
+    commands.return_home(air.now_s)
+    air.until(lambda: commands.outcome(commands.count) is not None)
+    air.until(lambda: copter.mode == RTL)
+    air.wait(2.0)
+    before = changes(air)
+    commands.hold(air.now_s)
+    copter.status = 5
+    beat = {'type': 2, 'autopilot': 3, 'base_mode': 0x80, 'custom_mode': RTL, 'system_status': 5}
+    air.say(pack_frame(*encode(Message('HEARTBEAT', beat)), 1, 1, 0, sign=False))
+    air.wait(20.0)
+    assert changes(air) == before
+    assert 'withdrawn: a failsafe has the vehicle, in RTL' in commands.outcome(commands.count)
+
+
 def test_critical_status_withdraws_all_but_what_makes_the_flight_safer():
     """Without a text and in the same mode: a new route is withdrawn, a hold is obeyed."""
     air = flying()

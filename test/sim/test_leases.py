@@ -9,6 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
+from action_msgs.msg import GoalStatus
 from rclpy.action import ActionClient
 from std_srvs.srv import Trigger
 from test.sim.node_stand import DEADLINE_S, Operator, route
@@ -99,6 +100,40 @@ def test_goal_goes_to_exactly_one_of_two_nodes_of_a_name(
     # The other one would say that it cannot, since it never flew.
     assert (answer.success, answer.message) == (True, '')
     assert not flown.done()
+
+
+def test_cancel_reaches_only_the_node_that_flies_the_goal(operator: Operator, rav: Any) -> None:
+    """Another vehicle of this name, which hears the cancel too, flies on."""
+    ours, other = (rav(lock_step=False, fix_rate_hz=20.0) for _ in range(2))
+    client = ActionClient(operator.node, FlyRoute, 'rav1/fly_route')
+    goals = []
+    for node in (ours, other):
+        lease = take(operator, holder='anna', server=node._interface.lease.server).control.lease
+        goal = FlyRoute.Goal(route=route(), plan_id='p', lease=lease)
+        goals.append(operator.wait(client.send_goal_async(goal)))
+    vehicles = [node._interface._rav.vehicle for node in (ours, other)]
+    operator.ros.spin_until(lambda: all(one.flight is not None for one in vehicles), DEADLINE_S)
+    goals[0].cancel_goal_async()
+    operator.ros.spin_until(lambda: vehicles[0].summary() is not None, DEADLINE_S)
+    for _ in range(3):
+        # What it answers now came after the cancel.
+        take(operator, holder='anna', server=other._interface.lease.server)
+    assert vehicles[1].summary() is None
+
+
+def test_goal_that_is_cancelled_before_time_begins_is_never_flown(
+    operator: Operator, world: Any, rav: Any
+) -> None:
+    """It waits for the first step, and is withdrawn."""
+    node = rav()
+    goal = operator.send(route())
+    operator.wait(goal.cancel_goal_async())
+    ended = operator.wait(goal.get_result_async())
+    assert ended.status == GoalStatus.STATUS_CANCELED
+    states = operator.listen(topics.STATE)
+    world('rav1', speed=20.0)
+    operator.ros.spin_until(lambda: states and states[-1].header.stamp.sec > 0, DEADLINE_S)
+    assert node._interface._rav.vehicle.flight is None
 
 
 def test_lease_is_granted_where_the_disk_fails(

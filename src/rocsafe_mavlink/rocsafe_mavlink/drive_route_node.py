@@ -125,13 +125,15 @@ class DriveRouteServer:
         if any(goal is one for one, _since_s, _withdrawals in self._early):
             self._drone.session.withdraw_start('cancel')
             return CancelResponse.ACCEPT
-        if goal is not self._driving:
+        is_replacing = self._replacing is not None and goal is self._replacing[0]
+        if goal is not self._driving and not is_replacing:
             return CancelResponse.REJECT
         try:
             self._drone.commands.hold(self._now_s)
         except CommandRefusedError:
             return CancelResponse.REJECT
-        self._cancelling = self._drone.commands.count
+        if not is_replacing:
+            self._cancelling = self._drone.commands.count
         return CancelResponse.ACCEPT
 
     def _watch_cancelling(self) -> None:

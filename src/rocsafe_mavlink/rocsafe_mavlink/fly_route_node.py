@@ -105,8 +105,10 @@ class FlyRouteServer:
             return  # that node executes it
         now_s, name = self._now_s or time.monotonic(), self._drone.spec.name
         try:
+            # A goal without the lease neither waits nor ends the wait of another.
+            self._lease.require(goal.request.lease)
             delay_s = delay_of(goal.request.route)
-        except ValueError as error:
+        except (LeaseRefusedError, ValueError) as error:
             self._end(goal, refusal_message(f'{name}: {error}'))
             return
         if self._late is not None and _is_same(self._late[0][0].request, goal.request):

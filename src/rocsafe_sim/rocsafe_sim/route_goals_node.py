@@ -144,21 +144,30 @@ class RouteGoals(ABC):
     def _execute(self, goal: Any) -> Any:
         known = self._aborted.pop(bytes(goal.goal_id.uuid), None)
         result = self.result()
+        if goal.is_cancel_requested and (known is not None or result is not None):
+            goal.canceled()
+            return known or result
         if known is not None or result is None:
             goal.abort()
             text = f'{self._node.vehicle_name}: the movement goes on'
             return known or self.failure(text, is_refusal=True)
-        if goal.is_cancel_requested:
-            goal.canceled()
-        elif result.outcome == type(result).COMPLETED:
+        if result.outcome == type(result).COMPLETED:
             goal.succeed()
         else:
             goal.abort()
         return result
 
-    def _on_cancel(self, _goal: Any) -> CancelResponse:
+    def _on_cancel(self, goal: Any) -> CancelResponse:
+        # rclpy marks the goal as being cancelled only after this callback.
+        later = self._node.executor.create_task
+        if any(goal is early for early in self._early):
+            self._early = [early for early in self._early if early is not goal]
+            text = 'cancelled before it began'
+            later(self._abort, goal, self.failure(text, is_refusal=False))
+            return CancelResponse.ACCEPT
+        if not any(goal is moving for moving in self._moving):
+            return CancelResponse.REJECT  # another node of this name executes it
         self.cancel()
         self._on_command()
-        # rclpy marks the goal as being cancelled only after this callback.
-        self._node.executor.create_task(self.end_goals)
+        later(self.end_goals)
         return CancelResponse.ACCEPT

@@ -106,6 +106,25 @@ def test_alarms_and_decisions_are_told():
     assert len(otherwise) == 4
 
 
+def test_a_loss_that_was_decided_on_is_told_once():
+    """With the reason of the decision; a crash after it is news."""
+    loss = Notice(
+        time_ns=30 * SECOND, severity=1, kind='loss', by='orchestrator',
+        vehicles=('rav2',), text='lost', reason='battery failed',
+    )  # fmt: skip
+    states = FlightState.FLYING, FlightState.LOST, FlightState.CRASHED
+    record = recorded(
+        samples={'rav2': tuple(sample(20 + 10 * n, state) for n, state in enumerate(states))},
+        notices=(loss,),
+    )
+    events, otherwise = told(record)
+    assert events == [
+        (20.0, 'orchestrator: rav2: lost: battery failed'),
+        (30.0, 'rav2: crashed'),
+    ]
+    assert len(otherwise) == 2
+
+
 def test_recordings_without_decisions_tell_losses_and_restarts():
     """As run.json has them."""
     record = dataclasses.replace(

@@ -15,6 +15,8 @@ from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
 from rocsafe_mavlink.autopilots.px4 import PX4
 from rocsafe_mavlink.wire.dialect import Message, addressed
 
+# The message that tells one.
+PARAMETER = 'PARAM_VALUE'
 ASK_AGAIN_S = 1.0
 # Another station may change a parameter; not every autopilot tells it to all.
 REFRESH_S = 30.0
@@ -135,7 +137,7 @@ class ParameterReader:
 
     def on_message(self, message: Message) -> 'ParameterReader':
         """Take a message; only a PARAM_VALUE that was asked for changes anything."""
-        if message.name != 'PARAM_VALUE' or message['param_id'] not in self._names():
+        if message.name != PARAMETER or message['param_id'] not in self._names():
             return self
         value = decoded_value(self.autopilot, message)
         if not math.isfinite(value):
@@ -144,9 +146,10 @@ class ParameterReader:
 
     def on_tick(self, now_s: float) -> tuple['ParameterReader', list[Message]]:
         """Ask for what is missing, once in a while, and later for what may have changed."""
-        names = (*(self.found if self.is_over else ()), *self._missing())
-        if now_s - self.asked_s < (REFRESH_S if self.is_over else ASK_AGAIN_S):
+        since_s = now_s - self.asked_s
+        if since_s < ASK_AGAIN_S or (since_s < REFRESH_S and self.is_over):
             return self, []
+        names = (*(self.found if self.is_over else ()), *self._missing())
         asked = replace(self, asks=self.asks + 1, asked_s=now_s)
         return asked, [self._question(name) for name in names]
 

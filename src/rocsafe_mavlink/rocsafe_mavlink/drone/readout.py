@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
-from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.autopilots.parameters import PARAMETER, ParameterReader
 from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import fence_of, rally_of
 from rocsafe_mavlink.plan.flight_limits import VehicleSettings
@@ -59,7 +59,7 @@ class Readout:
 
     def on_message(self, message: Message, now_s: float) -> list[Message]:
         """Take a message of the vehicle; return what to send."""
-        if self.settings.parameters is not None:
+        if self.settings.parameters is not None and message.name == PARAMETER:
             self._note(parameters=self.settings.parameters.on_message(message))
         if self._download is None:
             return []
@@ -160,8 +160,8 @@ class Readout:
             return self._begin(MissionType.FENCE, now_s)
         asked = self._read_parameters(kind, now_s)
         parameters = self.settings.parameters
-        is_next = parameters is not None and parameters.is_over
-        if is_next and now_s - self._rally_read_s > READ_AGAIN_S:
+        is_next = now_s - self._rally_read_s > READ_AGAIN_S
+        if is_next and parameters is not None and parameters.is_over:
             return self._begin(MissionType.RALLY, now_s)
         return asked
 
@@ -208,7 +208,8 @@ class Readout:
             return []
         new = ParameterReader(autopilot=kind.number, target=self.target, found={})
         parameters, sent = (self.settings.parameters or new).on_tick(now_s)
-        self._note(parameters=parameters)
+        if parameters is not self.settings.parameters:
+            self._note(parameters=parameters)
         return sent
 
     def _note(self, **changes: Any) -> None:

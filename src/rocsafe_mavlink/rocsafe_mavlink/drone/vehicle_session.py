@@ -14,6 +14,7 @@ from rocsafe_mavlink.drone.readout import Readout, Target
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.custody import Custody
 from rocsafe_mavlink.flight.flight import FlightStage, MissionFlight
+from rocsafe_mavlink.flight.flight_outcome import failsafe_of
 from rocsafe_mavlink.flight.flight_signs import mission_changed
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.events import Event, EventKind
@@ -171,6 +172,7 @@ class VehicleSession:
         heard = self.texts.late(now_s)
         if message.name == 'STATUSTEXT':
             heard += self.texts.take(message, now_s)
+            self._hear_early(now_s)
         else:
             heard.append(text_of_event(message) if message.name == 'EVENT' else message)
         return [event for one in heard for event in self._take(one, now_s)]
@@ -308,6 +310,17 @@ class VehicleSession:
         elif kind is not None:
             expected = frozenset[int]().union(*(one.expected_modes for one in self._begun()))
             self.custody = self.custody.seen(self.telemetry, kind, expected, now_s)
+
+    def _hear_early(self, now_s: float) -> None:
+        """Act on a failsafe that a part of a text names: the rest may come late or never."""
+        text = '' if self.texts.held is None else str(self.texts.held['text'])
+        if not failsafe_of(text):
+            return
+        self.custody = self.custody.heard(text, now_s)
+        if self.flight is not None:
+            self.flight = self.flight.withdrawn(text)
+        if self.sequence is not None:
+            self.sequence = self.sequence.withdrawn(text)
 
     def _begun(self) -> list[CommandSequence]:
         """Return the sequences of the flight and of the operator."""

@@ -20,6 +20,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from rocsafe_mavlink.autopilots.autopilot import Autopilot
+from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import failsafe_of
 from rocsafe_mavlink.knowledge.telemetry import MODE_SHOWS_S, Contact, VehicleTelemetry
 from rocsafe_mavlink.protocols.command_call import CallStage, CommandCall
@@ -92,7 +93,8 @@ class CommandStep:
 
     def on_message(self, message: Message, now_s: float) -> tuple['CommandStep', list[Message]]:
         """Take a message of the vehicle."""
-        return replace(self, call=self.call.on_message(message, now_s)), []
+        call = self.call.on_message(message, now_s)
+        return self if call is self.call else replace(self, call=call), []
 
     def on_tick(
         self, vehicle: VehicleTelemetry, now_s: float
@@ -194,7 +196,8 @@ class TransferStep:
     def _moved(
         self, answer: tuple[Transfer, list[Message]]
     ) -> tuple['TransferStep', list[Message]]:
-        return replace(self, moving=answer[0]), answer[1]
+        moving, sent = answer
+        return self if moving is self.moving else replace(self, moving=moving), sent
 
 
 Step = CommandStep | TransferStep
@@ -223,7 +226,7 @@ class CommandSequence:
         Mission that was uploaded by this sequence and read back as it was sent; None: none yet.
     is_always_taken
         Whether the sequence makes a flight safer (hold, return home, land): it begins at once,
-        and a critical status alone does not withdraw it.
+        and a critical status alone, in a mode that obeys, does not withdraw it.
     is_withdrawn
         Whether it ended because somebody else took the vehicle over, or it was not heard.
     mode
@@ -275,6 +278,8 @@ class CommandSequence:
         if not self.is_begun:
             return self, []
         step, sent = self.steps[0].on_message(message, now_s)
+        if step is self.steps[0]:
+            return self, sent
         return replace(self, steps=(step, *self.steps[1:])), sent
 
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
@@ -375,7 +380,9 @@ class CommandSequence:
         late = self.late_modes if now_s < self.late_until_s else frozenset[int]()
         if vehicle.custom_mode not in {self.mode, *own, *late}:
             return f'the vehicle was switched to {mode}'
-        if vehicle.is_in_failsafe and not self.is_always_taken:
+        # In another mode than these it returns or lands, by an order before this or by itself.
+        is_obeying = vehicle.custom_mode in own or is_commanded(vehicle, self.autopilot)
+        if vehicle.is_in_failsafe and not (self.is_always_taken and is_obeying):
             return f'a failsafe has the vehicle, in {mode}'
         return ''
 

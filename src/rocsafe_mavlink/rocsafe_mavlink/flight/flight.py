@@ -115,7 +115,7 @@ class MissionFlight:
         if self.sequence is None:
             return self, []
         sequence, sent = self.sequence.on_message(message, now_s)
-        return replace(self, sequence=sequence), sent
+        return self if sequence is self.sequence else replace(self, sequence=sequence), sent
 
     def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
         """Go on as far as `vehicle`, as it is known now, allows."""

@@ -94,6 +94,7 @@ class Transfer:
             offers=0,
             is_stuck=False,
             highest=-1,
+            last=-1,
             error='',
             heard_s=now_s,
         )
@@ -108,7 +109,8 @@ class Transfer:
 
     def on_message(self, message: Message, now_s: float) -> tuple['Transfer', list[Message]]:
         """Take a message of the autopilot; those of others change nothing."""
-        if (message.system, message.component) != self.upload.target:
+        is_its = (message.system, message.component) == self.upload.target
+        if not is_its or not message.name.startswith('MISSION_'):
             return self, []
         if self.stage is TransferStage.UPLOADING:
             upload, sent = self.upload.on_message(message, now_s)

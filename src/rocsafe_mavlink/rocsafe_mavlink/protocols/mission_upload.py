@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mission upload: ``(state, message or tick) -> (state, messages to send)``.
 
-The autopilot leads: it asks for each item, as often as it likes, and every request is answered at
-once, repeated ones too. Autopilots also ask by the old MISSION_REQUEST. The answer is
-MISSION_ITEM_INT all the same: the older item rounds places to metres.
+The autopilot leads: it asks for each item, as often as it likes, and a request is answered at
+once, repeated ones too. Only a request that the link has doubled is not: an autopilot that asks
+again for each item that comes twice and a link that doubles messages would multiply them without
+end. Autopilots also ask by the old MISSION_REQUEST. The answer is MISSION_ITEM_INT all the same:
+the older item rounds places to metres.
 """
 
 from dataclasses import dataclass, replace
@@ -53,6 +55,10 @@ class Upload:
         How often it was offered.
     highest
         Highest item that was asked for; -1 if none.
+    last
+        Item that was sent last; -1 if none.
+    last_s
+        Steady time at which it was sent.
     error
         Why the upload failed.
     is_passing
@@ -70,6 +76,8 @@ class Upload:
     heard_s: float = 0.0
     offers: int = 0
     highest: int = -1
+    last: int = -1
+    last_s: float = 0.0
     error: str = ''
     is_passing: bool = False
     is_stuck: bool = False
@@ -122,12 +130,15 @@ class Upload:
         return self.highest == len(self.items) - 1
 
     def _on_request(self, number: int, now_s: float) -> tuple['Upload', list[Message]]:
-        if number >= len(self.items):
+        is_doubled = number == self.last and now_s - self.last_s < self.timing.doubled_s
+        if number >= len(self.items) or is_doubled:
             return self, []
         going = replace(
             self,
             stage=UploadStage.SENDING,
             heard_s=now_s,
+            last=number,
+            last_s=now_s,
             # A request for item 0 begins a new transfer: the offer was heard again.
             highest=0 if number == 0 else max(self.highest, number),
         )

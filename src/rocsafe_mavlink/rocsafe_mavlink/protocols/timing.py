@@ -50,6 +50,9 @@ class TransferTiming:
         one that refuses every offer is asked for a list, which is then left to time out, seconds.
     no_request_s
         Autopilots repeat a request sooner than this, seconds.
+    doubled_s
+        A request for the same item so soon is the same one twice, seconds: a PX4 asks again after
+        0.25 s, an ArduPilot after 0.8 s.
     no_ack_s
         Silence for so long after the last item most likely means a lost acknowledgement, seconds.
     ask_again_s
@@ -71,6 +74,7 @@ class TransferTiming:
     fewest_stuck_offers: int = 2
     release_s: float = 6.5
     no_request_s: float = 10.0
+    doubled_s: float = 0.1
     no_ack_s: float = 3.5
     ask_again_s: float = 1.0
     largest_ask_count: int = 20

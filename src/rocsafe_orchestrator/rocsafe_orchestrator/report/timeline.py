@@ -19,6 +19,7 @@ from rocsafe_view import formats
 ROUTINE = frozenset({'phase', 'order'})
 _ENDS = frozenset({FlightState.LOST, FlightState.CRASHED})
 HOLD = 'hold in the air'
+LOSS = 'loss'
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -49,7 +50,7 @@ def deviations(events: Sequence[Event], record: RunRecord, summary: RunSummary) 
     Losses and restarts that no node told, as in recordings of earlier versions, come first.
     """
     told = {notice.kind for notice in (record.log.notices if record.log else ())}
-    lost = {} if 'loss' in told else summary.lost_vehicles
+    lost = {} if LOSS in told else summary.lost_vehicles
     restarts = {} if 'restart' in told else summary.processes_restarted
     return (
         *(f'{name} is lost: {why}' for name, why in lost.items()),
@@ -66,10 +67,18 @@ def seconds(time_ns: int, zero_ns: int) -> float:
 def _of_states(log: FlightLog, zero_ns: int, driver: str = '') -> Iterator[Event]:
     """Yield the changes of state, those of several vehicles within a second as one."""
     together: dict[tuple[int, str, bool], list[tuple[float, str]]] = {}
+    decided_ns = {
+        name: notice.time_ns
+        for notice in log.notices
+        if notice.kind == LOSS
+        for name in notice.vehicles
+    }
     for name, samples in log.samples.items():
         for before, after in pairwise(samples):
             at_s = seconds(after.time_ns, zero_ns)
-            for said, is_deviation in _changes(before, after):
+            # A decision tells the loss with its reason: the end that it acts on is not told again.
+            is_decided = after.time_ns <= decided_ns.get(name, -1)
+            for said, is_deviation in _changes(before, after, is_decided=is_decided):
                 text = said.replace(HOLD, 'stop') if name == driver else said
                 key = (int(at_s), text, is_deviation)
                 together.setdefault(key, []).append((at_s, name))
@@ -78,7 +87,9 @@ def _of_states(log: FlightLog, zero_ns: int, driver: str = '') -> Iterator[Event
         yield Event(min(found)[0], f'{names}: {text}', is_deviation=is_deviation)
 
 
-def _changes(before: VehicleSample, after: VehicleSample) -> Iterator[tuple[str, bool]]:
+def _changes(
+    before: VehicleSample, after: VehicleSample, *, is_decided: bool
+) -> Iterator[tuple[str, bool]]:
     """Yield what changed in words, and whether it is a deviation from the plan."""
     if after.taken_by != before.taken_by:
         text = f'taken by the {after.taken_by}' if after.taken_by else 'given back'
@@ -89,7 +100,7 @@ def _changes(before: VehicleSample, after: VehicleSample) -> Iterator[tuple[str,
         yield _with_reason(HOLD, after.text), True
     elif before.state == FlightState.HOLDING:
         yield 'end of the hold', False
-    if after.state in _ENDS:
+    if after.state in _ENDS and not is_decided:
         what = 'lost' if after.state == FlightState.LOST else 'crashed'
         yield _with_reason(what, after.text), True
 
