@@ -193,7 +193,7 @@ LONG_CHAINS = {
     # photons, transmission, scatter, kernel, likelihood, search, localisation, products, files
     'rocsafe_radiation': 16,
     'rocsafe_scene': 13,
-    'rocsafe_sim': 16,
+    'rocsafe_sim': 15,
 }
 
 

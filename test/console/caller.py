@@ -2,13 +2,10 @@
 """Somebody who asks the server: as a page does, or as an attacker."""
 
 import json
-import random
 import secrets
 import urllib.error
 import urllib.request
 from http.cookies import SimpleCookie
-
-from rocsafe_console.people.roles import VERBS
 
 
 class Caller:
@@ -69,20 +66,3 @@ FORGED = [
     {'Cookie': 'none'},
     {'Cookie': 'rocsafe=x'},
 ]
-
-
-def forge_many(caller: Caller, stage, count: int) -> None:
-    """Send forged confirmations and orders, each with at least one thing wrong."""
-    source = random.Random(1)
-    right = caller.cookie
-    for _ in range(count):
-        headers = dict(source.choice(FORGED[:-2]))
-        caller.cookie = source.choice((right, f'{right}x', right[:-1], ''))
-        body = {
-            'request_id': f'{source.getrandbits(128):032x}',
-            'verb': source.choice(sorted(verb.value for verb in VERBS)),
-            'revisions': revisions_of(stage),
-        }
-        path = source.choice(('/api/orders', f'/api/orders/{body["request_id"]}/confirm'))
-        assert caller.ask(path, body, **headers)[0] >= 400
-    caller.cookie = right

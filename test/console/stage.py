@@ -13,6 +13,7 @@ from PIL import Image
 
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, Outcome, Result
+from rocsafe_console.people.missions import Missions
 from rocsafe_console.people.users import User, Users
 from rocsafe_console.picture.gas import GasNow
 from rocsafe_console.picture.live import Live
@@ -28,6 +29,8 @@ TOKEN = 'token-of-the-stage'  # noqa: S105 - of tests
 ORIGIN = (53.2800, -9.0633)
 M_PER_DEG = 111_320.0
 CELLS = 80
+# Whom the agents of the first vehicles hear: the third hears nobody, and is heard by one.
+CONTACTS = (('rav2', 'rav3'), ('rav1',), ())
 ROVER = 'rgv1'
 SCENARIOS = Path(__file__).parents[2] / 'config' / 'scenarios'
 
@@ -99,6 +102,7 @@ class Stage:
             live=Live(Picture(1000)),
             desk=Desk(folder),
             users=Users(users or {}),
+            missions=Missions(folder),
             clock=time.time,
             environment=dict(os.environ),
             fleet=self.crew,
@@ -119,6 +123,8 @@ class Stage:
                 )
                 picture.on_home(name, (*place_of(-150.0, 0.0), 40.0))
                 picture.on_dose(name, 3.2, is_lower_limit=False)
+            for name, heard in zip(self.names[:3], CONTACTS, strict=False):
+                picture.on_agent(name, heard, now_s, now_s)
             put = picture.sections.put
             corners = [place_of(*c) for c in ((-120, -80), (120, -80), (120, 80), (-120, 80))]
             put('region', {'name': 'yard', 'rings': [corners]})
@@ -179,6 +185,8 @@ class Stage:
                 if name == ROVER:
                     east, north = -150.0 + self.steps % 700 * 0.1, 0.03 * (self.steps % 700)
                 place = place_of(east, north)
+                if number < len(CONTACTS):
+                    picture.on_agent(name, CONTACTS[number], now_s, now_s)
                 if self.steps % 10 == number % 10 or self.state[name] != 4:
                     picture.on_report(self._report(name, now_s), now_s)
                 picture.on_fix(name, (*place, 90.0), now_s, now_s)

@@ -77,19 +77,19 @@ def test_only_what_was_approved_is_launched(drafts, tmp_path):
     drafts.save('mission', TEXT, {})
     assert drafts.check('mission').is_done
     with pytest.raises(RefusedError, match='not the plan that was approved'):
-        drafts.launch('mission', drafts.digest('mission'))
+        drafts.launch('mission', drafts.digest('mission'), 'anna')
     _, _, approved = drafts.plan('mission')
     drafts.save('mission', TEXT, {'region': RING})
     with pytest.raises(RefusedError, match='not the plan that was approved'):
-        drafts.launch('mission', approved)
+        drafts.launch('mission', approved, 'anna')
     _, _, approved = drafts.plan('mission')
-    launch = drafts.launch('mission', approved, ['abcd1234'])
+    launch = drafts.launch('mission', approved, 'anna', ['abcd1234'])
     assert (launch.state, launch.text) == ('done', 'run done')
     told = (tmp_path / 'told').read_text().splitlines()[-1]
     assert told.startswith('run ')
     assert told.endswith('--confirm abcd1234')
     with pytest.raises(ValueError, match='confirm'):
-        drafts.launch('mission', approved, ['--out=/'])
+        drafts.launch('mission', approved, 'anna', ['--out=/'])
 
 
 def test_a_command_that_fails_is_told_without_its_colours(drafts):
@@ -173,7 +173,7 @@ def launched(drafts: Drafts, tmp_path: Path, run: str) -> Launch:
     command.write_text(text)
     drafts.save('mission', TEXT, {})
     _, _, approved = drafts.plan('mission')
-    return drafts.launch('mission', approved)
+    return drafts.launch('mission', approved, 'anna')
 
 
 def test_the_page_is_told_by_which_plan_real_vehicles_would_take_off(drafts, tmp_path):
@@ -191,7 +191,7 @@ def test_a_mission_runs_once_and_is_ended(drafts, tmp_path, monkeypatch):
     launch = launched(drafts, tmp_path, run)
     assert (launch.state, drafts.mission('mission').state) == ('running', 'running')
     with pytest.raises(RefusedError, match='is flying'):
-        drafts.launch('mission', drafts.digest('mission'))
+        drafts.launch('mission', drafts.digest('mission'), 'anna')
     drafts.end('mission')
     end_s = time.monotonic() + 20.0
     while drafts.mission('mission').state == 'running':

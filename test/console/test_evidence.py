@@ -10,10 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rocsafe_console.errors import EvidenceError
-from rocsafe_console.evidence.chain import LOG_NAME, EvidenceLog, checked, line_of, read_log
-from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk, Event
-from rocsafe_console.evidence.readings import ReadingsHeard, product_of
+from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk
 from rocsafe_console.evidence.seal import (
     make_key,
     public_key_of,
@@ -24,13 +21,27 @@ from rocsafe_console.evidence.seal import (
 )
 from rocsafe_console.seal_command import main as seal_main
 from rocsafe_console.verify_command import main as verify_main
+from rocsafe_geo.storage.evidence_log import (
+    LOG_NAME,
+    Event,
+    EvidenceError,
+    EvidenceLog,
+    checked,
+    line_of,
+    read_log,
+)
+
+
+def order_at(time_s: float, by: str = 'anna', **what) -> Event:
+    """Return an order for a log."""
+    return Event(time_s=time_s, kind='order', by=by, what={'verb': 'hold', **what})
 
 
 def log_of(path: Path, count: int = 5) -> list[bytes]:
     """Add lines to a log and return all lines of it."""
     log = EvidenceLog(path)
     for number in range(count):
-        log.add(float(number), 'order', 'anna', verb='hold', number=number)
+        log.add([order_at(float(number), number=number)])
     log.close()
     return path.read_bytes().split(b'\n')[:-1]
 
@@ -59,14 +70,14 @@ def test_several_writers_make_one_chain(tmp_path):
     path = tmp_path / 'log'
     first, second = EvidenceLog(path), EvidenceLog(path)
     for number in range(6):
-        (first, second)[number % 2].add(float(number), 'order', 'anna')
+        (first, second)[number % 2].add([order_at(float(number))])
     with path.open('ab') as file:
         file.write(b'{"torn')
-    second.add(9.0, 'order', 'bert')
-    assert [entry['n'] for entry in read_log(path)] == list(range(1, 8))
+    second.add([order_at(9.0, 'bert'), order_at(9.5, 'bert')])
+    assert [entry['n'] for entry in read_log(path)] == list(range(1, 9))
     path.write_bytes(b'')
     with pytest.raises(EvidenceError, match='have been removed'):
-        first.add(10.0, 'order', 'anna')
+        first.add([order_at(10.0)])
 
 
 @given(st.data())
@@ -277,39 +288,16 @@ def test_the_commands_seal_and_verify(tmp_path, capsys):
     assert seal_main([str(run), '--key', str(key)]) == 1
 
 
-def test_readings_and_products_are_told_by_hash_and_by_what_they_say():
-    """Each reading counts for the hash; the highest is told with its place and deviation."""
-    plain = {'std_usvh': 0.1, 'latitude_deg': 53.0, 'longitude_deg': -9.0, 'detector': 'nai'}
-    hashes = []
-    for last in (3.0, 3.000001):
-        heard = ReadingsHeard()
-        for stamp_s, rate in ((1.0, 2.0), (2.0, 9.0), (3.0, last)):
-            heard.note('rav1', 'uSv/h', rate, {'stamp_s': stamp_s, **plain, 'rate': rate})
-        ((vehicle, told),) = heard.take()
-        assert list(heard.take()) == []
-        assert (vehicle, told['count'], told['first_s'], told['last_s']) == ('rav1', 3, 1.0, 3.0)
-        assert told['highest'] == {'stamp_s': 2.0, **plain, 'rate': 9.0, 'value': 9.0}
-        hashes.append(told['sha256'])
-    assert hashes[0] != hashes[1]
-    product = product_of('sources', {'stamp_s': 1.0, 'verdict': 'enough', 'sources': [], 'x': 1})
-    assert (product['verdict'], product['datum'], 'x' in product) == ('enough', 'WGS84', False)
-    assert product_of('dose_map', b'1')['sha256'] != product_of('dose_map', b'2')['sha256']
-
-
 def test_events_go_to_the_log_of_their_run(tmp_path):
-    """What nodes tell again to late subscribers is written once, also after a restart."""
-    (tmp_path / 'm1').mkdir()
-    event = Event(time_s=1.0, kind='decision', by='orchestrator', what={'text': 'phase'})
+    """What belongs to no run goes to the log of the console, also after a restart."""
+    for run in ('m1', 'm2'):
+        (tmp_path / run).mkdir(exist_ok=True)
     for _ in range(2):
         desk = Desk(tmp_path)
-        desk.add(Event(time_s=0.0, kind='login', by='anna', what={}))
+        desk.write(order_at(0.0))
         desk.on_mission('m1')
-        desk.add(event)
-        desk.add(event)
-        desk.write(Event(time_s=2.0, kind='order', by='anna', what={'verb': 'hold'}))
+        desk.write(order_at(1.0))
+        desk.write(order_at(2.0), 'm2')
         desk.close()
-    kinds = [
-        json.loads(line)['kind'] for line in (tmp_path / 'm1' / LOG_NAME).read_text().splitlines()
-    ]
-    assert sorted(kinds) == ['decision', 'order', 'order']
-    assert len((tmp_path / CONSOLE_LOG).read_text().splitlines()) == 2
+    names = (f'm1/{LOG_NAME}', f'm2/{LOG_NAME}', CONSOLE_LOG)
+    assert [len(read_log(tmp_path / name)) for name in names] == [2, 2, 2]

@@ -284,7 +284,7 @@ def test_a_ground_vehicle_is_sent_by_clicks(browser, tmp_path):
         pilot = Pilot(stage)
         view = View(browser, address)
         view.wait('document.querySelectorAll(".vehicle").length === 4')
-        assert 'driving' in view.page.inner_text('.vehicles')
+        assert 'driving' in view.page.text_content('.vehicles')
         latitude, longitude = place_of(-60.0, -40.0)
         point = view.page.evaluate(
             f'rocsafe.map.map.latLngToContainerPoint([{latitude}, {longitude}])'
@@ -605,6 +605,35 @@ def test_a_finished_run_is_replayed(browser, tmp_path, flight):
     view.wait('rocsafe.map.source === null')
     assert not view.faults
     view.page.close()
+
+
+def test_a_mission_gets_its_commander_and_list_by_clicks(browser, tmp_path, flight):
+    """A replay never looks live, and says that orders go to the live mission."""
+    stage, _, address = flight
+    make_run(tmp_path / 'yard-1')
+    view = View(browser, address)
+    page = view.page
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.wait('rocsafe.link.sections.contacts.rav1.hears.join() === "rav2,rav3"')
+    page.keyboard.press('2')
+    page.locator('.run').get_by_role('button', name='People').click()
+    page.get_by_role('button', name='Take command').click()
+    page.select_option('#access-visibility', 'named')
+    page.fill('#access-members', 'bert, cora')
+    page.get_by_role('button', name='Save').click()
+    view.wait('document.querySelector(".run .note").textContent.includes("list: bert, cora")')
+    access = stage.context.missions.of('yard-1')
+    assert (access.commander, access.visibility) == ('anna', 'named')
+    assert access.members == ('bert', 'cora')
+    page.locator('.run .run-buttons button').first.click()
+    page.wait_for_selector('#replay-mark:visible')
+    assert 'not live' in page.inner_text('#replay-mark')
+    assert 'Live mission' in page.inner_text('.order-for')
+    page.click('#replay button:last-child')
+    view.wait('document.querySelector("#replay-mark").hidden')
+    assert 'Live mission' not in page.inner_text('.order-for')
+    assert not view.faults
+    page.close()
 
 
 def make_run(run: Path) -> None:

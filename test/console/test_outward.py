@@ -107,4 +107,4 @@ def test_every_collection_is_geojson_by_its_address(stage):
         assert caller.ask('/ogc/wrong/collections')[0] == 401
         caller.cookie = f'{stage.context.options.cookie}={url.split("/")[2]}'
         body = {'request_id': 'a' * 32, 'verb': 'hold', 'revisions': {'rav1': 1}}
-        assert caller.ask('/api/orders', body)[0] == 403
+        assert caller.ask('/api/orders', body)[0] == 401

@@ -4,6 +4,7 @@
 import pytest
 
 from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.people.missions import EVERYBODY, NAMED, Access, Missions, access_of
 from rocsafe_console.people.passwords import hash_of, is_right
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role, require
 from rocsafe_console.people.session_file import load_sessions, save_sessions
@@ -16,11 +17,12 @@ EXPECTED = {
     'viewer': {'see'},
     'operator': {
         'see', 'acknowledge', 'mark', 'draft', 'hold', 'resume', 'return', 'land', 'take',
-        'release', 'go_to', 'send',
+        'release', 'go_to', 'send', 'remake',
     },
     'commander': {
         'see', 'acknowledge', 'mark', 'draft', 'hold', 'resume', 'return', 'land', 'take',
-        'release', 'go_to', 'send', 'replan', 'launch', 'end', 'seal', 'revoke',
+        'release', 'go_to', 'send', 'remake', 'replan', 'launch', 'end', 'seal', 'revoke',
+        'resume_run', 'assign', 'clear',
     },
 }  # fmt: skip
 
@@ -40,6 +42,69 @@ def test_who_may_more_may_also_less():
     """Each role may all that the one below may; a viewer commands nothing."""
     assert MAY[Role.VIEWER] < MAY[Role.OPERATOR] < MAY[Role.COMMANDER] == frozenset(Action)
     assert not MAY[Role.VIEWER] & VERBS
+
+
+MANY = [str(number) for number in range(101)]
+OF_COMMANDER = {'replan', 'end', 'seal', 'resume_run'}
+OF_MEMBERS = {'resume', 'take', 'release', 'go_to', 'send', 'replan'}
+
+
+@pytest.mark.parametrize('visibility', [EVERYBODY, NAMED])
+@pytest.mark.parametrize('commander', ['', 'anna'])
+@pytest.mark.parametrize('members', [(), ('bert',)])
+@pytest.mark.parametrize('user', ['anna', 'bert', 'cora'])
+@pytest.mark.parametrize('role', Role)
+def test_the_rights_on_a_mission_hold_for_every_action(visibility, commander, members, user, role):
+    """All combinations: who is not named does not see; hold, return and land need no list."""
+    access = Access(commander=commander, visibility=visibility, members=members)
+    is_named = user in (commander, *members)
+    sees = visibility == EVERYBODY or role is Role.COMMANDER or is_named
+    assert access.is_seen_by(user, role) == sees
+    for action in Action:
+        name = action.value
+        may = sees
+        may = may and (name not in OF_COMMANDER or commander in ('', user))
+        may = may and (name not in OF_MEMBERS or not members or is_named)
+        if may:
+            access.require(user, role, action)
+        else:
+            with pytest.raises(RefusedError):
+                access.require(user, role, action)
+
+
+def test_the_rights_on_a_mission_outlive_the_server(tmp_path):
+    """Without any, whoever started it commands it; a file that is torn opens nothing."""
+    (tmp_path / 'run1').mkdir()
+    (tmp_path / 'run1' / 'run.json').write_text('{"commander": "anna"}')
+    missions = Missions(tmp_path)
+    assert missions.of('run1') == Access(commander='anna')
+    assert missions.of('none') == Access()
+    access = Access(commander='bert', visibility=NAMED, members=('cora',))
+    missions.put('run1', access)
+    assert Missions(tmp_path).of('run1') == access
+    path = tmp_path / 'console-missions.json'
+    assert path.stat().st_mode & 0o777 == 0o600
+    path.write_text('{"run1": {"commander": "bert"')
+    with pytest.raises(ConsoleError, match='cannot be read'):
+        Missions(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ('plain', 'words'),
+    [
+        ({'commander': 'a', 'visibility': 'nobody', 'members': []}, 'visibility'),
+        ({'commander': 'a', 'visibility': EVERYBODY, 'members': 'bert'}, 'a list of names'),
+        (
+            {'commander': 'a', 'visibility': EVERYBODY, 'members': list(map(str, range(101)))},
+            '101',
+        ),
+        ({'commander': 'a', 'members': []}, 'visibility'),
+    ],
+)
+def test_wrong_rights_are_refused_in_one_line(plain, words):
+    """By the name of the field."""
+    with pytest.raises((ValueError, TypeError, KeyError), match=words):
+        access_of(plain)
 
 
 def test_users_are_kept_in_a_file_that_only_its_owner_reads(tmp_path):

@@ -89,11 +89,16 @@ def test_what_was_kept_for_late_subscribers_is_old_until_the_clock_is_seen_to_ru
     for stamp_s in (9.0, 10.0, 11.0):
         picture.on_report(report(stamp_s=stamp_s), WALL_S)
         assert picture.frames(WALL_S)[0].age_s == math.inf
-    picture.on_mission(mission(10.5), WALL_S + 0.5)
-    picture.on_report(report(stamp_s=10.0), WALL_S + 0.5)
-    assert picture.frames(WALL_S + 0.5)[0].age_s == math.inf
-    picture.on_report(report(stamp_s=10.6), WALL_S + 0.6)
-    assert picture.frames(WALL_S + 0.6)[0].age_s == 0.0
+    # Several states of the mission may have been kept, and come one after the other.
+    for number in range(1, 8):
+        picture.on_mission(mission(10.0 + 0.5 * number), WALL_S + 0.1 * number)
+        picture.on_report(report(stamp_s=14.0), WALL_S + 0.1 * number)
+    assert picture.frames(WALL_S + 0.7)[0].age_s == math.inf
+    picture.on_mission(mission(14.5), WALL_S + 1.0)
+    picture.on_report(report(stamp_s=13.0), WALL_S + 1.0)
+    assert picture.frames(WALL_S + 1.0)[0].age_s == math.inf
+    picture.on_report(report(stamp_s=14.6), WALL_S + 1.1)
+    assert picture.frames(WALL_S + 1.1)[0].age_s == 0.0
 
 
 def test_the_worst_gas_reading_is_kept_by_its_unit():

@@ -197,3 +197,96 @@ def test_every_topic_is_recorded_or_left_out_with_a_reason():
     assert recorded | set(LEFT_OUT) == {spec.name for spec in topics.TOPICS}
     assert not recorded & set(LEFT_OUT)
     assert all(LEFT_OUT.values())
+
+
+def start_recorder_node(ros, directory):
+    """Return a recorder of one vehicle in this process, outside lock-step."""
+    from rclpy.parameter import Parameter
+
+    from rocsafe_orchestrator.recorder_node import RecorderNode
+
+    recorder = RecorderNode(
+        context=ros.context,
+        parameter_overrides=[
+            Parameter('output_directory', value=str(directory)),
+            Parameter('vehicles', value=['rav1']),
+            Parameter('lock_step', value=False),
+        ],
+    )
+    ros.executor.add_node(recorder)
+    return recorder
+
+
+def has_heard_all(events):
+    """Return whether the mission of the test below has been heard."""
+    states = [state for state, *_ in events._before.values()]
+    counts = [one.count for one in events._heard.values()]
+    return len(events._told) >= 3 and states == [6] and counts == [3]
+
+
+def test_evidence_is_logged_without_any_console(ros, tmp_path):
+    """Decision, photograph, product, state and readings: each with the hash of what is recorded.
+
+    A recorder that is started again, and hears it all again, adds nothing twice.
+    """
+    import hashlib
+
+    from mcap.reader import make_reader
+    from rclpy.node import Node
+
+    from rocsafe_geo.storage.evidence_log import LOG_NAME, read_log
+    from rocsafe_interfaces.msg import (
+        Decision,
+        HazardSourceArray,
+        RadiationReading,
+        ShotReceipt,
+        VehicleState,
+    )
+    from rocsafe_ros import topics
+    from rocsafe_ros.conversions import stamp_of_ns
+
+    def reading(second, rate):
+        made = RadiationReading(detector='nai', dose_rate_usvh=rate, dose_rate_std_usvh=0.5)
+        made.header.stamp = stamp_of_ns(second * 1_000_000_000)
+        return made
+
+    sent = [
+        (topics.DECISIONS, '', [Decision(by='orchestrator', kind='loss', text='rav2 is lost')]),
+        (topics.RECEIPTS, '', [ShotReceipt(vehicle='rav1', shot_id='rav1-0', sha256='ab' * 32)]),
+        (topics.HAZARD_SOURCES, '', [HazardSourceArray()]),
+        (topics.STATE, 'rav1', [VehicleState(state=number) for number in (4, 4, 6)]),
+        (topics.RADIATION, 'rav1', [reading(1, 2.0), reading(2, 9.0), reading(3, 3.0)]),
+    ]  # fmt: skip
+    (tmp_path / 'run.json').write_text('{"git_revision": "abc"}')
+    node = Node('mission', context=ros.context)
+    ros.executor.add_node(node)
+    publishers = [topics.create_publisher(node, spec, name) for spec, name, _ in sent]
+    for publisher, (_, _, messages) in zip(publishers, sent, strict=True):
+        for message in messages:
+            publisher.publish(message)
+    for _ in range(2):
+        recorder = start_recorder_node(ros, tmp_path)
+        ros.spin_until(lambda r=recorder: has_heard_all(r._events), DEADLINE_S)
+        ros.executor.remove_node(recorder)
+        recorder.destroy_node()
+    ros.executor.remove_node(node)
+    node.destroy_node()
+    entries = read_log(tmp_path / LOG_NAME)
+    assert entries[0]['kind'] == 'run'
+    assert entries[0]['git_revision'] == 'abc'
+    counts = Counter(entry['kind'] for entry in entries)
+    assert [counts[kind] for kind in ('decision', 'photograph', 'product')] == [1, 1, 1]
+    found = {entry['kind']: entry for entry in entries}
+    assert found['decision']['by'] == 'orchestrator'
+    assert found['photograph']['message']['sha256'] == 'ab' * 32
+    states = [entry['message']['state'] for entry in entries if entry['kind'] == 'state']
+    assert states[:2] == [4, 6]
+    told = found['readings']
+    assert (told['by'], told['count'], told['highest']['dose_rate_usvh']) == ('rav1', 3, 9.0)
+    with finalise(tmp_path).path.open('rb') as stream:
+        recorded = {
+            hashlib.sha256(message.data).hexdigest()
+            for _, channel, message in make_reader(stream).iter_messages()
+            if channel.topic == '/decisions'
+        }
+    assert found['decision']['recorded_sha256'] in recorded

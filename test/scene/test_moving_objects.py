@@ -15,7 +15,8 @@ from rocsafe_sim.options import RavOptions
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_scene.cameras import engine_camera
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
+from rocsafe_sim.rav.shared_parts import make_shared
 
 # Crosses the route's viewpoints, which are photographed within a minute and a half.
 PATH = (

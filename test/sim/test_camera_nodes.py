@@ -20,7 +20,7 @@ from rocsafe_ros.interface_spec import TopicSpec, of_camera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel
-from rocsafe_sim.rav.assembly import SharedParts
+from rocsafe_sim.rav.shared_parts import SharedParts
 
 DEPTH = np.array([[31.5, np.inf, 2.25], [30.25, 2.0, 40.5]], np.float32)
 NUMBERS = np.array([[2, 0, 70_000], [65_535, 3, 1]], np.uint32)

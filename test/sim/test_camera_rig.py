@@ -19,7 +19,8 @@ from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_sim.cameras.gimbal import Direction
 from rocsafe_sim.messages.picture_conversions import info_message, pose_message
 from rocsafe_sim.options import RavOptions
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
+from rocsafe_sim.rav.shared_parts import make_shared
 
 SMALL = {'image_width_px': 160, 'image_height_px': 120}
 

@@ -12,7 +12,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.wind.gusts import correlated_noise
 from rocsafe_sim.flight.gust_drift import GustDrift
 from rocsafe_sim.options import VehicleOptions
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
+from rocsafe_sim.rav.shared_parts import make_shared
 
 from .flights import ROUTE
 

@@ -40,7 +40,7 @@ from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_sim.fleet_node import FleetNode
-from rocsafe_sim.rav.assembly import make_shared
+from rocsafe_sim.rav.shared_parts import make_shared
 from rocsafe_sim.rav_node import RavNode
 
 

@@ -16,7 +16,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import ValueFileError
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.options import RavOptions
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
+from rocsafe_sim.rav.shared_parts import make_shared
 from rocsafe_sim.sensors.barometer import pressure_pa
 from rocsafe_sim.sensors.earth_field import gravity_mps2, magnetic_field_ut, year_of
 from rocsafe_sim.sensors.errors_over_time import Draws, ErrorModel

@@ -15,8 +15,9 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.clock.step_times import LONGEST_GAP_NS, StepTimes
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.options import RavOptions
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
 from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.rav.shared_parts import make_shared
 
 STEP_NS = 200_000_000
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.outward.event_target import EventTarget, target_of
+from rocsafe_console.people.missions import Missions
 from rocsafe_console.people.roles import Role
 from rocsafe_console.people.session_file import load_sessions
 from rocsafe_console.people.sessions import Sessions
@@ -63,6 +64,7 @@ def context_of(arguments: Sequence[str] | None = None) -> Context:
         live=Live(Picture(first_revision)),
         desk=Desk(options.runs),
         users=Users(users),
+        missions=Missions(options.runs),
         sessions=sessions,
         clock=time.time,
         base_map=open_base_map(given.base_map) if given.base_map else None,

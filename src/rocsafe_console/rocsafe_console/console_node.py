@@ -8,7 +8,6 @@ topic `state`, and goes on when a mission ends and another one begins.
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,9 +23,7 @@ from visualization_msgs.msg import MarkerArray
 from rocsafe_console import conversions, gas_conversions
 from rocsafe_console.drive_conversions import drive_of
 from rocsafe_console.drives_node import Offer
-from rocsafe_console.evidence.desk import Desk, Event
-from rocsafe_console.evidence.readings import ReadingsHeard, product_of
-from rocsafe_console.evidence.signing import code_version
+from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order
 from rocsafe_console.orders_node import Finish, Orders
 from rocsafe_console.picture.alarms import ERROR, WARN
@@ -36,6 +33,7 @@ from rocsafe_console.picture.video import SCENE
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import (
     AccumulatedDose,
+    AgentState,
     Decision,
     DoseAlarm,
     GasReading,
@@ -52,9 +50,6 @@ STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
 # What only a ground vehicle offers.
 DRIVE_TYPE = 'rocsafe_interfaces/action/DriveRoute_FeedbackMessage'
 LOOK_S = 0.5
-READINGS_S = 10.0
-# Sections that are products: their hashes go into the evidence log.
-PRODUCTS = frozenset({'sources', 'releases', 'plan', 'cordons', 'zones', 'drive'})
 POSTED_S = 0.02
 
 
@@ -66,7 +61,7 @@ class ConsoleNode(Node):
     live
         Written here, under its lock.
     desk
-        Takes what the evidence log keeps.
+        Learns which mission the orders of people belong to.
     """
 
     def __init__(self, live: Live, desk: Desk, **node_options: Any) -> None:
@@ -80,11 +75,11 @@ class ConsoleNode(Node):
         self._ground: set[str] = set()
         self._cameras: dict[str, Subscription] = {}
         self._posted: deque[Callable[[], None]] = deque()
-        self._readings = ReadingsHeard()
         self.orders = Orders(self)
         for spec, heard in (
             (topics.MISSION_STATE, self._on_mission),
             (topics.DECISIONS, self._on_decision),
+            (topics.AGENTS, self._on_agent),
             (topics.HAZARD_SOURCES, self._on_section('sources', conversions.sources_of)),
             (topics.REGION, self._on_section('region', conversions.region_of)),
             (topics.PLAN, self._on_section('plan', conversions.plan_of)),
@@ -102,7 +97,6 @@ class ConsoleNode(Node):
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_S, self._look, clock=steady)
         self.create_timer(POSTED_S, self._do_posted, clock=steady)
-        self.create_timer(READINGS_S, self._tell_readings, clock=steady)
 
     def post(self, task: Callable[[], None]) -> None:
         """Do `task` in the thread of this node, soon; may be called from any thread."""
@@ -201,13 +195,11 @@ class ConsoleNode(Node):
         reading = conversions.reading_of(name, message)
         with self._live.lock:
             self._live.picture.on_reading(reading, time.time())
-        self._readings.note(name, 'uSv/h', reading.dose_rate_usvh, asdict(reading))
 
     def _on_gas(self, name: str, message: GasReading) -> None:
         reading = gas_conversions.gas_of(name, message)
         with self._live.lock:
             self._live.picture.on_gas(reading, time.time())
-        self._readings.note(name, reading.unit, reading.value, asdict(reading))
 
     def _on_dose(self, name: str, message: AccumulatedDose) -> None:
         with self._live.lock:
@@ -227,15 +219,11 @@ class ConsoleNode(Node):
 
     def _alarm(self, severity: str, name: str, text: str) -> None:
         with self._live.lock:
-            alarm = self._live.picture.alarm(time.time(), severity, name, text)
-        if alarm is not None:
-            self._tell('alarm', name, severity=severity, text=text)
+            self._live.picture.alarm(time.time(), severity, name, text)
 
     def _on_control(self, name: str, message: Any) -> None:
         with self._live.lock:
             self._live.picture.on_holder(name, conversions.holder_of(message), time.time())
-        if message.text:
-            self._tell('lease', name, holder=message.holder, text=message.text)
 
     def _on_home(self, name: str, message: Any) -> None:
         with self._live.lock:
@@ -253,20 +241,18 @@ class ConsoleNode(Node):
             if before is not None and before.mission_id != mission.mission_id:
                 self._live.begin()
             self._live.picture.on_mission(mission, time.time())
-        if before is None or (before.mission_id, before.phase) != (
-            mission.mission_id,
-            mission.phase,
-        ):
-            self._tell_readings()
+        if before is None or before.mission_id != mission.mission_id:
             self._desk.on_mission(mission.mission_id)
-            what = {'phase': mission.phase, 'text': mission.text, 'version': code_version()}
-            self._tell('phase', 'orchestrator', **what)
 
     def _on_decision(self, message: Decision) -> None:
         decision = conversions.decision_of(message)
         with self._live.lock:
             self._live.picture.on_decision(decision, time.time())
-        self._tell('decision', decision.pop('by'), **decision)
+
+    def _on_agent(self, message: AgentState) -> None:
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        with self._live.lock:
+            self._live.picture.on_agent(message.vehicle, message.heard, stamp_s, time.time())
 
     def _on_section(self, name: str, convert: Callable[[Any], Any]) -> Callable[[Any], None]:
         def on_message(message: Any) -> None:
@@ -276,9 +262,7 @@ class ConsoleNode(Node):
 
     def _put(self, name: str, value: Any) -> None:
         with self._live.lock:
-            is_new = self._live.picture.sections.put(name, value)
-        if is_new and name in PRODUCTS:
-            self._tell('product', 'mission', **product_of(name, value))
+            self._live.picture.sections.put(name, value)
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:
@@ -290,9 +274,6 @@ class ConsoleNode(Node):
             stamp_s = conversions.seconds_of(message.header.stamp)
             newest = {'shot_id': message.shot_id, 'vehicle': message.vehicle, 'stamp_s': stamp_s}
             self._live.picture.sections.put('photograph', {**newest, 'heard_s': time.time()})
-        if message.status == ShotReceipt.STORED:
-            what = {'shot_id': message.shot_id, 'sha256': message.sha256}
-            self._tell('photograph', message.vehicle, **what)
 
     def _on_mosaic(self, message: Mosaic) -> None:
         with self._live.lock:
@@ -329,7 +310,6 @@ class ConsoleNode(Node):
         with self._live.lock:
             self._live.images[name] = picture
             self._live.picture.sections.put(name, value)
-        self._tell('product', 'mission', stamp_s=value['stamp_s'], **product_of(name, picture))
 
     def _on_lines(
         self, name: str, convert: Callable[[MarkerArray, LocalFrame], Any]
@@ -344,10 +324,3 @@ class ConsoleNode(Node):
         self._placed[name] = draw
         if self._frame is not None:
             draw(self._frame)
-
-    def _tell_readings(self) -> None:
-        for vehicle, what in self._readings.take():
-            self._tell('readings', vehicle, **what)
-
-    def _tell(self, kind: str, by: str, **what: Any) -> None:
-        self._desk.add(Event(time_s=time.time(), kind=kind, by=by, what=what))

@@ -8,7 +8,3 @@ class ConsoleError(Exception):
 
 class RefusedError(ConsoleError):
     """A request is refused: it names who may not, or what has changed."""
-
-
-class EvidenceError(ConsoleError):
-    """The evidence of a run has been changed, or cannot be read."""

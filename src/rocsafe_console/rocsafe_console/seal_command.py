@@ -9,9 +9,9 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from rocsafe_console.errors import EvidenceError
 from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run
 from rocsafe_console.evidence.signing import code_version, key_path, usual_key
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Origin of a run: command, versions, git revision, machine."""
 
+import getpass
 import json
 import os
 import platform
@@ -18,6 +19,8 @@ _DISTRIBUTIONS = (
     'mcap', 'pillow',
 )  # fmt: skip
 _GIT_TIMEOUT_S = 5.0
+# Set by the console for whoever launches a mission there.
+COMMANDER_VARIABLE = 'ROCSAFE_COMMANDER'
 
 
 def provenance(command: list[str], started: datetime) -> dict[str, Any]:
@@ -26,6 +29,7 @@ def provenance(command: list[str], started: datetime) -> dict[str, Any]:
     return {
         'command': [Path(command[0]).name, *command[1:]],
         'started': started.isoformat(timespec='seconds'),
+        'commander': commander(),
         'git_revision': git_revision(source),
         'git_dirty': git_is_dirty(source),
         'versions': {'python': platform.python_version(), **versions()},
@@ -35,6 +39,14 @@ def provenance(command: list[str], started: datetime) -> dict[str, Any]:
         'cpu_count': os.cpu_count(),
         'outcome': None,
     }
+
+
+def commander() -> str:
+    """Return who starts a run: as the console tells, else the user of the machine, if known."""
+    try:
+        return os.environ.get(COMMANDER_VARIABLE) or getpass.getuser()
+    except (KeyError, OSError):
+        return ''
 
 
 def version_text() -> str:

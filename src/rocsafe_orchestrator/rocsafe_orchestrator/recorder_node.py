@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Node that records the topics of a run as MCAP segments."""
+"""Node that records the topics of a run: as MCAP segments, and in its evidence log."""
 
+import json
 import sys
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -9,9 +12,13 @@ from typing import Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 from rocsafe_geo.option import option
+from rocsafe_geo.storage.evidence_log import LOG_NAME, Event
+from rocsafe_orchestrator.recording.evidence_events import KEPT, EvidenceEvents
+from rocsafe_orchestrator.recording.evidence_writer import EvidenceWriter, hashes_told
 from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
 from rocsafe_orchestrator.recording.recorded_topics import (
     AWAITED_TOPICS,
@@ -19,8 +26,9 @@ from rocsafe_orchestrator.recording.recorded_topics import (
     recorded_topics,
 )
 from rocsafe_orchestrator.recording.segments import SegmentWriter
+from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.interface_spec import TopicSpec, name_of
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
@@ -49,7 +57,7 @@ class RecorderOptions:
 
 
 class RecorderNode(Node):
-    """Writes raw messages of the topics in `recorded_topics`.
+    """Writes raw messages of the topics in `recorded_topics`, and the evidence log.
 
     In lock-step it reports a step as done when all earlier messages are flushed. A restarted
     recorder takes part again only when all vehicles are connected, or after a deadline, so that
@@ -62,6 +70,7 @@ class RecorderNode(Node):
         self._segment = SegmentWriter(
             Path(self._options.output_directory), MessageDefinitions.of_environment()
         )
+        self._begin_evidence(RunDirectory(Path(self._options.output_directory)))
         self._now_ns = 0
         self._early: list[tuple[int, bytes]] = []
         self._awaited = self._subscribe()
@@ -75,9 +84,11 @@ class RecorderNode(Node):
         self.get_logger().info(f'recording to {self._segment.path}')
 
     def destroy_node(self) -> None:
-        """Finish and close the segment."""
+        """Finish and close segment and log."""
         self._write_early()
         self._segment.close()
+        self._log.add(self._events.rest())
+        self._log.close()
         super().destroy_node()
 
     def _subscribe(self) -> list[Subscription]:
@@ -91,11 +102,33 @@ class RecorderNode(Node):
             full_name = self.resolve_topic_name(name_of(spec, vehicle), only_expand=True)
             number = self._segment.add_channel(channel_of(spec, full_name))
             subscription = topics.create_subscription(
-                self, spec, partial(self._on_message, number), vehicle, is_recording=True
+                self, spec, self._callback(number, spec, vehicle), vehicle, is_recording=True
             )
             if spec in AWAITED_TOPICS:
                 awaited.append(subscription)
         return awaited
+
+    def _begin_evidence(self, run: RunDirectory) -> None:
+        """Open the log; its first entry is where the run comes from."""
+        path = run.path / LOG_NAME
+        self._log = EvidenceWriter(path, self.get_logger().error)
+        self._events = EvidenceEvents(time.time, hashes_told(path))
+        if run.run_info.is_file():
+            what = json.loads(run.run_info.read_text(encoding='utf-8'))
+            self._log.add([Event(time_s=time.time(), kind='run', by='recorder', what=what)])
+
+    def _callback(self, number: int, spec: TopicSpec, vehicle: str) -> Callable[[bytes], None]:
+        """Return what is done with each message of a topic."""
+        record = partial(self._on_message, number)
+        if spec.name not in KEPT:
+            return record
+
+        def on_message(data: bytes) -> None:
+            record(data)
+            message = deserialize_message(data, spec.message_type)
+            self._log.add(self._events.of(spec, vehicle, message, data))
+
+        return on_message
 
     def _on_message(self, number: int, data: bytes) -> None:
         if not self._options.lock_step:

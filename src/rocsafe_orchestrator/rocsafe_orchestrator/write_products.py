@@ -21,7 +21,7 @@ from rocsafe_orchestrator.products.source_estimates import SourceEstimates, esti
 from rocsafe_orchestrator.products.summary import RunSummary, summarise
 from rocsafe_orchestrator.recording.finalising import finalise, merge
 from rocsafe_orchestrator.recording.segments import MISSION_FILE, segments
-from rocsafe_orchestrator.report import report_page
+from rocsafe_orchestrator.report.page import report_page
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 

@@ -16,8 +16,9 @@ from rocsafe_scene.errors import ViewError
 from rocsafe_sim.clock.cadence import floor_to
 from rocsafe_sim.errors import SimError
 from rocsafe_sim.options import RavOptions
-from rocsafe_sim.rav.assembly import make_rav, make_shared
+from rocsafe_sim.rav.assembly import make_rav
 from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.rav.shared_parts import make_shared
 from rocsafe_sim.vehicle_node import VehicleInterface
 
 

@@ -17,9 +17,13 @@ from typing import Any
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
-from rocsafe_console.errors import EvidenceError
-from rocsafe_console.evidence.chain import LOG_NAME, line_of, read_log
 from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.evidence_log import (
+    LOG_NAME,
+    EvidenceError,
+    line_of,
+    read_log,
+)
 from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
 
 FORMAT = 'rocsafe-seal-1'

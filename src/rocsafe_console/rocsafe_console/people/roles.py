@@ -32,6 +32,10 @@ class Action(Enum):
     DRAFT = 'draft'
     LAUNCH = 'launch'
     END = 'end'
+    RESUME_RUN = 'resume_run'
+    REMAKE = 'remake'
+    ASSIGN = 'assign'
+    CLEAR = 'clear'
     SEAL = 'seal'
     REVOKE = 'revoke'
 
@@ -43,7 +47,9 @@ VERBS = frozenset(
         Action.GO_TO, Action.SEND, Action.REPLAN,
     }
 )  # fmt: skip
-_OPERATOR = (VERBS - {Action.REPLAN}) | {Action.SEE, Action.ACKNOWLEDGE, Action.MARK, Action.DRAFT}
+_OPERATOR = (VERBS - {Action.REPLAN}) | {
+    Action.SEE, Action.ACKNOWLEDGE, Action.MARK, Action.DRAFT, Action.REMAKE,
+}  # fmt: skip
 MAY = {
     Role.VIEWER: frozenset({Action.SEE}),
     Role.OPERATOR: _OPERATOR,

@@ -18,12 +18,14 @@ _MOST_KEYS = 10_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Session:
-    """Somebody who is logged in.
+    """Somebody who is logged in, or a link that somebody has made.
 
     Attributes
     ----------
     public_id
         Names the session to others; its secret cannot be learned from it.
+    is_link
+        Whether it opens only what other programs read.
     """
 
     public_id: str
@@ -31,6 +33,7 @@ class Session:
     role: Role
     began_s: float
     address: str
+    is_link: bool = False
 
 
 class Sessions:
@@ -39,11 +42,20 @@ class Sessions:
     def __init__(self) -> None:
         self._sessions: dict[str, Session] = {}
 
-    def begin(self, user: str, role: Role, address: str, now_s: float) -> tuple[str, Session]:
+    def begin(
+        self, user: str, role: Role, address: str, now_s: float, *, is_link: bool = False
+    ) -> tuple[str, Session]:
         """Begin a session; return its secret and itself. The oldest ends if there are too many."""
         secret = secrets.token_urlsafe(32)
         key = _key(secret)
-        session = Session(public_id=key[:12], user=user, role=role, began_s=now_s, address=address)
+        session = Session(
+            public_id=key[:12],
+            user=user,
+            role=role,
+            began_s=now_s,
+            address=address,
+            is_link=is_link,
+        )
         self._sessions[key] = session
         while len(self._sessions) > MOST_SESSIONS:
             del self._sessions[next(iter(self._sessions))]

@@ -2,7 +2,7 @@
 """The users and their file: YAML, one user a name, readable by its owner only."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,6 +44,10 @@ class Users:
 
     def __len__(self) -> int:
         return len(self._users)
+
+    def unknown(self, names: Iterable[str]) -> list[str]:
+        """Return those of some names that no user has; none where nobody logs in by name."""
+        return [name for name in names if name and self._users and name not in self._users]
 
     def log_in(self, name: str, password: str) -> User | None:
         """Return the user if the password is right; takes as long for a name that is not there."""

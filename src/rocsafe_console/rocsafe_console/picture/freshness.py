@@ -4,8 +4,9 @@
 A message that DDS keeps for late subscribers arrives at once after a restart, however old it is.
 Its stamp is a time of the mission, which may stand still or pass a hundred times as fast as that
 on the wall. So the times of the wall at which the mission's clock was heard are kept, and a stamp
-is as old as the newest mark of the clock that it had not passed. The first mark tells no time of
-the wall: it may have been kept. The clock is known to run from the second one on.
+is as old as the newest mark of the clock that it had not passed. The marks of the first second
+tell no time of the wall: they may have been kept, several of them. The clock is known to run from
+the first one after that.
 """
 
 import math
@@ -13,6 +14,8 @@ from bisect import bisect_left
 from collections import deque
 
 MARKS_KEPT = 120
+# What is kept comes at once; the mission's state comes twice a second.
+SETTLED_S = 0.9
 STALE_S = 3.0
 
 
@@ -22,6 +25,7 @@ class MissionClock:
     def __init__(self) -> None:
         self._stamps_s: deque[float] = deque(maxlen=MARKS_KEPT)
         self._walls_s: deque[float] = deque(maxlen=MARKS_KEPT)
+        self._begun_s = math.inf
 
     @property
     def newest_s(self) -> float:
@@ -37,7 +41,9 @@ class MissionClock:
             self._stamps_s.clear()
             self._walls_s.clear()
         if not self._stamps_s or stamp_s > self._stamps_s[-1]:
-            self._walls_s.append(wall_s if self._stamps_s else -math.inf)
+            if not self._stamps_s:
+                self._begun_s = wall_s
+            self._walls_s.append(wall_s if self._is_settled(wall_s) else -math.inf)
             self._stamps_s.append(stamp_s)
 
     def wall_of(self, stamp_s: float, now_s: float) -> float:
@@ -52,5 +58,9 @@ class MissionClock:
         """
         place = bisect_left(self._stamps_s, stamp_s)
         if place == len(self._stamps_s):
-            return now_s if len(self._stamps_s) > 1 else -math.inf
+            is_running = bool(self._stamps_s) and math.isfinite(self._walls_s[-1])
+            return now_s if is_running else -math.inf
         return min(now_s, self._walls_s[place])
+
+    def _is_settled(self, wall_s: float) -> bool:
+        return wall_s - self._begun_s >= SETTLED_S

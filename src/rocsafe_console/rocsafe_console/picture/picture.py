@@ -5,7 +5,7 @@ Times `now_s` are of the wall, seconds since 1970; stamps are of the mission's c
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -80,6 +80,7 @@ class Picture:
         self._worst_heard_s = -math.inf
         self._first_revision = first_revision
         self._decisions: list[dict[str, Any]] = []
+        self._contacts: dict[str, dict[str, Any]] = {}
         self.sections.put('scale', DOSE.stops())
         self.sections.put('gas_scale', PLUME.stops())
 
@@ -170,6 +171,13 @@ class Picture:
             vehicle.home = home
             self._tell(vehicle)
 
+    def on_agent(self, name: str, heard: Sequence[str], stamp_s: float, now_s: float) -> None:
+        """Take over which vehicles the agent of a vehicle hears."""
+        self._contacts[name] = {
+            'hears': sorted(set(heard) - {name}),
+            'heard_s': self.clock.wall_of(stamp_s, now_s),
+        }
+
     def on_decision(self, decision: Mapping[str, Any], now_s: float) -> None:
         """Add a decision; one of at least ``warning`` is an alarm."""
         self._decisions = [*self._decisions, dict(decision)][-DECISIONS_KEPT:]
@@ -230,6 +238,7 @@ class Picture:
             },
         )
         self.sections.put('gas', self.gas.to_plain())
+        self.sections.put('contacts', self._contacts)
         slow = {name: vehicle.slow_facts() for name, vehicle in self.vehicles.items()}
         self.sections.put('vehicle_facts', slow)
 

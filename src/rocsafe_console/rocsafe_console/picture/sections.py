@@ -2,19 +2,28 @@
 """Parts of the picture that change rarely: each has a version, and is encoded once."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from rocsafe_geo.storage.json_values import finite
+
+# Sections that pages get at once, not with the next tick.
+URGENT = frozenset({'alarms'})
 
 
 class Sections:
     """Named values as JSON texts, with the number of the change that made each.
 
     A client that has seen change `n` needs the sections after it and no other.
+
+    Attributes
+    ----------
+    on_urgent
+        Called when an urgent section has changed.
     """
 
     def __init__(self) -> None:
+        self.on_urgent: Callable[[], object] = lambda: None
         self.newest = 0
         self._texts: dict[str, str] = {}
         self._changes: dict[str, int] = {}
@@ -27,6 +36,8 @@ class Sections:
         self.newest += 1
         self._texts[name] = text
         self._changes[name] = self.newest
+        if name in URGENT:
+            self.on_urgent()
         return True
 
     def drop(self, names: Iterable[str]) -> None:

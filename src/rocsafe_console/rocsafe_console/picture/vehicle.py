@@ -157,16 +157,11 @@ class Vehicle:
 
     def slow_facts(self) -> dict[str, Any]:
         """Return what changes by the second, fit for JSON."""
+        way_home_s, left_s = self.way_home_s, self.drain.left_s
         return {
             'visited': self.report.viewpoints_visited,
-            'shots_taken': self.report.shots_taken,
-            'shots_pending': self.report.shots_pending,
             'dose_usv': self.dose_usv,
             'dose_is_lower_limit': self.dose_is_lower_limit,
-            'trend': self.trend.word,
-            'way_home_s': round(self.way_home_s) if math.isfinite(self.way_home_s) else None,
-            'battery_left_s': round(self.drain.left_s)
-            if math.isfinite(self.drain.left_s)
-            else None,
-            'holder_expires_s': self.holder.expires_s,
+            'way_home_s': round(way_home_s) if math.isfinite(way_home_s) else None,
+            'battery_left_s': round(left_s) if math.isfinite(left_s) else None,
         }

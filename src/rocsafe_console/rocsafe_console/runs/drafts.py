@@ -28,6 +28,8 @@ MOST_CORNERS = 1000
 # Checks and plans end in seconds; a search that was given more time is for the command line.
 STEP_S = 120.0
 EARLY_END_S = 4.0
+# Tells `rocsafe run` who commands the mission; else it is the user of the machine.
+COMMANDER_VARIABLE = 'ROCSAFE_COMMANDER'
 DRAFTS = 'drafts'
 # A mission that is launched here belongs to nobody else's.
 NOT_PASSED_ON = ('ROCSAFE_SUPERVISOR_PID', 'ROCSAFE_MISSION_TOKEN')
@@ -125,13 +127,17 @@ class Drafts:
             return ''
         return hashlib.sha256(self._path(name).read_bytes() + plan.read_bytes()).hexdigest()
 
-    def launch(self, name: str, approved: str, confirmed: Sequence[str] = ()) -> Launch:
+    def launch(
+        self, name: str, approved: str, user: str, confirmed: Sequence[str] = ()
+    ) -> Launch:
         """Run `rocsafe run`, which goes on by itself; an early end is told with its reason.
 
         Parameters
         ----------
         approved
             Hash that the plan was approved by.
+        user
+            Who launches it: the commander of the mission.
         confirmed
             Hashes by which real vehicles may take off.
 
@@ -147,7 +153,8 @@ class Drafts:
         words = [part for one in confirmed for part in ('--confirm', one)]
         command = [self._command(), 'run', str(self._path(name)), '--out', str(self._runs), *words]
         log = self._path(name).with_suffix('.log')
-        return self._launches.begin(name, command, log, self._environment, EARLY_END_S)
+        environment = {**self._environment, COMMANDER_VARIABLE: user}
+        return self._launches.begin(name, command, log, environment, EARLY_END_S)
 
     def mission(self, name: str) -> Launch:
         """Tell how the mission of a draft stands."""

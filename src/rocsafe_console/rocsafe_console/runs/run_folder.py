@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_console.errors import ConsoleError
+from rocsafe_console.runs.recorded_flight import tracks_of
 
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9._-]{0,150}')
 # Files that may be fetched of a run; pictures and tiles besides.
@@ -26,6 +27,7 @@ FILES = frozenset(
 _TILE = re.compile(r'map/tiles/(\d{1,2}/\d{1,7}/\d{1,7}\.png)')
 _SEAL = re.compile(r'seal-\d{4}\.json')
 _MOST_POINTS = 4000
+_REPLAYED = frozenset({'decision', 'state', 'alarm', 'event', 'photograph', 'order', 'mark'})
 # One transparent pixel.
 EMPTY_TILE = base64.b64decode(
     'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGNgYGBgAAAABQABpfZFQAAAAABJRU5ErkJggg=='
@@ -34,13 +36,14 @@ EMPTY_TILE = base64.b64decode(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunRow:
-    """A run as the list of the page shows it."""
+    """A run as the list of the page shows it; what has no outcome and no process can be resumed."""
 
     name: str
     outcome: str
     started: str
     has_report: bool
     is_sealed: bool
+    can_resume: bool
 
 
 def runs_in(folder: Path) -> list[dict[str, Any]]:
@@ -83,13 +86,15 @@ def replay_of(run: Path) -> dict[str, Any]:
 
     What a run does not have is left out.
     """
-    series = _series(run / 'readings.csv')
-    times = [t for one in series.values() for t in (one['time_s'][:1] + one['time_s'][-1:])]
+    series, tracks = _series(run / 'readings.csv'), tracks_of(run / 'mission.mcap')
+    told = [one['time_s'] for one in (*series.values(), *tracks.values()) if one['time_s']]
+    times = [time_s for one in told for time_s in (one[0], one[-1])]
     return {
         'name': run.name,
         'begin_s': min(times, default=0.0),
         'end_s': max(times, default=0.0),
         'series': series,
+        'tracks': tracks,
         'plan': _json(run / 'plan.geojson'),
         'cordons': _json(run / 'cordons.geojson'),
         'sources': _json(run / 'sources.geojson'),
@@ -118,10 +123,11 @@ def _row(run: Path) -> RunRow:
     info = _json(run / 'run.json') or {}
     return RunRow(
         name=run.name,
-        outcome=str(info.get('outcome') or info.get('phase') or 'unknown'),
+        outcome=str(info.get('outcome') or ('flying' if is_flying(run) else 'not ended')),
         started=str(info.get('started', '')),
         has_report=(run / 'report.html').is_file(),
         is_sealed=any(run.glob('seal-*.json')),
+        can_resume=(run / 'session.json').is_file() and not is_flying(run),
     )
 
 
@@ -191,5 +197,5 @@ def _evidence(path: Path) -> Iterator[dict[str, Any]]:
                 entry = json.loads(line)
             except ValueError:
                 return
-            if entry.get('kind') in ('decision', 'order', 'outcome', 'alarm', 'mark', 'phase'):
+            if entry.get('kind') in _REPLAYED:
                 yield entry

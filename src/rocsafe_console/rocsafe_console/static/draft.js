@@ -3,6 +3,7 @@
 import { t } from './texts.js';
 import { figures, make } from './format.js';
 import { ask } from './link.js';
+import { jobButton } from './jobs.js';
 
 const L = window.L;
 const M_PER_DEG = 111320;
@@ -70,8 +71,8 @@ export class Draft {
       this.word,
       this.editor,
       make('div', { class: 'draft-row' },
-        button('draft_save', () => this.step('save'), 'draft-check'), button('draft_plan', () => this.step('plan'), 'draft-plan'), button('draft_preflight', () => this.step('preflight'))),
-      this.output,
+        button('draft_save', () => this.step('save'), 'draft-check'), button('draft_plan', () => this.step('plan'), 'draft-plan'), button('draft_preflight', () => this.step('preflight')), jobButton('whatif', () => this.name.value, this.jobBox = make('div', { class: 'job-box' }))),
+      this.output, this.jobBox,
       make('label', { class: 'draft-row', for: 'draft-approve' }, this.approve, make('span', { text: t('draft_approve') })),
       this.launch,
       this.missionBox);

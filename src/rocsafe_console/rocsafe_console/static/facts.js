@@ -5,12 +5,13 @@ import { age, dose, doseRate, duration, figures, isNumber, make, missionClock, p
 import { VEHICLE_COLOURS, worldOf } from './map.js';
 import { STALE_S } from './link.js';
 
-const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
+export const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
 // The same states on wheels.
 const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
 const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
-const ROWS_AT_ONCE = 30;
+// Rows that are made in one go: the page answers between them.
+const ROWS_AT_ONCE = 12;
 const M_PER_WORLD = 40075016;
 
 // Replaces children only if the text differs, so that nothing flickers and focus stays.
@@ -154,7 +155,7 @@ export class Facts {
   }
 
   drawAlarms(alarms) {
-    const open = alarms.filter((alarm) => !alarm.seen_by).reverse();
+    const open = alarms.filter((alarm) => !alarm.seen_by).reverse().sort((a, b) => Number(b.severity === 'critical') - Number(a.severity === 'critical'));
     const seen = alarms.filter((alarm) => alarm.seen_by).reverse().slice(0, 5);
     const row = (alarm) => make('li', { class: `alarm ${alarm.severity}${alarm.seen_by ? ' seen' : ''}` },
       make('span', { class: 'sign', text: alarm.severity === 'critical' ? '▲' : '●', 'aria-hidden': 'true' }),
@@ -175,11 +176,10 @@ export class Facts {
     if (!this.link.vehicles.size) { fill(box, make('p', { class: 'none', text: t('no_vehicle') })); this.rows.clear(); return; }
     if (!this.rows.size) { delete box.dataset.made; box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
     for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
-    // A large fleet is listed some at a time, so that the page can be used at once.
     let room = ROWS_AT_ONCE;
     for (const vehicle of this.link.vehicles.values()) {
       let row = this.rows.get(vehicle.name);
-      if (!row && !room) break;
+      if (!row && !room) { setTimeout(() => this.drawVehicles(this.link.sections.vehicle_facts ?? {}), 0); break; }
       if (!row) { room -= 1; row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.append(row); this.watch.observe(row); }
       row.classList.toggle('grey', this.link.isStale(vehicle));
       if (row.isSeen !== false) this.drawRow(row, vehicle, facts[vehicle.name] ?? {});
@@ -197,7 +197,7 @@ export class Facts {
   drawRow(row, vehicle, facts) {
     const frame = vehicle.frame;
     const isStale = this.link.isStale(vehicle);
-    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), Object.values(facts)].join();
+    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
     if (row.told === told) return;
     row.told = told;
     const state = STATES[frame?.state ?? vehicle.facts.state] ?? 'unknown';
@@ -212,7 +212,7 @@ export class Facts {
       pair(t('way_home'), duration(facts.way_home_s)), pair(t('link'), seconds),
       pair(t('dose'), `${facts.dose_is_lower_limit ? '≥ ' : ''}${dose(facts.dose_usv)}`), pair('', t('visited', { done: facts.visited ?? 0, all: vehicle.facts.viewpoint_count })));
     const holder = vehicle.facts.holder ? t('led_by', { holder: vehicle.facts.holder }) : t('led_by_nobody');
-    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
+    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
   }
 
   drawDecisions(decisions) {
@@ -225,6 +225,12 @@ export class Facts {
 function driveLine(vehicle, drive) {
   if (!vehicle.facts.is_ground || drive?.vehicle !== vehicle.name) return '';
   return t('drive_line', { time: duration(drive.duration_s), dose: dose(drive.dose_usv), upper: dose(drive.dose_upper_usv), budget: dose(drive.dose_budget_usv) });
+}
+
+// Whom its agent hears, as long as that is new.
+function contactLine(contact, now) {
+  if (!isNumber(contact?.heard_s) || now - contact.heard_s > STALE_S) return '';
+  return contact.hears.length ? t('hears', { names: contact.hears.length > 5 ? contact.hears.length : contact.hears.join(', ') }) : t('hears_nobody');
 }
 
 // How far from the release the outer bound of each level goes.

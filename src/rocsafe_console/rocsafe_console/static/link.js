@@ -62,6 +62,7 @@ export class Link extends EventTarget {
     const socket = new WebSocket(`${scheme}://${location.host}/api/live`);
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
+    this.openedAt = performance.now();
     socket.onmessage = (event) => {
       if (this.socket !== socket) return;
       if (typeof event.data === 'string') this.readSections(JSON.parse(event.data));
@@ -78,7 +79,8 @@ export class Link extends EventTarget {
 
   // A proxy may drop a connection without a word: it is opened anew.
   watch() {
-    if (this.isWanted && this.socket?.readyState === WebSocket.OPEN && this.silence > 2 * SILENT_S) this.socket.close();
+    const silence = Math.min(this.silence, (performance.now() - this.openedAt) / 1000);
+    if (this.isWanted && this.socket?.readyState === WebSocket.OPEN && silence > 2 * SILENT_S) this.socket.close();
   }
 
   close() { this.isWanted = false; clearTimeout(this.timer); this.socket?.close(); }

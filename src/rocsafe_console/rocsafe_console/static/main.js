@@ -40,6 +40,7 @@ const facts = new Facts($('#facts'), link, {
 });
 const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
+runs.onChange = () => orders.draw();
 const draft = new Draft($('#draft'), map, link, (text) => orders.tell([], text));
 window.rocsafe = { link, map, orders, facts, video, draft };
 
@@ -123,7 +124,8 @@ $('#sound').addEventListener('click', () => { if (!wasWaiting) sound.toggle(); }
 link.addEventListener('sections', ({ detail }) => {
   orders.draw();
   const { mission, session, alarms } = link.sections;
-  $('#mission').replaceChildren(...(mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) })] : [t('no_mission')]));
+const { access } = link.sections;
+  $('#mission').replaceChildren(...(session?.is_hidden ? [t('hidden')] : mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) }), access?.commander ? make('span', { class: 'note', text: t('commanded_by', { name: access.commander }) }) : ''] : [t('no_mission')]));
   const who = $('#who');
   who.hidden = !session;
   if (session) who.textContent = t('who', { user: session.user, role: session.role });

@@ -2,19 +2,22 @@
 // The map: Leaflet without its icons; vehicles and tracks on canvases of their own.
 import { t } from './texts.js';
 import { make, isNumber } from './format.js';
+import { STALE_S } from './link.js';
 
 const L = window.L;
 export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a'];
 const GREY = '#8b938f';
 const M_PER_DEG = 111320;
 const MOST_LABELS = 40;
+// Lines of who hears whom; of more vehicles only those of the chosen ones are drawn.
+const MOST_IN_CONTACT = 12;
 const MOST_TRACK = 4000;
 // Numbers of VehicleState.
 const [HOLDING, RETURNING, LANDING, LOST, CRASHED] = [5, 6, 7, 9, 10];
 const ON_GROUND = new Set([1, 2, 8, 11]);
 const LAYERS = {
   base: true, mosaic: true, dose: true, footprints: false, tracks: true, routes: true, region: true, exclusions: true,
-  drive: true, cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, grid: true,
+  drive: true, cordons: true, plume: true, zones: true, sources: true, homes: true, marks: true, contact: true, grid: true,
 };
 
 // A canvas over the map that is drawn by `draw(context, toPixel)` with points in world units.
@@ -77,17 +80,19 @@ export class MissionMap {
     this.map.createPane('vehicles').style.zIndex = 640;
     this.groups = Object.fromEntries(Object.keys(LAYERS).map((name) => [name, L.layerGroup()]));
     this.images = {};
-    this.tracks = new Map();
+    this.liveTracks = new Map();
     this.stops = [];
     this.isFitted = false;
     this.groups.grid.addLayer(new CanvasLayer((...all) => this.drawGrid(...all), { pane: 'images' }));
     this.trackLayer = new CanvasLayer((...all) => this.drawTracks(...all), { pane: 'tracks' });
     this.groups.tracks.addLayer(this.trackLayer);
+    this.homeLayer = new CanvasLayer((...all) => this.drawHomes(...all), { pane: 'tracks' });
+    this.groups.homes.addLayer(this.homeLayer);
     this.vehicleLayer = new CanvasLayer((...all) => this.drawVehicles(...all), { pane: 'vehicles' }).addTo(this.map);
     for (const [name, group] of Object.entries(this.groups)) if (this.shown[name]) group.addTo(this.map);
     new ResizeObserver(() => this.map.invalidateSize({ animate: false })).observe(element);
     this.map.on('click', (event) => this.onClick(event));
-    this.map.on('zoomend', () => this.drawCordons(this.sections.cordons ?? []));
+    this.map.on('zoomend', () => this.declutter());
     link.addEventListener('sections', (event) => this.onSections(event.detail));
     link.addEventListener('frame', () => this.onFrame());
     this.source = null;
@@ -119,6 +124,7 @@ export class MissionMap {
   // What is shown is live, or a replay with sections and vehicles of its own.
   get sections() { return this.source?.sections ?? this.link.sections; }
   get vehicles() { return this.source?.vehicles ?? this.link.vehicles; }
+  get tracks() { return this.source?.tracks ?? this.liveTracks; }
   isStale(vehicle) { return this.source ? false : this.link.isStale(vehicle); }
 
   switches() {
@@ -157,8 +163,27 @@ export class MissionMap {
     if (has('mosaic')) this.drawImage('mosaic', sections.mosaic, 1);
     if (has('dose_map')) this.drawImage('dose', sections.dose_map, 1, 'dose_map');
     if (has('plume')) { this.drawImage('plume', sections.plume, 1); this.drawLegend(); }
-    if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.drawHomes();
+    if (!names || [...names].some((name) => name.startsWith('vehicle/') || name === 'tracks')) this.showHomes();
     if (!this.isFitted && (sections.region || sections.plan)) this.fit(false);
+    this.declutter();
+  }
+
+  // A label over another one can be read by nobody: those of sources stay, then the first one.
+  declutter() {
+    if (this.isCluttered) return;
+    this.isCluttered = true;
+    requestAnimationFrame(() => {
+      this.isCluttered = false;
+      const kept = [];
+      const labels = [...this.map.getPane('markerPane').querySelectorAll('.map-label')];
+      const boxes = labels.map((one) => [one, one.getBoundingClientRect()]);
+      boxes.sort(([a], [b]) => Number(b.classList.contains('map-label-source')) - Number(a.classList.contains('map-label-source')));
+      for (const [one, box] of boxes) {
+        const isFree = kept.every((other) => box.right < other.left || other.right < box.left || box.bottom < other.top || other.bottom < box.top);
+        one.classList.toggle('is-over', !isFree);
+        if (isFree) kept.push(box);
+      }
+    });
   }
 
   // First the ground that is surveyed, as the report does; `f` shows all.
@@ -203,7 +228,6 @@ export class MissionMap {
 
   drawCordons(cordons) {
     this.groups.cordons.clearLayers();
-    let before = null;
     const sorted = [...cordons].sort((a, b) => a.level_usvh - b.level_usvh);
     for (const cordon of sorted) {
       this.groups.cordons.addLayer(L.polyline(cordon.ring, { color: '#0b100e', weight: 4, opacity: 0.55, interactive: false }));
@@ -211,9 +235,7 @@ export class MissionMap {
       this.groups.cordons.addLayer(line);
       if (!cordon.is_mean && cordon.ring.length) {
         const top = cordon.ring.reduce((a, b) => (b[0] > a[0] ? b : a));
-        const pixel = this.map.latLngToLayerPoint(top);
-        // A label over another one can be read by nobody.
-        if (!before || Math.abs(pixel.y - before.y) > 16) { before = pixel; this.groups.cordons.addLayer(label(top, `${cordon.level_usvh} µSv/h`, 'map-label')); }
+        this.groups.cordons.addLayer(label(top, `${cordon.level_usvh} µSv/h`, 'map-label'));
       }
     }
   }
@@ -252,11 +274,24 @@ export class MissionMap {
     }
   }
 
-  drawHomes() {
-    this.groups.homes.clearLayers();
+  showHomes() {
+    const key = [...this.vehicles.values()].map((vehicle) => vehicle.facts?.home).join('|');
+    if (this.homes === key) return;
+    this.homes = key;
+    this.homeLayer.redraw();
+  }
+
+  drawHomes(context, toPixel) {
+    context.lineWidth = 3;
+    context.fillStyle = 'rgb(255 255 255 / 90%)';
     for (const vehicle of this.vehicles.values()) {
       const home = vehicle.facts?.home;
-      if (home) this.groups.homes.addLayer(L.circleMarker([home[0], home[1]], { radius: 6, color: this.colourOf(vehicle), weight: 3, fillColor: '#ffffff', fillOpacity: 0.9, interactive: false }));
+      if (!home) continue;
+      context.strokeStyle = this.colourOf(vehicle);
+      context.beginPath();
+      context.arc(...toPixel(worldOf(home[0], home[1])), 6, 0, 7);
+      context.fill();
+      context.stroke();
     }
   }
 
@@ -274,27 +309,28 @@ export class MissionMap {
   }
 
   readTracks(tracks) {
-    this.tracks.clear();
-    for (const [name, points] of Object.entries(tracks)) this.tracks.set(name, points.map(([lat, lon, rate]) => [...worldOf(lat, lon), rate ?? NaN]));
+    this.liveTracks.clear();
+    for (const [name, points] of Object.entries(tracks)) this.liveTracks.set(name, points.map(([lat, lon, rate]) => [...worldOf(lat, lon), rate ?? NaN]));
     this.trackLayer.redraw();
   }
 
   onFrame() {
-    if (this.source) return;
     let hasNew = false;
     for (const vehicle of this.link.vehicles.values()) {
       const frame = vehicle.frame;
       if (!frame || !isNumber(frame.latitude)) continue;
       vehicle.world = worldOf(frame.latitude, frame.longitude);
-      const track = this.tracks.get(vehicle.name) ?? [];
+      const track = this.liveTracks.get(vehicle.name) ?? [];
       const last = track.at(-1);
       if (!last || Math.hypot(vehicle.world[0] - last[0], vehicle.world[1] - last[1]) > 4e-8) {
         track.push([...vehicle.world, frame.doseRate]);
         if (track.length > MOST_TRACK) { track.splice(0, MOST_TRACK / 4); this.drawn?.delete(vehicle.name); }
-        this.tracks.set(vehicle.name, track);
+        this.liveTracks.set(vehicle.name, track);
         hasNew = true;
       }
     }
+    // A replay goes on beside the mission, whose tracks grow unseen.
+    if (this.source) return;
     this.isTrackNew ||= hasNew;
     this.schedule();
   }
@@ -366,7 +402,29 @@ export class MissionMap {
     }
   }
 
+  // Who hears whom, as the agents tell: solid both ways, dashed one way, nothing that is old.
+  drawContact(context, toPixel) {
+    const contacts = this.sections.contacts ?? {};
+    const isFresh = (name) => isNumber(contacts[name]?.heard_s) && this.link.now - contacts[name].heard_s <= STALE_S && this.link.isLive;
+    const hears = (a, b) => isFresh(a) && contacts[a].hears.includes(b);
+    const names = Object.keys(contacts).filter((name) => this.vehicles.get(name)?.world);
+    const isFew = names.length <= MOST_IN_CONTACT;
+    for (const [index, a] of names.entries()) {
+      for (const b of names.slice(index + 1)) {
+        const [there, back] = [hears(a, b), hears(b, a)];
+        if (!(there || back) || !(isFew || this.selected.has(a) || this.selected.has(b))) continue;
+        context.beginPath();
+        context.moveTo(...toPixel(this.vehicles.get(a).world));
+        context.lineTo(...toPixel(this.vehicles.get(b).world));
+        context.setLineDash(there && back ? [] : [3, 6]);
+        for (const [width, colour] of [[4, 'rgb(11 16 14 / 45%)'], [1.6, '#9fe8ff']]) { context.lineWidth = width; context.strokeStyle = colour; context.stroke(); }
+      }
+    }
+    context.setLineDash([]);
+  }
+
   drawVehicles(context, toPixel) {
+    if (this.shown.contact && !this.source) this.drawContact(context, toPixel);
     const isLabelled = this.vehicles.size <= MOST_LABELS;
     context.font = '650 12px system-ui, "Liberation Sans", sans-serif';
     context.textBaseline = 'middle';

@@ -39,13 +39,13 @@ export class Orders {
   draw() {
     if (this.armed) return;
     const names = this.names();
-    const key = `${names}|${(this.link.sections.session?.may ?? []).join()}`;
+    const key = `${document.documentElement.dataset.replay}|${names}|${(this.link.sections.session?.may ?? []).join()}`;
     if (this.drawn === key) return;
     this.drawn = key;
     const buttons = VERBS.filter(([verb]) => this.may(verb)).map(([verb, letter]) => make('button', {
       type: 'button', class: `order order-${verb}`, 'data-verb': verb, 'aria-keyshortcuts': letter || undefined, disabled: !names.length, text: t(`verb_${verb}`), onclick: () => this.arm(verb),
     }));
-    this.bar.replaceChildren(make('span', { class: 'order-for', text: t('orders_for', { what: this.what(names) }) }), ...buttons);
+    this.bar.replaceChildren(make('span', { class: 'order-for', text: t(document.documentElement.dataset.replay ? 'orders_for_live' : 'orders_for', { what: this.what(names) }) }), ...buttons);
   }
 
   async arm(verb, names = OF_ALL.has(verb) ? [...this.link.vehicles.keys()] : this.names(), target = null) {

@@ -4,8 +4,12 @@ import { t } from './texts.js';
 import { doseRate, make, missionClock } from './format.js';
 import { ask } from './link.js';
 import { worldOf } from './map.js';
+import { STATES } from './facts.js';
+import { jobButton } from './jobs.js';
 
 const SPEED = 8;
+const SHOWN_EVENTS = 40;
+const SEVERITIES = ['', 'warning', 'critical'];
 // Layers whose pictures are those of the live mission, or of the replay.
 const IMAGES = ['mosaic', 'dose', 'plume'];
 
@@ -17,20 +21,79 @@ export class Runs {
   }
 
   async show() {
-    const { runs } = await ask('/api/runs');
     const may = this.map.link.sections.session?.may ?? [];
-    const rows = runs.map((run) => make('li', { class: 'run' },
-      make('b', { text: run.name }),
-      make('span', { class: 'note', text: [run.outcome, run.is_sealed ? t('run_sealed') : ''].filter(Boolean).join(' · ') }),
-      make('span', { class: 'run-buttons' },
-        make('button', { type: 'button', class: 'small', text: t('run_replay'), onclick: () => this.replay(run.name) }),
-        make('button', { type: 'button', class: 'small', text: t('run_verify'), onclick: (event) => this.verify(run.name, event.target) }),
-        may.includes('seal') ? make('button', { type: 'button', class: 'small', text: t('run_seal'), onclick: (event) => this.seal(run.name, event.target) }) : '',
-        run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : ''),
-      make('output', { class: 'note run-word' })));
+    const [{ runs }, { campaigns }] = await Promise.all([ask('/api/runs'), may.includes('draft') ? ask('/api/campaigns') : { campaigns: [] }]);
     const address = make('output', { class: 'note' });
     const link = make('button', { type: 'button', class: 'small', text: t('link_make'), onclick: async () => { address.textContent = (await ask('/api/links', {})).url; } });
-    this.panel.replaceChildren(make('h2', { text: t('runs_title') }), make('p', { class: 'run-buttons' }, link), address, rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }));
+    const rows = runs.map((run) => this.row(run, may));
+    this.events = make('ul', { class: 'decisions' });
+    this.eventBox = make('section', { class: 'fact', hidden: !this.run }, make('h2', { text: t('replay_events') }), this.events);
+    this.panel.replaceChildren(this.eventBox, make('h2', { text: t('runs_title') }), make('p', { class: 'run-buttons' }, link), address,
+      rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }),
+      ...(may.includes('launch') ? this.campaigns(campaigns) : []), ...(may.includes('clear') ? this.clean() : []));
+  }
+
+  // A mission: its state, who commands it, who sees it, and what can be done with it.
+  row(run, may) {
+    const box = make('div', { class: 'job-box' });
+    const nameOf = () => run.name;
+    const words = [run.outcome, run.is_sealed ? t('run_sealed') : '', run.commander ? t('commanded_by', { name: run.commander }) : t('commanded_by_nobody'),
+      run.members.length ? t('access_list', { names: run.members.join(', ') }) : t('access_open'), run.visibility === 'named' ? t('access_named_short') : ''];
+    const button = (key, onclick) => make('button', { type: 'button', class: 'small', text: t(key), onclick });
+    return make('li', { class: 'run', 'data-run': run.name },
+      make('b', { text: run.name }),
+      make('span', { class: 'note', text: words.filter(Boolean).join(' · ') }),
+      make('span', { class: 'run-buttons' },
+        button('run_replay', () => this.replay(run.name)),
+        button('run_verify', (event) => this.verify(run.name, event.target)),
+        run.has_report ? make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(run.name)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('run_report') }) : '',
+        may.includes('assign') ? button('access', () => this.askAccess(run)) : '',
+        may.includes('seal') ? button('run_seal', (event) => this.seal(run.name, event.target)) : '',
+        may.includes('resume_run') && run.can_resume ? jobButton('resume', nameOf, box) : '',
+        may.includes('remake') ? jobButton('report', nameOf, box) : '',
+        may.includes('remake') ? jobButton('replay', nameOf, box) : ''),
+      make('output', { class: 'note run-word' }), box);
+  }
+
+  campaigns(names) {
+    if (!names.length) return [make('h2', { text: t('campaigns') }), make('p', { class: 'none', text: t('campaigns_none') })];
+    const box = make('div', { class: 'job-box' });
+    const choice = make('select', { 'aria-label': t('campaigns'), id: 'campaign' }, ...names.map((name) => make('option', { value: name, text: name })));
+    const page = make('button', { type: 'button', class: 'small', text: t('campaign_page'), onclick: () => open(`/api/campaigns/${encodeURIComponent(choice.value)}/page`, '_blank', 'noopener') });
+    return [make('h2', { text: t('campaigns') }), make('p', { class: 'run-buttons' }, choice, jobButton('campaign', () => choice.value, box), page), box];
+  }
+
+  clean() {
+    const box = make('div', { class: 'job-box' });
+    const name = make('input', { id: 'clear-name', maxlength: 60 });
+    return [make('h2', { text: t('clear_title') }), make('label', { for: 'clear-name', text: t('clear_label') }), make('p', { class: 'run-buttons' }, name, jobButton('clear', () => name.value, box)), box];
+  }
+
+  // Who commands a mission, who sees it, and who gives orders.
+  askAccess(run) {
+    const dialog = document.getElementById('access');
+    const user = this.map.link.sections.session?.user ?? '';
+    const commander = make('input', { id: 'access-commander', maxlength: 32, value: run.commander });
+    const option = (value) => make('option', { value, text: t(`access_${value}`), selected: run.visibility === value });
+    const visibility = make('select', { id: 'access-visibility' }, option('everybody'), option('named'));
+    const members = make('input', { id: 'access-members', maxlength: 2000, value: run.members.join(', ') });
+    const word = make('p', { class: 'warn', role: 'alert' });
+    const save = async (event) => {
+      event.preventDefault();
+      const names = members.value.split(',').map((name) => name.trim()).filter(Boolean);
+      try {
+        await ask(`/api/runs/${encodeURIComponent(run.name)}/access`, { commander: commander.value.trim(), visibility: visibility.value, members: names });
+        dialog.close();
+        await this.show();
+      } catch (error) { word.textContent = error.message; }
+    };
+    const field = (input, key) => [make('label', { for: input.id, text: t(key) }), input];
+    dialog.replaceChildren(make('h2', { id: 'access-title', text: t('access_title', { run: run.name }) }),
+      make('form', { onsubmit: save }, ...field(commander, 'access_commander'),
+        make('button', { type: 'button', class: 'small', text: t('access_take'), onclick: () => { commander.value = user; } }),
+        ...field(visibility, 'access_visibility'), ...field(members, 'access_members'), word,
+        make('p', { class: 'run-buttons' }, make('button', { class: 'order', text: t('access_save') }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => dialog.close() }))));
+    dialog.showModal();
   }
 
   // Hashes all files of a run, which takes seconds.
@@ -56,10 +119,13 @@ export class Runs {
 
   async replay(name) {
     const run = await ask(`/api/runs/${encodeURIComponent(name)}/replay`);
-    const names = Object.keys(run.series).sort();
-    const vehicles = new Map(names.map((vehicle, number) => [vehicle, { name: vehicle, facts: { number, home: null }, frame: { state: 4 } }]));
+    // Where a vehicle was, second by second; without a recording, where it measured.
+    this.places = { ...run.series, ...run.tracks };
+    const names = Object.keys(this.places).sort();
+    const vehicles = new Map(names.map((vehicle, number) => [vehicle, { name: vehicle, facts: { number, home: null }, frame: { state: 0 } }]));
+    this.told = toldOf(run.evidence);
     this.run = run;
-    this.map.source = { vehicles, sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
+    this.map.source = { vehicles, tracks: new Map(), sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
     this.map.images = {};
     for (const group of IMAGES) this.map.groups[group].clearLayers();
     this.map.isFitted = false;
@@ -67,6 +133,10 @@ export class Runs {
     if (!this.map.isFitted) this.fitTracks();
     if (run.tiles) this.showTiles(name, run.tiles);
     this.makeBar();
+    document.documentElement.dataset.replay = '1';
+    document.getElementById('replay-mark').hidden = false;
+    this.onChange?.();
+    if (this.eventBox) this.eventBox.hidden = false;
     this.seek(run.end_s - run.begin_s);
   }
 
@@ -121,38 +191,57 @@ export class Runs {
     const until = this.run.begin_s + this.at;
     let highest = NaN;
     this.map.tracks.clear();
-    for (const [name, one] of Object.entries(this.run.series)) {
-      const count = upTo(one.time_s, until);
-      const track = this.worlds(name, one).slice(0, count);
-      this.map.tracks.set(name, track);
-      for (const point of track) if (!(point[2] <= highest)) highest = point[2];
+    for (const [name, one] of Object.entries(this.places)) {
+      const series = this.run.series[name] ?? { time_s: [] };
+      const measured = series.time_s.length ? this.worlds(name, series).slice(0, upTo(series.time_s, until)) : this.worlds(name, one).slice(0, upTo(one.time_s, until));
+      this.map.tracks.set(name, measured);
+      for (const point of measured) if (!(point[2] <= highest)) highest = point[2];
       const vehicle = this.map.source.vehicles.get(name);
-      vehicle.world = track.at(-1);
-      vehicle.frame.latitude = one.latitude_deg[count - 1];
-      vehicle.frame.longitude = one.longitude_deg[count - 1];
+      const at = upTo(one.time_s, until) - 1;
+      [vehicle.frame.latitude, vehicle.frame.longitude] = [one.latitude_deg[at], one.longitude_deg[at]];
+      vehicle.world = worldOf(vehicle.frame.latitude, vehicle.frame.longitude);
+      vehicle.frame.state = 0;
     }
+    this.tellUntil(until);
     this.time.textContent = `${missionClock(this.at)} · ${doseRate(highest)}`;
     this.map.trackLayer.redraw();
     this.map.schedule();
   }
 
+  // States of the vehicles, and what was decided and stored until a moment.
+  tellUntil(until) {
+    const past = this.told.filter((one) => one.time_s <= until);
+    for (const one of past) {
+      const vehicle = one.state === undefined ? null : this.map.source.vehicles.get(one.by);
+      if (vehicle) vehicle.frame.state = one.state;
+    }
+    if (!this.events) return;
+    const rows = past.slice(-SHOWN_EVENTS).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.time_s - this.run.begin_s)} ${one.by} ` }), one.text));
+    this.events.replaceChildren(...(rows.length ? rows : [make('li', { class: 'none', text: t('replay_none') })]));
+  }
+
   worlds(name, one) {
     this.cache ??= new Map();
     const key = `${this.run.name}/${name}`;
-    if (!this.cache.has(key)) this.cache.set(key, one.latitude_deg.map((latitude, index) => [...worldOf(latitude, one.longitude_deg[index]), one.dose_rate_usvh[index]]));
+    if (!this.cache.has(key)) this.cache.set(key, one.latitude_deg.map((latitude, index) => [...worldOf(latitude, one.longitude_deg[index]), one.dose_rate_usvh?.[index] ?? NaN]));
     return this.cache.get(key);
   }
 
   stop() {
     this.isPlaying = false;
+    this.run = null;
     this.bar.hidden = true;
+    delete document.documentElement.dataset.replay;
+    document.getElementById('replay-mark').hidden = true;
+    if (this.eventBox) this.eventBox.hidden = true;
     this.map.source = null;
     this.map.images = {};
     for (const group of IMAGES) this.map.groups[group].clearLayers();
-    this.map.readTracks(this.map.link.sections.tracks ?? {});
+    this.map.trackLayer.redraw();
     this.map.isFitted = false;
     this.map.drawSections(null);
     this.map.schedule();
+    this.onChange?.();
   }
 }
 
@@ -164,6 +253,18 @@ function upTo(times, until) {
     if (times[middle] <= until) low = middle + 1; else high = middle;
   }
   return Math.max(low, 1);
+}
+
+// What the log of a run tells at times of the mission: [{time_s, by, text, severity, state}].
+function toldOf(evidence) {
+  return evidence.filter((one) => one.message?.header).map(({ kind, by, message }) => {
+    const { sec, nanosec } = message.header.stamp;
+    const told = { time_s: sec + nanosec / 1e9, by, text: [message.text, message.reason].filter(Boolean).join(': '), severity: kind === 'decision' ? SEVERITIES[message.severity] : '' };
+    if (kind === 'state') return { ...told, state: message.state, text: t('event_state', { vehicle: by, state: t(`state_${STATES[message.state] ?? 'unknown'}`) }) };
+    if (kind === 'photograph') return { ...told, text: t('event_photograph', { vehicle: message.vehicle, shot: message.shot_id }) };
+    if (kind === 'alarm') return { ...told, severity: 'warning', text: `${message.name}: ${doseRate(message.value_usv)}` };
+    return told;
+  }).filter((one) => one.time_s > 0 && one.text).sort((a, b) => a.time_s - b.time_s);
 }
 
 // GeoJSON of the files of a run as the sections of a live one.

@@ -9,15 +9,17 @@ from typing import Any, Protocol
 
 from aiohttp import web
 
-from rocsafe_console.evidence.desk import Desk, Event
+from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
 from rocsafe_console.outward.event_target import EventTarget
+from rocsafe_console.people.missions import Missions
 from rocsafe_console.people.roles import Action, Role, require
 from rocsafe_console.people.session_file import save_sessions
 from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
 from rocsafe_console.people.users import Users
 from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
+from rocsafe_geo.storage.evidence_log import Event
 
 # Orders of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0
@@ -104,6 +106,7 @@ class Context:
     live: Live
     desk: Desk
     users: Users
+    missions: Missions
     clock: Callable[[], float]
     base_map: BaseMap | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
@@ -118,9 +121,15 @@ class Context:
         with contextlib.suppress(OSError):
             save_sessions(self.options.runs, self.sessions)
 
-    def write(self, kind: str, by: str, **what: object) -> None:
-        """Write to the evidence log: safely on disk on return."""
-        self.desk.write(Event(time_s=self.clock(), kind=kind, by=by, what=what))
+    def write(self, kind: str, by: str, run: str = '', /, **what: object) -> None:
+        """Write to the evidence log of a run, or the running mission: on disk on return."""
+        self.desk.write(Event(time_s=self.clock(), kind=kind, by=by, what=what), run)
+
+    @property
+    def mission(self) -> str:
+        """Name of the mission that is heard, empty before there is one."""
+        mission = self.live.picture.mission
+        return mission.mission_id if mission else ''
 
 
 CONTEXT: web.AppKey[Context] = web.AppKey('context', Context)
@@ -136,6 +145,25 @@ def session_of(request: web.Request, action: Action) -> Session:
     """Return the session of a request whose user may do `action`; raises `RefusedError`."""
     session = request[SESSION]
     require(session.role, action)
+    return session
+
+
+def mission_session(request: web.Request, action: Action, run: str = '') -> Session:
+    """Return the session of a request whose user may do `action` to a mission.
+
+    Parameters
+    ----------
+    run
+        The mission; empty: the one that is heard.
+
+    Raises
+    ------
+    RefusedError
+        By the role of the user, or by the rights on the mission.
+    """
+    session, context = session_of(request, action), context_of(request)
+    access = context.missions.of(run or context.mission)
+    access.require(session.user, session.role, action)
     return session
 
 

@@ -6,12 +6,13 @@ from dataclasses import asdict
 
 from aiohttp import web
 
-from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.errors import RefusedError
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.drafts import Drafts
 from rocsafe_console.runs.outline import areas_of
-from rocsafe_console.web.context import context_of, session_of
+from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 DRAFTS: web.AppKey[Drafts] = web.AppKey('drafts', Drafts)
 
@@ -74,9 +75,11 @@ async def launch_draft(request: web.Request) -> web.Response:
     confirmed = [str(one) for one in body.get('confirm', [])]
     try:
         context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
-    except (OSError, ConsoleError) as error:
+    except (OSError, EvidenceError) as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
-    launch = await asyncio.to_thread(request.app[DRAFTS].launch, name, approved, confirmed)
+    launch = await asyncio.to_thread(
+        request.app[DRAFTS].launch, name, approved, session.user, confirmed
+    )
     context.write('outcome', session.user, name=name, **asdict(launch))
     return web.json_response(asdict(launch))
 
@@ -91,7 +94,7 @@ async def mission_of_draft(request: web.Request) -> web.Response:
 async def end_mission(request: web.Request) -> web.Response:
     """End the mission of a draft; it is written to the evidence log first."""
     context, name = context_of(request), request.match_info['name']
-    session = session_of(request, Action.END)
+    session = mission_session(request, Action.END)
     context.write('end', session.user, name=name)
     request.app[DRAFTS].end(name)
     return web.json_response({})

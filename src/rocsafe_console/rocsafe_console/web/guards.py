@@ -8,8 +8,8 @@ from typing import Any
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError, RefusedError
-from rocsafe_console.people.roles import Role
 from rocsafe_console.web.context import SESSION, WebOptions, context_of
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 LOOPBACK_NAMES = ('127.0.0.1', 'localhost', '[::1]')
 OPEN = frozenset({'/api/login', '/api/token', '/api/hello'})
@@ -52,6 +52,8 @@ async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
         answer = refused(403, str(error))
     except ConsoleError as error:
         answer = refused(404, str(error))
+    except EvidenceError as error:
+        answer = refused(503, str(error))
     except RecursionError:
         answer = refused(400, 'the body is nested too deeply')
     except (ValueError, KeyError, TypeError, ArithmeticError) as error:
@@ -94,13 +96,13 @@ def _refusal(request: web.Request) -> web.Response | None:
     if not (is_link or request.path.startswith('/api/')) or request.path in OPEN:
         return None
     cookie = request.cookies.get(context.options.cookie, '')
-    # A link is for programs that cannot log in; it is a session of a viewer.
+    # A link is for programs that cannot log in; it opens nothing else.
     secret = request.path.split('/')[2] if is_link else cookie
     session = context.sessions.of_secret(secret, context.clock())
     if session is None:
         return refused(401, 'log in first')
-    if is_link and session.role is not Role.VIEWER:
-        return refused(401, 'this is no link')
+    if is_link is not session.is_link:
+        return refused(401, 'this is no link' if is_link else 'log in first')
     request[SESSION] = session
     return None
 

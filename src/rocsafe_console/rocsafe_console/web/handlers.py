@@ -10,6 +10,7 @@ from typing import Any
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
+from rocsafe_console.people.missions import access_of
 from rocsafe_console.people.roles import MAY, Action
 from rocsafe_console.people.sessions import Session
 from rocsafe_console.picture.coordinates import coordinates_of
@@ -22,7 +23,13 @@ from rocsafe_console.runs.run_folder import (
     run_in,
     runs_in,
 )
-from rocsafe_console.web.context import Context, context_of, local_session, session_of
+from rocsafe_console.web.context import (
+    Context,
+    context_of,
+    local_session,
+    mission_session,
+    session_of,
+)
 from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
 
 MOST_TEXT = 500
@@ -110,7 +117,7 @@ async def revoke(request: web.Request) -> web.Response:
 
 async def acknowledge(request: web.Request) -> web.Response:
     """Note that somebody has seen an alarm."""
-    context, session = context_of(request), session_of(request, Action.ACKNOWLEDGE)
+    context, session = context_of(request), mission_session(request, Action.ACKNOWLEDGE)
     number = int(request.match_info['number'])
     with context.live.lock:
         alarm = context.live.picture.acknowledge(number, session.user, context.clock())
@@ -121,7 +128,7 @@ async def acknowledge(request: web.Request) -> web.Response:
 async def mark(request: web.Request) -> web.Response:
     """Mark a place as evidence, with a note."""
     context, body = context_of(request), await body_of(request)
-    session = session_of(request, Action.MARK)
+    session = mission_session(request, Action.MARK)
     latitude_deg, longitude_deg = float(body['latitude_deg']), float(body['longitude_deg'])
     forms, text = coordinates_of(latitude_deg, longitude_deg), str(body.get('text', ''))
     if not text.strip() or len(text) > MOST_TEXT:
@@ -148,7 +155,7 @@ async def coordinates(request: web.Request) -> web.Response:
 
 async def image(request: web.Request) -> web.Response:
     """Send the dose map, the plume or the mosaic as it is now."""
-    session_of(request, Action.SEE)
+    mission_session(request, Action.SEE)
     live = context_of(request).live
     with live.lock:
         data = live.images.get(request.match_info['name'])
@@ -172,7 +179,7 @@ async def base_tile(request: web.Request) -> web.Response:
 
 async def photograph(request: web.Request) -> web.StreamResponse:
     """Send a stored photograph."""
-    session_of(request, Action.SEE)
+    mission_session(request, Action.SEE)
     live = context_of(request).live
     with live.lock:
         path = live.photographs.get(request.match_info['shot'])
@@ -182,23 +189,41 @@ async def photograph(request: web.Request) -> web.StreamResponse:
 
 
 async def list_runs(request: web.Request) -> web.Response:
-    """List the runs in the folder."""
-    session_of(request, Action.SEE)
-    folder = context_of(request).options.runs
-    return web.json_response({'runs': await asyncio.to_thread(runs_in, folder)})
+    """List the missions in the folder that the user may see, with who commands them."""
+    session, context = session_of(request, Action.SEE), context_of(request)
+    rows = await asyncio.to_thread(runs_in, context.options.runs)
+    seen = []
+    for row in rows:
+        access = context.missions.of(row['name'])
+        if access.is_seen_by(session.user, session.role):
+            seen.append({**row, **asdict(access)})
+    return web.json_response({'runs': seen})
+
+
+async def assign(request: web.Request) -> web.Response:
+    """Set who commands a mission, who sees it, and who gives orders."""
+    session, context = session_of(request, Action.ASSIGN), context_of(request)
+    run = run_in(context.options.runs, request.match_info['run'])
+    access = access_of(await body_of(request))
+    unknown = context.users.unknown((access.commander, *access.members))
+    if unknown:
+        raise ValueError(f'user {unknown[0]!r}: there is none')
+    context.write('assign', session.user, run.name, mission=run.name, **asdict(access))
+    context.missions.put(run.name, access)
+    return web.json_response({})
 
 
 async def replay(request: web.Request) -> web.Response:
     """Send what the page needs to replay a run."""
-    session_of(request, Action.SEE)
     run = run_in(context_of(request).options.runs, request.match_info['run'])
+    mission_session(request, Action.SEE, run.name)
     return web.json_response(await asyncio.to_thread(replay_of, run))
 
 
 async def run_file(request: web.Request) -> web.StreamResponse:
     """Send a file of a run."""
-    session_of(request, Action.SEE)
     run = run_in(context_of(request).options.runs, request.match_info['run'])
+    mission_session(request, Action.SEE, run.name)
     name = request.match_info['path']
     if is_tile(name) and not (run / name).is_file():
         return web.Response(body=EMPTY_TILE, content_type='image/png')

@@ -9,11 +9,12 @@ from typing import Any, TypeVar
 
 from aiohttp import web
 
-from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.errors import RefusedError
 from rocsafe_console.orders.order_book import TARGETS, Order, Result, stale
 from rocsafe_console.people.roles import Action
-from rocsafe_console.web.context import Context, Fleet, context_of, session_of
+from rocsafe_console.web.context import Context, Fleet, context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of, refused
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 ORDER_S = 7.0
 # Of a search for a way; large maps take some seconds.
@@ -26,7 +27,7 @@ async def prepare_order(request: web.Request) -> web.Response:
     """First step of an order: it waits for its confirmation."""
     context, body = context_of(request), await body_of(request)
     verb = Action(body['verb'])
-    session = session_of(request, verb)
+    session = mission_session(request, verb)
     now_s = context.clock()
     if wait_s := context.order_rate.wait_s(session.public_id, now_s):
         return refused(429, f'too many orders: wait {math.ceil(wait_s)} s')
@@ -62,14 +63,14 @@ async def confirm_order(request: web.Request) -> web.Response:
     order = context.orders.confirm(request_id, session.public_id, context.clock())
     if order is None:
         return await _results(context, request_id)
-    session_of(request, order.verb)
+    mission_session(request, order.verb)
     with context.live.lock:
         revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
     left_out = stale(order, revisions)
     names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
     try:
         context.write('order', order.user, **_order_plain(order, names))
-    except (OSError, ConsoleError) as error:
+    except (OSError, EvidenceError) as error:
         context.orders.finish(request_id, ())
         raise RefusedError(
             f'nothing was sent: the evidence log cannot be written: {error}'

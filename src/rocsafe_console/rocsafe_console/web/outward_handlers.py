@@ -7,8 +7,8 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.outward import features
-from rocsafe_console.people.roles import Action, Role
-from rocsafe_console.web.context import context_of, session_of
+from rocsafe_console.people.roles import Action
+from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_geo.storage.json_values import finite
 
 
@@ -16,7 +16,7 @@ async def make_link(request: web.Request) -> web.Response:
     """Make an address that QGIS opens: whoever has it sees, for as long as a session."""
     context, session = context_of(request), session_of(request, Action.SEE)
     secret, link = context.sessions.begin(
-        f'link of {session.user}', Role.VIEWER, request.remote or '', context.clock()
+        session.user, session.role, request.remote or '', context.clock(), is_link=True
     )
     context.write('link', session.user, session=link.public_id)
     return web.json_response({'url': f'{context.options.scheme}://{request.host}/ogc/{secret}'})
@@ -47,6 +47,7 @@ async def collection(request: web.Request) -> web.Response:
 async def items(request: web.Request) -> web.Response:
     """Send the features of a collection as it is now."""
     context, base, name = context_of(request), _base(request), _name(request)
+    mission_session(request, Action.SEE)
     limit = int(request.query.get('limit', features.MOST_ITEMS))
     with context.live.lock:
         picture, now_s = context.live.picture, context.clock()

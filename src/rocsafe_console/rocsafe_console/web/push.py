@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sends the picture to all pages, ten times a second.
+"""Sends the picture to all pages, ten times a second, and alarms at once.
 
 What all of them get is encoded once. A page that does not keep up gets less often, and then all
 vehicles at once; it never slows others, nor ROS. Sections are never lost: each page gets those
@@ -9,7 +9,9 @@ that changed after the last ones it has.
 import asyncio
 import contextlib
 import json
-from dataclasses import dataclass, field
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
 from functools import partial
 
 from aiohttp import web
@@ -40,8 +42,15 @@ class Client:
     transport: asyncio.Transport | None
     change: int = 0
     missed: bool = True
+    sees: bool = False
     wake: asyncio.Event = field(default_factory=asyncio.Event)
     parcel: list[str | bytes] = field(default_factory=list)
+    is_sending: bool = False
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether what it was given before is still being sent."""
+        return self.is_sending or len(self.parcel) > 1
 
 
 class Pusher:
@@ -55,7 +64,10 @@ class Pusher:
 
     async def run(self) -> None:
         """Send until cancelled."""
-        ticks = 0
+        loop, ticks = asyncio.get_running_loop(), 0
+        sections = self._context.live.picture.sections
+        # Called by the thread of ROS, which may outlive this loop.
+        sections.on_urgent = partial(_call_soon, loop, self._send_sections)
         while True:
             await asyncio.sleep(TICK_S)
             ticks += 1
@@ -70,6 +82,7 @@ class Pusher:
             await socket.close(code=1013, message=b'too many pages are open')
             return socket
         client = Client(socket, session, request.transport)
+        client.sees = self._is_seen_by(client)
         client.parcel.append(self._hello(client))
         client.wake.set()
         self._clients.add(client)
@@ -91,9 +104,19 @@ class Pusher:
         for client in list(self._clients):
             await client.socket.close(code=1001)
 
+    def _is_seen_by(self, client: Client) -> bool:
+        """Return whether the user of a page may see the mission that is heard."""
+        access = self._context.missions.of(self._context.mission)
+        return access.is_seen_by(client.session.user, client.session.role)
+
     def _hello(self, client: Client) -> str:
-        """Return everything that a page needs to begin."""
+        """Return everything that a page needs to begin, and may see."""
         live, session = self._context.live, client.session
+        may = sorted(action.value for action in MAY[session.role])
+        user = {'user': session.user, 'role': session.role.value, 'may': may}
+        if not client.sees:
+            hidden = {'is_hidden': True, **user}
+            return message_of({'session': json.dumps(hidden)}, 'hello')
         with live.lock:
             picture = live.picture
             picture.refresh()
@@ -103,14 +126,11 @@ class Pusher:
             texts['tracks'] = json.dumps(
                 {name: [_point(p) for p in points] for name, points in tracks.items()}
             )
-        may = sorted(action.value for action in MAY[session.role])
         base = self._context.base_map
         texts['base_map'] = json.dumps(
             base and {'zooms': base.zooms, 'attribution': base.attribution, 'bounds': base.bounds}
         )
-        texts['session'] = json.dumps(
-            {'user': session.user, 'role': session.role.value, 'may': may}
-        )
+        texts['session'] = json.dumps(user)
         return message_of(texts, 'hello')
 
     def _tick(self, *, is_full: bool, is_refresh: bool) -> None:
@@ -121,26 +141,43 @@ class Pusher:
         with live.lock:
             if is_refresh:
                 live.picture.refresh()
+                access = self._context.missions.of(self._context.mission)
+                live.picture.sections.put('access', asdict(access))
             frames = live.picture.frames(now_s)
             mission_s = live.picture.clock.newest_s
-            sections = live.picture.sections
-            newest = sections.newest
-            behind = {client.change for client in self._clients if client.change < newest}
-            texts = {change: message_of(sections.after(change)) for change in behind}
+        self._send_sections()
+        nothing = frame_of([], self._sequence, now_s, math.nan)
         whole, delta = self._encoded(frames, now_s, mission_s, is_full=is_full)
         for client in list(self._clients):
             if not self._context.sessions.is_alive(client.session, now_s):
                 self._clients.discard(client)
                 asyncio.ensure_future(client.socket.close(code=REVOKED))  # noqa: RUF006
-            elif client.parcel:
+            elif client.is_busy:
                 client.missed = True
+            elif client.sees is not (sees := self._is_seen_by(client)):
+                client.sees = sees
+                client.parcel.append(self._hello(client))
+                client.missed = True
+                client.wake.set()
+            elif not sees:
+                client.parcel.append(nothing)
+                client.wake.set()
             else:
-                if client.change in texts:
-                    client.parcel.append(texts[client.change])
-                    client.change = newest
                 client.parcel.append(whole if client.missed else delta)
                 client.missed = False
                 client.wake.set()
+
+    def _send_sections(self) -> None:
+        """Give each page that keeps up the sections that it lacks."""
+        with self._context.live.lock:
+            sections = self._context.live.picture.sections
+            newest = sections.newest
+            waiting = [c for c in self._clients if c.sees and c.change < newest and not c.is_busy]
+            texts = {c: message_of(sections.after(c)) for c in {one.change for one in waiting}}
+        for client in waiting:
+            client.parcel.append(texts[client.change])
+            client.change = newest
+            client.wake.set()
 
     def _encoded(
         self, frames: list[VehicleFrame], now_s: float, mission_s: float, *, is_full: bool
@@ -162,22 +199,30 @@ class Pusher:
         while client in self._clients:
             await client.wake.wait()
             client.wake.clear()
+            parcel, client.parcel = client.parcel, []
+            client.is_sending = True
             try:
-                for part in client.parcel:
-                    await asyncio.wait_for(_sent(client.socket, part), SEND_S)
+                await asyncio.wait_for(_sent(client.socket, parcel), SEND_S)
             except (asyncio.TimeoutError, ConnectionError):
                 self._clients.discard(client)
                 if client.transport is not None:
                     client.transport.abort()
                 return
-            client.parcel.clear()
+            client.is_sending = False
 
 
-async def _sent(socket: web.WebSocketResponse, part: str | bytes) -> None:
-    if isinstance(part, str):
-        await socket.send_str(part)
-    else:
-        await socket.send_bytes(part)
+async def _sent(socket: web.WebSocketResponse, parcel: list[str | bytes]) -> None:
+    for part in parcel:
+        if isinstance(part, str):
+            await socket.send_str(part)
+        else:
+            await socket.send_bytes(part)
+
+
+def _call_soon(loop: asyncio.AbstractEventLoop, task: Callable[[], object]) -> None:
+    # The loop may have been closed meanwhile.
+    with contextlib.suppress(RuntimeError):
+        loop.call_soon_threadsafe(task)
 
 
 def _point(point: tuple[float, float, float]) -> list[float | None]:

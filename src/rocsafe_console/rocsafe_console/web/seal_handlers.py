@@ -5,13 +5,14 @@ import asyncio
 
 from aiohttp import web
 
-from rocsafe_console.errors import EvidenceError, RefusedError
+from rocsafe_console.errors import RefusedError
 from rocsafe_console.evidence.seal import seal_run, seals_of, signer_of, verify_run
 from rocsafe_console.evidence.signing import code_version, usual_key
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.run_folder import is_flying, run_in
-from rocsafe_console.web.context import context_of, session_of
+from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of
+from rocsafe_geo.storage.evidence_log import EvidenceError
 
 # Hashing a run keeps a disk busy: one at a time.
 SEALING: web.AppKey[asyncio.Lock] = web.AppKey('sealing', asyncio.Lock)
@@ -19,8 +20,8 @@ SEALING: web.AppKey[asyncio.Lock] = web.AppKey('sealing', asyncio.Lock)
 
 async def verify(request: web.Request) -> web.Response:
     """Tell what has been changed in a run since it was sealed."""
-    session_of(request, Action.SEE)
     run = run_in(context_of(request).options.runs, request.match_info['run'])
+    mission_session(request, Action.SEE, run.name)
     async with request.app[SEALING]:
         faults = await asyncio.to_thread(verify_run, run)
     seals = seals_of(run)
@@ -31,12 +32,14 @@ async def verify(request: web.Request) -> web.Response:
 
 async def seal(request: web.Request) -> web.Response:
     """Seal a run with the key of this machine's user, if there is one."""
-    context, session = context_of(request), session_of(request, Action.SEAL)
+    context = context_of(request)
+    session_of(request, Action.SEAL)
     await body_of(request)
     run = run_in(context.options.runs, request.match_info['run'])
+    session = mission_session(request, Action.SEAL, run.name)
     if is_flying(run):
         raise RefusedError(f'{run.name} has not ended: it is sealed at its end')
-    context.write('seal', session.user, run=run.name)
+    context.write('seal', session.user, run.name, mission=run.name)
     async with request.app[SEALING]:
         try:
             key = usual_key(context.environment)

@@ -19,9 +19,11 @@ from aiohttp.http_exceptions import HttpProcessingError
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.runs.drafts import Drafts
+from rocsafe_console.runs.jobs import Folders, Jobs
 from rocsafe_console.web import (
     draft_handlers,
     handlers,
+    job_handlers,
     order_handlers,
     outward_handlers,
     seal_handlers,
@@ -37,7 +39,6 @@ MOST_BODY_BYTES = 2**20
 # the length of the queue.
 MOST_CONNECTIONS = 400
 QUEUE = 100
-DRAIN_S = 0.5
 STOP_S = 2.0
 _log = logging.getLogger(__name__)
 STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
@@ -107,6 +108,13 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     post('/api/drafts/{name}/plan', draft_handlers.plan_draft)
     post('/api/drafts/{name}/preflight', draft_handlers.preflight_draft)
     post('/api/drafts/{name}/launch', draft_handlers.launch_draft)
+    folders = Folders(runs=context.options.runs, scenarios=context.options.scenarios)
+    app[job_handlers.JOBS] = Jobs(folders, context.environment)
+    get('/api/campaigns', job_handlers.list_campaigns)
+    get('/api/campaigns/{name}/page', job_handlers.campaign_page)
+    post('/api/jobs/{kind}/{name}', job_handlers.begin_job)
+    get('/api/jobs/{kind}/{name}', job_handlers.look_at_job)
+    post('/api/jobs/{kind}/{name}/end', job_handlers.end_job)
     post('/api/links', outward_handlers.make_link)
     get('/ogc/{secret}', outward_handlers.landing)
     get('/ogc/{secret}/conformance', outward_handlers.conformance)
@@ -117,6 +125,7 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     get('/api/missions/{name}', draft_handlers.mission_of_draft)
     post('/api/missions/{name}/end', draft_handlers.end_mission)
     get('/api/runs', handlers.list_runs)
+    post('/api/runs/{run}/access', handlers.assign)
     get('/api/runs/{run}/verify', seal_handlers.verify)
     post('/api/runs/{run}/seal', seal_handlers.seal)
     get('/api/runs/{run}/replay', handlers.replay)
@@ -196,20 +205,7 @@ class ServerThread:
 
     def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
         events = send_events(self._context, self._say)
-        return app[PUSHER].run(), self._drain(), events
-
-    async def _drain(self) -> None:
-        """Write events to the evidence log, beside the loop."""
-        told = ''
-        while True:
-            await asyncio.sleep(DRAIN_S)
-            try:
-                await asyncio.to_thread(self._context.desk.drain)
-                told = ''
-            except (OSError, ConsoleError) as error:
-                if str(error) != told:
-                    self._say(f'the evidence log cannot be written: {error}')
-                told = str(error)
+        return app[PUSHER].run(), events
 
 
 class _NoRequest(logging.Filter):

@@ -10,7 +10,7 @@ from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.roles import Action
 from rocsafe_console.people.sessions import Session
 from rocsafe_console.picture.video import SCENE
-from rocsafe_console.web.context import Context, context_of, session_of
+from rocsafe_console.web.context import Context, context_of, mission_session
 
 # Most that is sent to a page; what comes faster is left out.
 PERIOD_S = 0.2
@@ -20,7 +20,7 @@ PING_S = 5.0
 
 async def watch(request: web.Request) -> web.WebSocketResponse:
     """Send the newest pictures of a vehicle's camera until the page goes."""
-    context, session = context_of(request), session_of(request, Action.SEE)
+    context, session = context_of(request), mission_session(request, Action.SEE)
     vehicle = request.match_info['vehicle']
     with context.live.lock:
         if vehicle != SCENE and vehicle not in context.live.picture.vehicles:

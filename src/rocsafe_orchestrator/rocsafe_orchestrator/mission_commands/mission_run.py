@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
+from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceError, EvidenceLog
 from rocsafe_orchestrator.company_node import Claim
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
@@ -161,6 +162,7 @@ class MissionRun:
         """Say how the mission ended, when all is done, and return the exit code."""
         self.directory.session.unlink(missing_ok=True)
         self.directory.photographs_token.unlink(missing_ok=True)
+        _log_end(self.directory, phase, self.text)
         seal(self.directory)
         if not self.extras.is_quiet:
             closing = _closing(self.directory, self.monitor, self.text, phase)
@@ -282,6 +284,17 @@ class MissionRun:
     def _operator_watch(self) -> OperatorWatch | None:
         policy = OnOperatorLost(self.scenario.on_operator_lost)
         return OperatorWatch(policy) if self.scenario.linked else None
+
+
+def _log_end(directory: RunDirectory, phase: Phase, text: str) -> None:
+    """Write how the run has ended to its evidence log; the recorder ends before."""
+    what = {'phase': phase.name.lower(), 'text': text}
+    event = Event(time_s=time.time(), kind='end', by='orchestrator', what=what)
+    try:
+        with closing(EvidenceLog(directory.path / LOG_NAME)) as evidence:
+            evidence.add([event])
+    except (OSError, EvidenceError) as error:
+        log.warning('the evidence log has no end: %s', error)
 
 
 @contextmanager

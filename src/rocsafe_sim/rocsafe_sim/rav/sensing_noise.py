@@ -12,6 +12,7 @@ from zlib import crc32
 import numpy as np
 
 from rocsafe_geo.motion.state import Enu
+from rocsafe_sim.flight.sensing_options import SensingOptions
 from rocsafe_sim.sensors.errors_over_time import Draws
 from rocsafe_sim.sensors.streams import Stream
 
@@ -106,3 +107,15 @@ class SensorNoise:
         """Return the generator of the noise of an image."""
         key = [self.seed, crc32(self.vehicle.encode()), crc32(camera.encode()), time_ns]
         return np.random.default_rng(key)
+
+
+def sensor_noise(options: SensingOptions, name: str) -> SensorNoise:
+    """Return the errors of the sensors of the vehicle `name`."""
+    return SensorNoise(
+        seed=options.seed,
+        vehicle=name,
+        gps_horizontal_std_m=options.gps_horizontal_std_m,
+        gps_vertical_std_m=options.gps_vertical_std_m,
+        tilt_std_rad=math.radians(options.tilt_std_deg),
+        attitude_std_rad=math.radians(options.attitude_std_deg),
+    )

@@ -8,7 +8,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-EVIDENCE = 'evidence.jsonl'
+from rocsafe_geo.storage.evidence_log import LOG_NAME
+
 Entry = Mapping[str, Any]
 Row = tuple[str, ...]
 
@@ -19,7 +20,7 @@ def people_rows(folder: Path) -> list[Row]:
     A line that cannot be read has a row that says so: `rocsafe verify` tells what was changed.
     """
     try:
-        lines = (folder / EVIDENCE).read_text(encoding='utf-8', errors='replace').splitlines()
+        lines = (folder / LOG_NAME).read_text(encoding='utf-8', errors='replace').splitlines()
     except OSError:
         return []
     entries = list(map(_entry, lines))
@@ -31,7 +32,7 @@ def people_rows(folder: Path) -> list[Row]:
     rows: list[Row] = []
     for number, entry in enumerate(entries, 1):
         if entry is None:
-            rows.append(('', '', f'line {number} of {EVIDENCE} cannot be read', ''))
+            rows.append(('', '', f'line {number} of {LOG_NAME} cannot be read', ''))
         elif entry['kind'] in _TOLD:
             result = results.get(str(entry.get('request_id')), '')
             told = _TOLD[entry['kind']](entry)

@@ -11,16 +11,46 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rocsafe_console.errors import EvidenceError
 from rocsafe_geo.storage.json_values import finite
 
 LOG_NAME = 'evidence.jsonl'
 NOTHING = '0' * 64
+
+
+class EvidenceError(Exception):
+    """The evidence of a run has been changed, or cannot be read."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Event:
+    """Something that an evidence log keeps.
+
+    Attributes
+    ----------
+    time_s
+        By the clock on the wall, seconds since 1970.
+    kind
+        What it is: ``order``, ``outcome``, ``login``, ``decision``, ``alarm``, ...
+    by
+        User, vehicle or node.
+    what
+        Further keys.
+    """
+
+    time_s: float
+    kind: str
+    by: str
+    what: Mapping[str, Any]
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return it fit for JSON."""
+        return {**self.what, 'time_s': self.time_s, 'kind': self.kind, 'by': self.by}
 
 
 def line_of(content: Mapping[str, Any]) -> bytes:
@@ -77,7 +107,7 @@ def read_log(path: Path) -> list[dict[str, Any]]:
 
 
 class EvidenceLog:
-    """The log of one run. A line is safely on disk when `add` returns.
+    """The log of one run. Lines are safely on disk when `add` returns.
 
     Several processes may write one log: each locks it for a line, and first reads what the others
     have added. A line that a process left torn is cut off.
@@ -102,19 +132,8 @@ class EvidenceLog:
             self.close()
             raise
 
-    def add(self, time_s: float, kind: str, by: str, **what: Any) -> dict[str, Any]:
-        """Add a line and return it.
-
-        Parameters
-        ----------
-        time_s
-            By the clock on the wall, seconds since 1970.
-        kind
-            What it is: ``order``, ``outcome``, ``login``, ``decision``, ``alarm``, ...
-        by
-            User or node.
-        what
-            Further keys.
+    def add(self, events: Sequence[Event]) -> None:
+        """Add a line for each event, all of them or none.
 
         Raises
         ------
@@ -126,11 +145,13 @@ class EvidenceLog:
         with self._locked():
             self._catch_up()
             number, before = self._last
-            named = {**what, 'time_s': time_s, 'kind': kind, 'by': by}
-            entry = chained(number + 1, before, named)
-            self._append(line_of(entry) + b'\n')
-            self._last = (entry['n'], entry['hash'])
-        return entry
+            lines = b''
+            for event in events:
+                entry = chained(number + 1, before, event.to_plain())
+                number, before = entry['n'], entry['hash']
+                lines += line_of(entry) + b'\n'
+            self._append(lines)
+            self._last = (number, before)
 
     def close(self) -> None:
         """Close the file."""

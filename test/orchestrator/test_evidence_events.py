@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the evidence log keeps of each message: all types of them, with what is in their lists."""
+
+import pytest
+
+from rocsafe_geo.storage.evidence_log import Event, EvidenceLog, read_log
+
+MESSAGE_ROOM = 3
+
+
+def filled(message_type: type, depth: int = MESSAGE_ROOM) -> object:
+    """Return a message of which each list has two elements."""
+    from rosidl_parser.definition import AbstractSequence, NamespacedType
+
+    message = message_type()
+    kinds = message_type.SLOT_TYPES
+    for name, kind in zip(message.get_fields_and_field_types(), kinds, strict=True):
+        if isinstance(kind, AbstractSequence) and depth:
+            if isinstance(kind.value_type, NamespacedType):
+                module = __import__('.'.join(kind.value_type.namespaces), fromlist=['x'])
+                part = getattr(module, kind.value_type.name)
+                setattr(message, name, [filled(part, depth - 1) for _ in range(2)])
+            elif not getattr(message, name):
+                value = 'x' if 'String' in type(kind.value_type).__name__ else 1
+                for one in (value, 1.0, b'1', True):
+                    try:
+                        setattr(message, name, [one, one])
+                        break
+                    except AssertionError:
+                        continue
+    return message
+
+
+def kept_topics() -> list:
+    """Return the topics that the log keeps."""
+    from rocsafe_orchestrator.recording.evidence_events import KEPT
+    from rocsafe_ros import topics
+
+    return [spec for spec in topics.TOPICS if spec.name in KEPT]
+
+
+def test_every_kept_message_can_be_written_and_read(tmp_path):
+    """Empty ones and full ones of all types: what cannot be written would end the recorder."""
+    from rclpy.serialization import serialize_message
+
+    from rocsafe_orchestrator.recording.evidence_events import KEPT, EvidenceEvents
+    from rocsafe_ros.interface_spec import Scope
+
+    events: list[Event] = []
+    made = EvidenceEvents(lambda: 1.0, set())
+    specs = kept_topics()
+    assert {spec.name for spec in specs} == KEPT
+    for spec in specs:
+        vehicle = 'rav1' if spec.scope is Scope.VEHICLE else ''
+        for message in (spec.message_type(), filled(spec.message_type)):
+            events.extend(made.of(spec, vehicle, message, serialize_message(message)))
+    events.extend(made.rest())
+    log = EvidenceLog(tmp_path / 'log')
+    log.add(events)
+    log.close()
+    told = {entry['topic'].removeprefix('rav1/') for entry in read_log(tmp_path / 'log')}
+    assert told == KEPT
+
+
+@pytest.mark.parametrize(('count', 'told'), [(3, [1.0] * 3), (21, {'count': 21})])
+def test_long_lists_are_told_by_their_length(count, told):
+    """Their content is in the recording, whose hash the log has."""
+    import numpy
+
+    from rocsafe_orchestrator.recording.evidence_events import plain_of
+
+    assert plain_of(numpy.ones(count)) == told
