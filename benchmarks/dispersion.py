@@ -28,8 +28,6 @@ from pathlib import Path
 
 import numpy as np
 
-from rocsafe_dispersion.atmosphere.stability import class_of_length
-from rocsafe_dispersion.buildings.air_grid import AirGrid
 from rocsafe_dispersion.buildings.building_wind import wind_around
 from rocsafe_dispersion.plume.filaments import FilamentCloud, FilamentOptions
 from rocsafe_dispersion.plume.losses import Losses
@@ -43,7 +41,9 @@ from rocsafe_dispersion.plume.spread import (
 )
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.air_grid import AirGrid
 from rocsafe_geo.wind.similarity import SurfaceLayer
+from rocsafe_geo.wind.stability import class_of_length
 from rocsafe_geo.wind.wind_field import ProfileWind
 from rocsafe_geo.wind.wind_vector import WindVector
 
@@ -230,7 +230,7 @@ def speed() -> bool:
 
 
 def town(wind: ProfileWind) -> tuple[float, float]:
-    """Return the time and the divergence of the wind around 50 houses."""
+    """Return time and divergence of the wind around 50 houses, for two directions at once."""
     grid = AirGrid(
         west_m=0.0, south_m=0.0, bottom_m=0.0, cell_m=2.0, layer_m=2.0, columns=200, rows=200,
         layers=40,
@@ -243,8 +243,8 @@ def town(wind: ProfileWind) -> tuple[float, float]:
         solid[west : west + width, south : south + depth, :height] = True
     flat = np.zeros(grid.shape[:2])
     used_s = cpu_s(lambda: wind_around(grid, solid, flat, wind), 1)
-    faces = wind_around(grid, solid, flat, wind).faces
-    fastest = max(np.abs(part).max() for part in (faces.east, faces.north, faces.up))
+    faces = wind_around(grid, solid, flat, wind).east
+    fastest = max(np.abs(part).max() for part in faces.parts)
     lost = np.abs(faces.divergence(grid)[~solid]).max()
     return used_s, float(lost * grid.cell_m / fastest)
 

@@ -33,7 +33,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.dose.dose_field import dose_field
 from rocsafe_ground.dose.source_posterior import read_sources
-from rocsafe_ground.drivable.drivable_ground import DrivableGround, Reason, _is_near
+from rocsafe_ground.drivable.drivable_ground import DrivableGround, Reason, is_near
 from rocsafe_ground.drivable.raster import read_bands
 from rocsafe_ground.drivable.route_grid import RouteGrid
 from rocsafe_ground.drivable.vehicle import GroundVehicle
@@ -118,7 +118,7 @@ def drawn_place(seed: int) -> Place:
         steepest = np.hypot(*np.gradient(heights, CELL_M)).max()
         heights *= math.tan(math.radians(rng.uniform(5.0, 15.0))) / steepest
     reasons = np.where(known, Reason.OBSTACLE, Reason.FREE).astype(np.uint8)
-    near = _is_near(known, CELL_M, VEHICLE.reach_m)
+    near = is_near(known, CELL_M, VEHICLE.kept_m(CELL_M))
     reasons[near & ~known] = Reason.TOO_NEAR
     kinds = np.digitize(smooth(rng, CELLS, 8), (0.35, 0.65))
     speeds = np.array([VEHICLE.rough_mps, VEHICLE.grass_mps, VEHICLE.road_mps])[kinds]

@@ -24,12 +24,13 @@ median); in how many of the ellipses and intervals of the strength the truth lie
 surveys the evidence was called enough, and in how many of these the number is right and all
 ellipses hold; in which share the bound would allow half axes under 5 m; the median half axis and
 the mean processor time. The bound is that of Cramer and Rao with an unknown background; it leaves
-steel out.
+steel out. A second table tells how often the number is right by the probability stated.
 """
 
 import argparse
 import contextlib
 import io
+import itertools
 import json
 import math
 import sys
@@ -61,6 +62,8 @@ FEWEST_COUNTS, LEAST_SEPARATION_HEIGHTS = 30.0, 2.0
 # over HALF_NORTH_M and of a source's height.
 LENGTH_M, SLOPE_STD, SOURCE_UP_STD_M = 35.0, 0.5, 1.0
 QUANTILE_95, SMALL_AXIS_M = 5.991, 5.0
+# Bins of stated probabilities.
+CHANCES = (0.0, 0.9, 0.99, 0.999, math.inf)
 SEED = 777
 
 Generator = np.random.Generator
@@ -482,14 +485,33 @@ def table(rows: Sequence[Outcome]) -> str:
     return '\n'.join([HEAD, *lines, summary('all', rows)])
 
 
+def calibration(rows: Sequence[Outcome]) -> str:
+    """Return how often the number is right among answers that state alike probabilities of it."""
+    lines = [f'{"P stated":14} {"n":>4} {"mean P":>7} {"right":>6} {"ellipse":>8}']
+    for low, high in itertools.pairwise(CHANCES):
+        own = [row for row in rows if low <= max(row.probabilities) < high]
+        squares = [value < QUANTILE_95 for row in own for value in row.squares]
+        lines.append(
+            f'{low:5.3f} to {min(high, 1.0):5.3f} {len(own):4} '
+            f'{_mean([max(row.probabilities) for row in own]):7.4f} '
+            f'{_mean([row.order == row.found for row in own]):6.3f} {_mean(squares):8.3f}'
+        )
+    return '\n'.join(lines)
+
+
 def main() -> None:
-    """Print the table; write each outcome to a file of JSON lines."""
+    """Print the tables; write each outcome to a file of JSON lines."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--first', type=int, default=0, help='number of the first survey')
     parser.add_argument('--count', type=int, default=36, help='how many surveys')
     parser.add_argument('--kinds', nargs='+', choices=['', *STEELS], default=[''])
     parser.add_argument('--out', type=Path, help='file of JSON lines, appended to')
+    parser.add_argument('--table', type=Path, nargs='+', help='only the tables of such files')
     options = parser.parse_args()
+    if options.table:
+        lines = [line for path in options.table for line in path.read_text().splitlines()]
+        _print([Outcome(**json.loads(line)) for line in lines])
+        return
     rows = []
     for seed in range(options.first, options.first + options.count):
         row = outcome(drawn(seed, options.kinds[seed % len(options.kinds)]))
@@ -497,7 +519,11 @@ def main() -> None:
         if options.out:
             with options.out.open('a') as stream:
                 stream.write(json.dumps(asdict(row)) + '\n')
-    sys.stdout.write(table(rows) + '\n')
+    _print(rows)
+
+
+def _print(rows: Sequence[Outcome]) -> None:
+    sys.stdout.write(f'{table(rows)}\n\n{calibration(rows)}\n')
 
 
 if __name__ == '__main__':

@@ -57,11 +57,12 @@ ABLATIONS = {
         {'background_spacings': (2.0,)}, ((source_count, 'FIRST', (2, 0, 0, 0, 0)),)
     ),
     'other stds of the field': Ablation(
-        {'background_stds': (0.0, 0.1)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
+        {'background_slopes': (0.0, 0.05)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
     ),
     'other errors of fixes': Ablation(
         {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
     ),
+    'rareness of steep fields': Ablation({'background_slope_std': 1e9}),
     'rho': Ablation({'rhos': (0.0,)}),
     'the wall': Ablation({'are_shades_tried': False}),
     'spikes': Ablation({'outlier_share': 1e-30}),

@@ -23,11 +23,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_dispersion.atmosphere.stability import CLASSES, StabilityClass, layer_of_class
 from rocsafe_dispersion.plume.filaments import FilamentCloud, FilamentOptions
 from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.stability import CLASSES, StabilityClass, layer_of_class
 from rocsafe_geo.wind.wind_field import ProfileWind
 from rocsafe_geo.wind.wind_vector import WindVector
 

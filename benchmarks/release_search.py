@@ -37,13 +37,13 @@ from release_families import (
     trial,
 )
 
-from rocsafe_dispersion.atmosphere.stability import layer_of_class
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey, point_survey
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places
 from rocsafe_dispersion.estimation.release_options import SearchArea
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.stability import layer_of_class
 
 READINGS, A_ROUND, ROUNDS = 60, 10, 3
 # Regions hold a release that is up to 10 m beyond the ground with releases.
@@ -92,9 +92,7 @@ def suggested(drawn: Trial, found: LocatedReleases) -> FloatArray:
     axis = np.arange(-READINGS_WITHIN_M, READINGS_WITHIN_M + 1.0, CANDIDATE_PITCH_M)
     grid = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
     candidates = np.column_stack([grid, np.full(len(grid), SENSOR_M)])
-    groups = [one.samples for one in found.releases]
-    if found.hidden is not None:
-        groups = [found.hidden.samples]
+    groups = [one.samples for one in found.releases] or [found.hidden.samples]
     chosen = measuring_places(groups, candidates, air, NOISE_G_M3, A_ROUND)
     return np.array([one.place_m for one in chosen])
 
@@ -122,7 +120,7 @@ def outcome(split: str, family: str, number: int, design: str) -> dict[str, Any]
         'stability': drawn.true_stability, 'readings': len(survey.values_g_m3),
         'hits': int((values > 6.0 * NOISE_G_M3).sum()), 'true': len(drawn.rates_g_s),
         'found': len(found.releases), 'gains': list(found.gains), 'releases': releases,
-        'hidden': None if found.hidden is None else found.hidden.share,
+        'hidden': found.hidden.share,
         'cpu_s': time.process_time() - started,
     }  # fmt: skip
 

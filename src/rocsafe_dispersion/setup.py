@@ -31,6 +31,7 @@ setup(
             'advisor = rocsafe_dispersion.advisor_node:main',
             'estimator = rocsafe_dispersion.estimator_node:main',
             'advise = rocsafe_dispersion.command_line.advise_command:main',
+            'site-wind = rocsafe_dispersion.command_line.site_wind_command:main',
             'locate-release = rocsafe_dispersion.command_line.locate_command:main',
         ]
     },

@@ -31,7 +31,7 @@ from rocsafe_console.picture.picture import Picture
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, ecef_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
-from rocsafe_interfaces.msg import GroundRoute, MissionState, VehicleState
+from rocsafe_interfaces.msg import AgentState, GroundRoute, MissionState, VehicleState
 from rocsafe_ros import calls, topics
 
 DEADLINE_S = 60.0
@@ -319,3 +319,18 @@ def test_a_ground_vehicle_is_sent_by_the_route_that_was_offered(console):
     assert offers[3] == (None, 'rav2 does not drive')
     timer.cancel()
     rover.close()
+
+
+def test_whom_an_agent_hears_is_shown_with_the_age_of_its_word(console):
+    """Nothing is known of its age before the mission's clock is seen to run."""
+    agents = topics.create_publisher(console.speaker, topics.AGENTS)
+    state = AgentState(vehicle='rav1', heard=['rav1', 'rav2'])
+    picture = console.live.picture
+
+    def speak() -> bool:
+        agents.publish(state)
+        picture.refresh()
+        return bool(picture.sections.value('contacts'))
+
+    console.ros.spin_until(speak, DEADLINE_S)
+    assert picture.sections.value('contacts') == {'rav1': {'hears': ['rav2'], 'heard_s': None}}

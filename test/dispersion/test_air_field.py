@@ -109,6 +109,20 @@ def test_settings_are_read_from_a_file(tmp_path: Path):
     assert air_field(settings, 1).gases_g_m3(100.0, place(20.0, 0.0))
 
 
+def test_a_warm_light_gas_passes_above():
+    """Hot ammonia is less dense near the ground downwind than ammonia that does not rise."""
+    cold = replace(CHLORINE, agent='ammonia')
+    airs = [
+        air_field(AirFile(wind=EASTWARDS, releases=(each,), ground_altitude_m=60.0), 1)
+        for each in (cold, replace(cold, temperature_c=150.0))
+    ]
+    plain, warm = (
+        sum(air.gases_g_m3(time, place(25.0, 0.0, 0.5))[0][1] for time in np.arange(60.0, 90.0))
+        for air in airs
+    )
+    assert 0.0 < warm < 0.9 * plain
+
+
 def test_still_air_has_no_releases():
     """And without them it is allowed."""
     assert air_field(AirFile(), 1).gases_g_m3(10.0, place(1.0, 0.0)) == []
@@ -131,6 +145,7 @@ def test_scenario_knows_the_same_names():
         (lambda: replace(CHLORINE, rate_g_s=0.0), r'tanker: needs exactly one'),
         (lambda: replace(CHLORINE, rate_g_s=0.0, rate_per_s=5.0), r'needs exactly one'),
         (lambda: replace(CHLORINE, position=(99.0, 0.0)), r'latitude'),
+        (lambda: replace(SPORES, temperature_c=20.0), r'spores: temperature_c needs rate_g_s'),
         (lambda: replace(SETTINGS, releases=(CHLORINE, CHLORINE)), r'different names'),
         (lambda: replace(SETTINGS, gas_sensors=('nose',)), r'nose'),
         (lambda: WindSettings(towards_east_mps=math.nan), r'towards_east_mps'),

@@ -3,6 +3,7 @@
 
 import json
 import math
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -29,6 +30,7 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
     assess,
     suggested_places,
 )
+from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
@@ -169,6 +171,24 @@ def test_suggested_places_lie_where_the_release_could_blow(assessment):
     area = shapely.box(-10.0, -10.0, 30.0, 30.0)
     inside = suggested_places(assessment, 5, area)
     assert all(area.covers(shapely.Point(place.place_m[:2])) for place in inside)
+
+
+def test_a_placed_release_leaves_the_question_of_another(assessment):
+    """It may be where no reading was; it is asked, and looked for, once the first is placed."""
+    found = assessment.found
+    hidden = found.hidden
+    assert 0.0 < hidden.share < 1.0
+    east = hidden.places_m[:, 0]
+    assert hidden.ratios[east < -20.0].mean() < hidden.ratios[east > 50.0].mean()
+    loose = ReleaseRule(region_m=1000.0, hidden_share=0.9)
+    assert loose.verdict(found).is_enough
+    strict = replace(loose, hidden_share=0.001)
+    verdict = strict.verdict(found)
+    assert not verdict.is_enough
+    assert 'another of' in verdict.reason
+    far = [suggested_places(replace(assessment, rule=rule), 5) for rule in
+           (ReleaseRule(region_m=0.1), strict)]  # fmt: skip
+    assert {each.place_m for each in far[0]} != {each.place_m for each in far[1]}
 
 
 def test_places_between_two_hypotheses_tell_them_apart():

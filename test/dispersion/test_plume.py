@@ -8,10 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rocsafe_dispersion.agents.agent_table import agent
 from rocsafe_dispersion.plume.losses import Losses, settling_speed_mps
 from rocsafe_dispersion.plume.puffs import PuffCloud, Puffs
 from rocsafe_dispersion.plume.release import Release, area_release
-from rocsafe_dispersion.plume.spread import briggs_travel, similarity_travel
+from rocsafe_dispersion.plume.rise import buoyancy_m4_s3, rise_m
+from rocsafe_dispersion.plume.spread import briggs_travel, similarity_travel, vertical_shape
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer, surface_layer
@@ -105,6 +107,32 @@ def test_decay_halves_after_its_half_life():
     half_life_s = 60.0
     travel = similarity_travel(LAYER, 1.0, losses=Losses(decay_per_s=math.log(2.0) / half_life_s))
     assert np.interp(half_life_s, travel.times_s, travel.airborne) == pytest.approx(0.5, rel=0.01)
+
+
+def test_a_light_gas_rises_as_briggs_says():
+    """Warm ammonia, worked by hand; in stable air less; chlorine does not; flux is conserved."""
+    # 100 g/s of ammonia at 20 C: 0.1412 m^3/s, lighter by 0.412: F = 0.1817 m^4/s^3.
+    flux = buoyancy_m4_s3(agent('ammonia'), 100.0, 20.0)
+    assert flux == pytest.approx(0.1817, rel=0.002)
+    assert buoyancy_m4_s3(agent('chlorine'), 100.0, 20.0) == 0.0
+    assert buoyancy_m4_s3(agent('ammonia'), 100.0, 100.0) > 1.5 * flux
+    neutral = surface_layer(3.0, 10.0)
+    # The end at 49 F^(5/8) = 16.9 m: 1.6 F^(1/3) 16.9^(2/3) / 3 = 1.99 m.
+    risen = rise_m(np.array([0.0, 5.0, 16.9, 500.0]), flux, neutral)
+    assert risen == pytest.approx([0.0, 0.883, 1.99, 1.99], abs=0.01)
+    stable = surface_layer(3.0, 10.0, 10.0)
+    far = np.array([500.0])
+    assert float(rise_m(far, 5.0, stable)[0]) < 0.85 * float(rise_m(far, 5.0, neutral)[0])
+    plain, light = (similarity_travel(neutral, 1.0, buoyancy_m4_s3=each) for each in (0.0, flux))
+    assert float(light.heights_m()[-1]) == pytest.approx(1.0 + 1.99, abs=0.01)
+    heights = np.linspace(0.01, 60.0, 6000)
+    row = int(np.searchsorted(light.distances_m, 30.0))
+    shape = vertical_shape(heights, light.heights_m()[row], light.sigma_z_m[row])
+    carried = np.sum(shape * neutral.speed_mps(heights)) * (heights[1] - heights[0])
+    assert carried == pytest.approx(light.speeds_mps[row], rel=0.005)
+    assert light.speeds_mps[row] > plain.speeds_mps[row]
+    with pytest.raises(ValueError, match=r'height to which it rises .* must be'):
+        similarity_travel(neutral, 1.0, buoyancy_m4_s3=50.0)
 
 
 def test_particles_fall_at_known_speeds():

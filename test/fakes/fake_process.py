@@ -21,6 +21,7 @@ if str(Path(__file__).parents[1]) not in test.__path__:
     test.__path__.append(str(Path(__file__).parents[1]))
 
 from test.fakes.fake_autopilot import HOME, FakeCopter
+from test.fakes.fake_rover import FakeRover
 
 from rocsafe_mavlink.wire.dialect import decode, encode
 from rocsafe_mavlink.wire.framing import pack_frame, scan
@@ -140,6 +141,8 @@ def main():
     """Fly until the process is ended."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--to', default='127.0.0.1:14550')
+    parser.add_argument('--rover', dest='kind', action='store_const', const=FakeRover,
+                        default=FakeCopter, help='ground vehicles')  # fmt: skip
     parser.add_argument('--systems', type=int, nargs='+', default=[1])
     parser.add_argument('--rate', type=float, default=1.0)
     parser.add_argument('--boot', type=float, default=60.0)

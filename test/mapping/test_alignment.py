@@ -89,9 +89,10 @@ def test_ties_that_never_entered_agree(usual):
 
 @pytest.mark.slow
 def test_stated_error_is_the_true_one(usual):
-    """The stated standard error is that of several flights, within a factor of two.
+    """The stated standard error is that of several flights, at most 2.5 times as large.
 
-    One flight proves little: where all of its map lies is a single draw.
+    One flight proves little: where all of its map lies is a single draw. Six photographs do not
+    show that their fixes do not drift; what is stated allows for that.
     """
     flights = [(usual[0], *usual[1:])]
     flights += [(shots, *aligned(shots)) for shots in map(texture.flight, (2, 3))]
@@ -101,7 +102,7 @@ def test_stated_error_is_the_true_one(usual):
         stated += [alignment.error_m(name) ** 2 for name in alignment.photos]
         errors += (np.abs(found + origin(maker) - true) ** 2).ravel().tolist()
     error_m = math.sqrt(np.mean(errors))
-    assert error_m / 2.0 < math.sqrt(np.mean(stated)) < 2.0 * error_m
+    assert error_m / 2.0 < math.sqrt(np.mean(stated)) < 2.5 * error_m
 
 
 def origin(maker) -> complex:

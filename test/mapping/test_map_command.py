@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe map` makes a map of anyone's photographs."""
 
+import dataclasses
 import importlib.util
 import json
 import pathlib
@@ -10,9 +11,11 @@ import numpy as np
 import pytest
 import rasterio
 import rasterio.warp
+from test.small_file_system import small_file_system
 
 from rocsafe_mapping.command_line.map_command import EXIT_FAILED, EXIT_OK, EXIT_REFUSED, main
 from rocsafe_mapping.photographs.exif import with_exif
+from rocsafe_mapping.store.photograph_files import photographs_of
 
 pytestmark = pytest.mark.slow
 
@@ -90,6 +93,50 @@ def test_map_of_too_few_photographs_is_made_but_not_trusted(tmp_path, capsys):
     assert main([str(tmp_path), '--only-geotiff', '-o', str(tmp_path / 'out')]) == EXIT_FAILED
     assert 'not to be called georeferenced' in capsys.readouterr().out
     assert (tmp_path / 'out' / 'mosaic.tif').exists()
+
+
+def test_odd_files_are_one_line_each(tmp_path, capsys):
+    """A copy, a name with control characters, a focal length that no lens has."""
+    shots = texture.flight(6)
+    for number, shot in enumerate(shots):
+        camera = shot.record.camera
+        if number == 5:
+            camera = dataclasses.replace(camera, fx_px=1e6, fy_px=1e6)
+        record = dataclasses.replace(shot.record, camera=camera)
+        (tmp_path / f'{number}.jpg').write_bytes(with_exif(shot.jpeg, record))
+    (tmp_path / 'copy.jpg').write_bytes((tmp_path / '2.jpg').read_bytes())
+    (tmp_path / 'a\nb\x1b[31m.jpg').write_bytes(b'no picture')
+    main([str(tmp_path), '--only-geotiff'])
+    found = capsys.readouterr()
+    lines = found.err.splitlines()
+    assert len(lines) == 3
+    assert 'a\\nb\\x1b[31m.jpg: it is no picture' in lines[1]
+    assert '5.jpg: a focal length of 2.5e+03 image widths is not from 0.2 to 50' in lines[0]
+    assert lines[2] == 'not on the map: copy.jpg: the same file as 2.jpg'
+    assert '5 photographs' in found.out
+
+
+def test_a_full_disk_is_refused(tmp_path, capsys):
+    """No traceback of GDAL's, whichever file does not fit."""
+    shots = texture.flight(6)
+    for number, shot in enumerate(shots):
+        (tmp_path / f'{number}.jpg').write_bytes(with_exif(shot.jpeg, shot.record))
+    with small_file_system(tmp_path / 'disk', megabytes=1) as disk:
+        assert main([str(tmp_path), '-o', str(disk)]) == EXIT_REFUSED
+        assert not [path for path in disk.iterdir() if path.name == 'mosaic.tif']
+    assert 'error: cannot write map' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ('fix', 'is_known'), [((0.0, 0.0), False), ((0.0, 9.0), True), ((9.0, 0.0), True)]
+)
+def test_zero_zero_is_no_fix(tmp_path, fix, is_known):
+    """Many cameras write it while their receiver has none."""
+    shot = texture.flight(6)[0]
+    record = dataclasses.replace(shot.record, latitude_deg=fix[0], longitude_deg=fix[1])
+    (tmp_path / 'a.jpg').write_bytes(with_exif(shot.jpeg, record))
+    (found,) = photographs_of(tmp_path, pytest.fail)
+    assert found.record.has_fix is is_known
 
 
 def test_folder_without_photographs_is_refused(tmp_path, capsys):

@@ -30,10 +30,14 @@ def spot(column: float, row: float) -> np.ndarray:
 @pytest.fixture(scope='module')
 def tiles(tmp_path_factory):
     """The tiles of a map of a spot."""
-    folder = tmp_path_factory.mktemp('map')
+    return tiles_of(tmp_path_factory.mktemp('map'), PIXEL_M)
+
+
+def tiles_of(folder, pixel_m: float) -> list:
+    """Return the tiles of a map of a spot, whose pixels are so wide."""
     profile = {
         'driver': 'GTiff', 'width': SIDE, 'height': SIDE, 'count': 4, 'dtype': 'uint8',
-        'crs': f'EPSG:{EPSG}', 'transform': Affine(PIXEL_M, 0, WEST_M, 0, -PIXEL_M, NORTH_M),
+        'crs': f'EPSG:{EPSG}', 'transform': Affine(pixel_m, 0, WEST_M, 0, -pixel_m, NORTH_M),
     }  # fmt: skip
     with rasterio.open(folder / 'm.tif', 'w', **profile) as file:
         file.colorinterp = RGBA
@@ -68,3 +72,8 @@ def test_tiles_lie_where_the_map_lies(tiles, coarser):
     east, north = to_web.transform(WEST_M + 240 * PIXEL_M, NORTH_M - 260 * PIXEL_M)
     true = np.array([east + WORLD_M, WORLD_M - north]) / (2.0 * WORLD_M / 256 / 2**zoom)
     assert np.abs(middle_px(tiles, zoom) - true).max() < 0.1
+
+
+def test_pixels_too_fine_for_tiles_give_coarser_tiles(tmp_path):
+    """A drone a few metres above the ground sees millimetres; GDAL knows 22 zooms."""
+    assert max(tile[0] for tile in tiles_of(tmp_path, 0.004)) == 22

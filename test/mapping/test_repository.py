@@ -14,6 +14,7 @@ import time
 import pytest
 
 from rocsafe_mapping.errors import StoreError
+from rocsafe_mapping.photographs.shot import plain_of_record
 from rocsafe_mapping.repository import server as server_module
 from rocsafe_mapping.repository import uploads
 from rocsafe_mapping.repository.copying import LEDGER, Copier
@@ -179,6 +180,16 @@ def test_a_repeated_put_is_answered_as_success(server, shot):
     with pytest.raises(StoreError, match='412'):
         sink._commit(record, '0' * 64)
     sink.close()
+
+
+def test_a_put_without_the_hash_of_its_photograph_is_told_so(server, shot):
+    """Not that zero bytes of nothing are there."""
+    body = json.dumps(plain_of_record(shot(0)[0])).encode()
+    digest = base64.b64encode(hashlib.sha256(body).digest()).decode()
+    headers = {'Content-Digest': f'sha-256=:{digest}:'}
+    status, text = asked(server, 'PUT', '/images/rav1-00000', body, **headers)
+    assert status == 400
+    assert b'Idempotency-Key' in text
 
 
 def test_photographs_can_be_listed_and_read(server, shot):

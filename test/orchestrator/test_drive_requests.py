@@ -3,11 +3,18 @@
 
 from types import SimpleNamespace
 
+import pytest
 from rclpy.node import Node
 from rclpy.task import Future
 
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_interfaces.action import DriveRoute
+from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.drive_requests_node import DriveRequests
+from rocsafe_orchestrator.mission.driving import DriveEnd
+from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.parameters.drive_goal import dose_change
 
 
 class Assessor:
@@ -39,3 +46,75 @@ def test_readings_are_assessed_before_each_drive(ros):
     assert [one.count for one in assessors] == [2, 2]
     requests.close()
     node.destroy_node()
+
+
+DRIVE = Order(kind=OrderKind.DRIVE, vehicle='rgv1')
+PLACE = GeoPosition(53.28, -9.06, 0.0)
+
+
+def route():
+    """Return a way of three stops that passes the place at 4 m."""
+    places = [offset(PLACE, east, 4.0, 0.0) for east in (-20.0, 0.0, 20.0)]
+    points = [GeoPoint(latitude=one.latitude_deg, longitude=one.longitude_deg) for one in places]
+    stops = [GroundStop(position=point, dose_usv=dose)
+             for point, dose in zip(points, (0.0, 3.0, 3.0), strict=True)]  # fmt: skip
+    return GroundRoute(stops=stops)
+
+
+@pytest.mark.parametrize(
+    ('known', 'low', 'high'),
+    [
+        (((PLACE, 1000.0),), 1.0, 1.0),
+        (((PLACE, 3000.0),), 2.5, 3.0),
+        ((), 0.0, 0.1),
+        # A weak companion changes little, wherever it is; a strong one beside the way much.
+        (((PLACE, 1000.0), (offset(PLACE, 1.0, 0.0, 0.0), 50.0)), 1.0, 1.1),
+        (((PLACE, 1000.0), (offset(PLACE, 20.0, 0.0, 0.0), 1000.0)), 2.0, 100.0),
+    ],
+)
+def test_dose_by_the_sources_known_now_is_told_in_times_of_the_planned_one(known, low, high):
+    """Of the whole route."""
+    times = dose_change(route(), ((PLACE, 1000.0),), known)
+    assert low - 1e-6 <= times <= high + 1e-6
+
+
+def test_drive_with_another_dose_than_planned_is_stopped_and_planned_anew(ros):
+    """Once; what changed in between is in the next plan."""
+    node = Node('requests', context=ros.context)
+    monitor = SimpleNamespace(sources=((PLACE, 100.0),), images_expected=0)
+    requests = DriveRequests(
+        node, SimpleNamespace(driver_name='rgv1'), monitor, SimpleNamespace(), []
+    )
+    cancelled, ends = [], []
+    handle = SimpleNamespace(
+        accepted=True, cancel_goal_async=lambda: cancelled.append(1), get_result_async=Future
+    )
+    requests.begin(
+        SimpleNamespace(accepted=lambda _order: None, driven=lambda *end: ends.append(end))
+    )
+    requests._planned_on, requests._goal = monitor.sources, lambda: 'rest'
+    requests._route = route()
+    requests.on_sources()
+    requests._on_goal(DRIVE, print, done(handle))
+    requests.on_sources()
+    assert not cancelled
+    monitor.sources = ((PLACE, 1000.0),)
+    requests.on_sources()
+    requests.on_sources()
+    assert cancelled == [1]
+    result = DriveRoute.Result(outcome=DriveRoute.Result.CANCELLED, error_msg='by request')
+    requests._on_driven(DRIVE, done(SimpleNamespace(result=result)))
+    ((text, ending),) = ends
+    assert text.startswith('by the sources known now it takes 8.')
+    assert ending is DriveEnd.OUT_WITH_EVIDENCE_LEFT
+    requests.on_sources()
+    assert cancelled == [1]
+    requests.close()
+    node.destroy_node()
+
+
+def done(value):
+    """Return a future with a value."""
+    future = Future()
+    future.set_result(value)
+    return future

@@ -13,9 +13,12 @@ import yaml
 from test.planner.terrains import write_terrain
 
 from rocsafe_dispersion.advisor_options import AdvisorOptions
+from rocsafe_dispersion.air_field.air_file import AirFile
 from rocsafe_dispersion.air_field.air_options import AirOptions
 from rocsafe_dispersion.estimator_options import EstimatorOptions
 from rocsafe_geo.motion.autopilot import ARDUCOPTER
+from rocsafe_geo.storage.value_file import values_of
+from rocsafe_geo.wind.mission_wind import WindSettings
 from rocsafe_ground.options import RouterOptions
 from rocsafe_interfaces.msg import Route, SurveyPlan, Viewpoint
 from rocsafe_mapping.options import CollectorOptions, MosaicOptions
@@ -69,6 +72,7 @@ OPTIONS: dict[str, Any] = {
     'fleet_verbs': FleetVerbsOptions,
 }
 MISSION = new_identity('run')
+SCENE = Path(__file__).parents[2] / 'config/scenes/derailment.yaml'
 FLEET = {'simulation.processes': 'fleet'}
 GAS = {'air.gas_sensors': ['pid_10_6_ev'], 'air.search.extra_rounds': 1}
 
@@ -128,16 +132,23 @@ def test_every_parameter_is_an_option_of_its_node(
 def test_one_wind_with_its_gusts_pushes_vehicles_and_carries_gas(
     small: Callable[..., Path], run: RunDirectory
 ) -> None:
-    """Mean, gusts, their seed and the time from which they count are the same."""
-    gusts = {'survey.airspace.wind_mps': [2.0, 1.0], 'air.wind': {'gust_std_mps': 0.7}}
+    """Mean, gusts, record, site, their seed and the time from which they count are the same."""
+    record = small().with_name('wind.csv')
+    record.write_text('time_s,wind_speed_mps,wind_from_deg\n0,2,250\n60,3,240\n')
+    changes = {'gust_std_mps': 0.7, 'record_file': record.name, 'scene_file': str(SCENE)}
+    gusts = {'survey.airspace.wind_mps': [2.0, 1.0], 'air.wind': changes}
     scenario = read_scenario(small({**GAS, **gusts}))
     table = {spec.name: spec.parameters for spec in process_table(scenario, run)}
     air, wind = table['air'], table['air']['air_file']['wind']
     flown = table['rav1']
     assert (flown['wind_east_mps'], flown['wind_north_mps']) == (2.0, 1.0)
     assert (wind['towards_east_mps'], wind['towards_north_mps']) == (2.0, 1.0)
-    for key in ('gust_std_mps', 'gust_scale_s'):
-        assert flown[key] == wind[key]
+    assert flown['wind_file'] == wind
+    assert wind['gust_std_mps'] == 0.7
+    assert wind['record_file'] == str(record)
+    assert wind['site_file'] == str(run.site_wind)
+    settings = values_of(wind, WindSettings, 'wind')
+    assert values_of(air['air_file'], AirFile, 'air').wind == settings
     assert flown['seed'] == air['seed']
     assert flown['scene_start_s'] == air['start_time_s']
 
@@ -387,7 +398,8 @@ def test_scenes_are_exported_once_for_all_nodes(
     program.write_text(
         '#!/bin/sh\ncase $2 in /gone*)\n'
         'echo "rocsafe: gone.yaml: no such file" >&2; exit 2;; esac\n'
-        f'echo "$@" >> {tmp_path}/calls\ntouch "${{3#--out=}}"\n'
+        f'echo "$@" >> {tmp_path}/calls\n'
+        'for word in "$@"; do case $word in --out=*) touch "${word#--out=}";; esac; done\n'
     )
     program.chmod(0o755)
     monkeypatch.setattr(
@@ -405,6 +417,14 @@ def test_scenes_are_exported_once_for_all_nodes(
     assert call == (
         f'solids /hill.yaml --out={run.solids_of("/hill.yaml")} --origin={origin.latitude_deg!r},'
         f'{origin.longitude_deg!r},{origin.altitude_m!r} --seed={scenario.seed}'
+    )
+    wind = level.air.wind.model_copy(update={'scene_file': '/hill.yaml', 'stability': 'B'})
+    windy = scenario.model_copy(update={'air': level.air.model_copy(update={'wind': wind})})
+    export_scenes(windy, run)
+    _, call = (tmp_path / 'calls').read_text().splitlines()
+    assert call == (
+        f'{run.solids_of("/hill.yaml")} --out={run.site_wind} --height=10.0 --roughness=0.03 '
+        '--stability=B --towards 0.000000 0.000000'
     )
     gone = radiation.model_copy(update={'scene_file': '/gone.yaml'})
     with pytest.raises(SetupError, match=r'^/gone\.yaml: gone\.yaml: no such file$'):

@@ -181,6 +181,40 @@ def test_gusts_that_vehicles_cannot_hold_are_refused(small: Callable[..., Path])
         assert f'vehicles[{number}] in survey.airspace.wind_mps with gusts of air.wind' in line
 
 
+@pytest.mark.parametrize(
+    ('record', 'line'),
+    [
+        ('time_s,wind_speed_mps,wind_from_deg\n0,3,250\n9,40,250\n', 'in air.wind.record_file: '),
+        ('time_s,wind_speed_mps,direction\n0,3,250\n', 'column direction does not say whether'),
+        ('time_s,wind_speed_mps,wind_from_deg\n9,3,250\n0,3,250\n', 'must ascend'),
+        ('', 'air.wind.record_file'),
+    ],
+)
+def test_a_record_that_does_not_fit_is_refused(
+    small: Callable[..., Path], record: str, line: str
+) -> None:
+    """Too strong for a vehicle, of unknown convention, out of order, empty: a line each."""
+    path = small({'air.wind': {'record_file': 'wind.csv'}})
+    path.with_name('wind.csv').write_text(record)
+    with pytest.raises(ScenarioError) as caught:
+        read_scenario(path)
+    assert all(line in each for each in str(caught.value).splitlines())
+
+
+def test_files_of_the_wind_are_named_from_the_scenario(small: Callable[..., Path]) -> None:
+    """They become absolute; a scene needs a wind, whose wakes it has."""
+    path = small({'air.wind': {'record_file': 'wind.csv'}})
+    with pytest.raises(ScenarioError, match=r"air.wind.record_file = 'wind.csv': .*no such file"):
+        read_scenario(path)
+    record = path.with_name('wind.csv')
+    record.write_text('time_s,wind_towards_east_mps,wind_towards_north_mps\n0,1,2\n')
+    assert read_scenario(path).air.wind.record_file == str(record)
+    scene = path.with_name('scene.yaml')
+    scene.write_text('name: scene\n')
+    with pytest.raises(ScenarioError, match=r'must be at least 0.5 m/s with air.wind.scene'):
+        read_scenario(small({'air.wind': {'scene_file': scene.name}}))
+
+
 def test_every_mistake_gets_its_line(small: Callable[..., Path]) -> None:
     """Two mistakes are named in two lines."""
     with pytest.raises(ScenarioError) as caught:

@@ -41,6 +41,14 @@ class Post(Wall):
         return 'post' if math.dist(place_enu[:2], POST) < 0.05 + radius_m else ''
 
 
+class Tape(Wall):
+    """Barrier tape across the way at 20 m east, just above the vehicle."""
+
+    def touched(self, place_enu, radius_m):
+        """Return whether a ball touches the tape."""
+        return 'tape' if math.dist(place_enu[::2], (20.0, 0.8)) < radius_m else ''
+
+
 class Hill:
     """Ground that rises to the east."""
 
@@ -191,6 +199,14 @@ def test_post_behind_a_bend_is_seen_before_the_bend():
     driven(rover)
     assert rover.state.ledger.outcome is DriveOutcome.BLOCKED
     assert math.dist(rover.state.place, POST) > 0.5 + 0.5 * Chassis().width_m
+
+
+def test_tape_above_it_is_driven_below():
+    """Its clearance is beside it, not above it."""
+    rover = rover_of(parts_of(surroundings=Tape(), has_detector=False))
+    rover.drive(route_of(((0.0, 0.0), (40.0, 0.0)), limit_mps=1.5))
+    driven(rover)
+    assert rover.state.ledger.outcome is DriveOutcome.COMPLETED
 
 
 def test_slope_takes_charge_and_a_steep_one_time():

@@ -7,13 +7,13 @@ from typing import Any
 
 import yaml
 
-from rocsafe_dispersion.atmosphere.stability import CLASSES, StabilityClass
 from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_dispersion.mission_gas.gas_log import GasLog, Sampling
 from rocsafe_dispersion.mission_gas.release_assessment import AssessmentOptions
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_geo.option import option
 from rocsafe_geo.origin_options import OriginOptions
+from rocsafe_geo.wind.stability import CLASSES, StabilityClass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,7 +19,7 @@ from rocsafe_ground.conversions import (
     route_message,
 )
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
-from rocsafe_ground.drive.ground_map import GroundMap, read_ground_map
+from rocsafe_ground.drive.ground_map import GroundMap, MapReader
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError
 from rocsafe_ground.options import RouterOptions
@@ -62,6 +62,7 @@ class RouterNode(Node):
         self._costs = create_publisher(self, GROUND_COSTS)
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._count = 0
+        self._reader = MapReader()
         self._server = ActionServer(
             self,
             PlanGroundRoute,
@@ -107,7 +108,7 @@ class RouterNode(Node):
     def _plan(self, request: DriveRequest, folder: str, report: Callable[[str], bool]) -> Planned:
         """Read the map and plan; runs in the thread of the job."""
         options = self._options
-        ground = read_ground_map(
+        ground = self._reader.read(
             options.files(folder), request.vehicle, options.cell_m, request.turn_back_usvh
         )
         report('routes')

@@ -130,7 +130,7 @@ class MatchingOptions:
     least_cells, cell_share
         Inliers must lie in this many cells, whose side is this share of the image's height.
     smallest_scale, largest_scale
-        Limits of the homography's scale: two heights above the ground.
+        Limits of the homography's scale, over that of the focal lengths and heights.
     largest_stretch
         Largest ratio of the two scales at one place, 1 / cos(tilt): 20 degrees each way.
     largest_bend

@@ -28,6 +28,7 @@ from rocsafe_interfaces.msg import (
 )
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.mission.drive_watch import Reading
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
 from rocsafe_orchestrator.parameters import goal_conversions
@@ -188,15 +189,29 @@ class OrchestratorNode(Node):
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:
         position = conversions.position_of_reading(message)
-        if position is not None:
-            self._monitor.on_dose_rate(vehicle, message.dose_rate_usvh, position)
+        if position is None:
+            return
+        self._monitor.on_dose_rate(vehicle, message.dose_rate_usvh, position)
+        drives = self.requests.drives
+        if drives is not None and vehicle == self._scenario.driver_name:
+            stamp, speed_mps = message.header.stamp, self._monitor.driver.speed_mps
+            drives.on_reading(
+                Reading(
+                    stamp_s=stamp.sec + 1e-9 * stamp.nanosec, rate_usvh=message.dose_rate_usvh,
+                    place=position, speed_mps=speed_mps,
+                )
+            )  # fmt: skip
 
     def _on_alarm(self, vehicle: str, message: DoseAlarm) -> None:
-        if message.triggered and message.turns_back:
+        # The ground vehicle has limits of its own.
+        is_drone = vehicle != self._scenario.driver_name
+        if message.triggered and message.turns_back and is_drone:
             self._monitor.on_turn_back(vehicle, conversions.turn_back_text(message))
 
     def _on_sources(self, message: HazardSourceArray) -> None:
         self._monitor.sources = conversions.sources_of(message)
+        if self.requests.drives is not None:
+            self.requests.drives.on_sources()
 
     def _on_releases(self, message: ReleaseEstimateArray) -> None:
         self._monitor.releases = conversions.releases_of(message)

@@ -62,6 +62,8 @@ class Requests(GoalRequests):
     ----------
     plans
         The plans of the mission.
+    drives
+        The drives of its ground vehicle; None: it has none.
     """
 
     def __init__(self, node: Node, scenario: Scenario, monitor: Monitor, mission_id: str) -> None:
@@ -85,7 +87,7 @@ class Requests(GoalRequests):
         }
         self._advice = AdviceRequests(self._services, scenario)
         self.plans = PlanRequests(node, scenario, monitor, self._advice)
-        self._drives = self._drives_of(node) if scenario.driver_name else None
+        self.drives = self._drives_of(node) if scenario.driver_name else None
         self._steps = topics.create_publisher(node, topics.STEP_DONE)
         self._real = {vehicle.name for vehicle in scenario.linked}
         self._send: dict[OrderKind, Callable[[Order], None]] = {
@@ -101,11 +103,11 @@ class Requests(GoalRequests):
             OrderKind.SAVE_MOSAIC: partial(self._call, calls.SAVE_MOSAIC, Trigger.Request()),
         }
 
-        if self._drives is not None:
+        if self.drives is not None:
             self._send |= {
-                OrderKind.ASSESS: self._drives.send_assess,
-                OrderKind.PLAN_DRIVE: self._drives.send_plan,
-                OrderKind.DRIVE: self._drives.send_drive,
+                OrderKind.ASSESS: self.drives.send_assess,
+                OrderKind.PLAN_DRIVE: self.drives.send_plan,
+                OrderKind.DRIVE: self.drives.send_drive,
             }
 
     def _drives_of(self, node: Node) -> DriveRequests:
@@ -113,15 +115,19 @@ class Requests(GoalRequests):
         if self._scenario.air.gas_sensors:
             asked.append(calls.SUGGEST_GAS_VIEWPOINTS)
         assessors = [self._services[spec.name] for spec in asked]
-        return DriveRequests(node, self._scenario, self._monitor, self._leases, assessors)
+        home = Order(kind=OrderKind.RETURN, vehicle=self._scenario.driver_name)
+        call_home = partial(self._send_verb, home)
+        return DriveRequests(
+            node, self._scenario, self._monitor, self._leases, assessors, call_home
+        )
 
     def begin(self, mission: Mission) -> None:
         """Report answers to `mission` from now on."""
         super().begin(mission)
         self.plans.begin(mission)
         self._advice.begin(mission)
-        if self._drives is not None:
-            self._drives.begin(mission)
+        if self.drives is not None:
+            self.drives.begin(mission)
 
     def replan(self) -> str:
         """Have the rest of the mission planned anew; return why not, empty if it is."""
@@ -133,8 +139,8 @@ class Requests(GoalRequests):
         """Destroy the clients of actions, which keep their node in the graph."""
         for client in (self.plans.client, *self._vehicles.values()):
             client.destroy()
-        if self._drives is not None:
-            self._drives.close()
+        if self.drives is not None:
+            self.drives.close()
 
     def send(self, order: Order) -> None:
         """Send `order` to the node that carries it out."""
@@ -144,10 +150,10 @@ class Requests(GoalRequests):
         """Return whether the server of a service or an action can be reached."""
         if endpoint.kind == 'service':
             return bool(self._services[endpoint.name].service_is_ready())
-        if self._drives is not None and endpoint.spec is calls.PLAN_GROUND_ROUTE:
-            return bool(self._drives.router.server_is_ready())
-        if self._drives is not None and endpoint.spec is calls.DRIVE_ROUTE:
-            return bool(self._drives.vehicle.server_is_ready())
+        if self.drives is not None and endpoint.spec is calls.PLAN_GROUND_ROUTE:
+            return bool(self.drives.router.server_is_ready())
+        if self.drives is not None and endpoint.spec is calls.DRIVE_ROUTE:
+            return bool(self.drives.vehicle.server_is_ready())
         client = self._vehicles.get(endpoint.vehicle, self.plans.client)
         return bool(client.server_is_ready())
 
@@ -230,7 +236,7 @@ class Requests(GoalRequests):
 
     def _pause(self, order: Order) -> None:
         """Pause simulated time, unless a real vehicle takes part."""
-        if not self._scenario.linked:
+        if not self._scenario.real_names:
             self._call(calls.WORLD_RUN, SetBool.Request(data=False), order)
         elif self._mission is not None:
             self._mission.answered(order)

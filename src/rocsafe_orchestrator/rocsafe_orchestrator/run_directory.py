@@ -131,6 +131,11 @@ class RunDirectory:
         """Return the file of the solid things and the ground of the scene file `scene`."""
         return self.parameters / f'{Path(scene).stem}-{crc32(scene.encode()):08x}.npz'
 
+    @property
+    def site_wind(self) -> Path:
+        """How the scene of ``air.wind`` changes the wind."""
+        return self.parameters / 'site-wind.npz'
+
     def parameters_of(self, process: str) -> Path:
         """Return the parameter file of `process`."""
         return self.parameters / f'{process}.yaml'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The air block of a scenario file: releases, stability and gusts of the wind, gas sensors."""
+"""The air block of a scenario file: releases, how the wind changes, gas sensors."""
 
 from typing import Annotated, Literal
 
@@ -26,7 +26,8 @@ class ReleaseBlock(Block):
 
     It leaves at a rate (`rate_g_s`, particles: `rate_per_s`) for `duration_s`, or at once
     (`burst_g`, `burst_count`), from `start_s` after the start of the mission, and may move along
-    a `track` whose times count from its start.
+    a `track` whose times count from its start. A chemical that leaves at a rate with a
+    `temperature_c` rises where it is lighter than the air of 20 degrees.
     """
 
     name: Annotated[str, Field(min_length=1, max_length=64)]
@@ -41,6 +42,7 @@ class ReleaseBlock(Block):
     duration_s: float = Field(default=LARGEST_TIME_S, gt=0.0, le=LARGEST_TIME_S)
     radius_m: float = Field(default=0.0, ge=0.0, le=500.0)
     track: tuple[StopBlock, ...] = Field(default=(), max_length=1000)
+    temperature_c: float | None = Field(default=None, ge=-200.0, le=2000.0)
     settling_mps: float = Field(default=0.0, ge=0.0, le=10.0)
     decay_per_s: float = Field(default=0.0, ge=0.0, le=1.0)
 
@@ -61,7 +63,9 @@ class AirWindBlock(Block):
     """How the wind of `survey.airspace.wind_mps`, measured at `height_m`, changes.
 
     It grows with height by the roughness of the ground and the stability (Pasquill class), and
-    has gusts, which move gas and vehicles.
+    has gusts. With `record_file`, the record of an anemometer, the air moves as recorded, and
+    `survey.airspace.wind_mps` is the forecast that flights are planned with. With `scene_file`
+    buildings and ground of that scene shelter and channel it. All of it moves gas and vehicles.
     """
 
     height_m: float = Field(default=10.0, ge=1.0, le=200.0)
@@ -69,6 +73,13 @@ class AirWindBlock(Block):
     stability: Literal['A', 'B', 'C', 'D', 'E', 'F'] = 'D'
     gust_std_mps: float = Field(default=0.0, ge=0.0, le=20.0)
     gust_scale_s: float = Field(default=20.0, ge=1.0, le=3600.0)
+    record_file: str = ''
+    scene_file: str = ''
+
+    @property
+    def is_steady(self) -> bool:
+        """Whether it is everywhere and always the same, up to its profile."""
+        return not (self.gust_std_mps or self.record_file or self.scene_file)
 
 
 class GasSearchBlock(Block):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from rocsafe_scenario.scenario_blocks import Block, LatLon, VehicleName
+from rocsafe_scenario.scenario_blocks import Block, DroneBlock, LatLon, VehicleName
 
 EvidenceName = Annotated[str, Field(pattern=r'^[A-Za-z0-9][A-Za-z0-9_-]*$', max_length=64)]
 
@@ -37,6 +37,9 @@ class GroundVehicleBlock(Block):
     evidence, to_sources, to_releases
         Named places, and whether it goes to each source and each release of gas that was found,
         for `dwell_s`.
+    link, drone
+        Of a real ground vehicle, an ArduPilot Rover, as of a drone; an empty link: it is
+        simulated.
     """
 
     name: VehicleName
@@ -50,4 +53,6 @@ class GroundVehicleBlock(Block):
     to_sources: bool = True
     to_releases: bool = True
     dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
+    link: str = ''
+    drone: DroneBlock = DroneBlock()
     evidence: tuple[EvidenceBlock, ...] = Field(default=(), max_length=60)

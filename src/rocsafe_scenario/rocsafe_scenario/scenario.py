@@ -78,6 +78,12 @@ class Scenario(Block):
         return tuple(vehicle for vehicle in self.vehicles if vehicle.link)
 
     @property
+    def real_names(self) -> tuple[str, ...]:
+        """Names of all real vehicles, the ground vehicle last."""
+        driver = [self.driver_name] if self.ground_vehicle and self.ground_vehicle.link else []
+        return (*(vehicle.name for vehicle in self.linked), *driver)
+
+    @property
     def has_cameras(self) -> bool:
         """Whether any vehicle takes photographs; a real one may carry a detector alone."""
         return any(not vehicle.link or vehicle.drone.image_folder for vehicle in self.vehicles)
@@ -100,9 +106,11 @@ class Scenario(Block):
 
     @property
     def metered_names(self) -> tuple[str, ...]:
-        """Names of those vehicles, and of the ground vehicle."""
+        """Names of those vehicles, and of the ground vehicle if it is such a one."""
         drones = (vehicle.name for vehicle in self.with_simulated_detector)
-        return (*drones, *([self.driver_name] if self.driver_name else []))
+        driver = self.ground_vehicle
+        is_metered = driver and (not driver.link or driver.drone.detector == 'simulated')
+        return (*drones, *([self.driver_name] if is_metered else []))
 
     @property
     def head(self) -> str:

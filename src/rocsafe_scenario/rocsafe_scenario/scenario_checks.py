@@ -5,15 +5,19 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import distance_m
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.wind.anemometer_file import read_wind
+from rocsafe_geo.wind.mission_wind import LEAST_WIND_MPS
 from rocsafe_scenario.camera_blocks import FIRST_CAMERA
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.host_blocks import host_mistakes
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import PLANNING_KEYS
+from rocsafe_scenario.scenario_blocks import PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.survey_size import fewest_viewpoints
 
 # Beyond this distance the error of the flat local frame exceeds the noise of a GPS fix.
@@ -22,8 +26,6 @@ LARGEST_DISTANCE_M = 20_000.0
 MOST_VEHICLE_PROCESSES = 20
 # A proposal of the agents names all vehicles in one packet.
 MOST_AGENTS = 20
-# Slower air carries a release nowhere, m/s.
-LEAST_WIND_MPS = 0.5
 
 
 def mistakes(scenario: Scenario) -> list[str]:
@@ -104,8 +106,8 @@ def _missing_homes(scenario: Scenario) -> Iterator[str]:
 
 def _unreal_time(scenario: Scenario) -> Iterator[str]:
     speed = scenario.clock.speed
-    if scenario.linked and speed not in (0.0, 1.0):
-        name = scenario.linked[0].name
+    if scenario.real_names and speed not in (0.0, 1.0):
+        name = scenario.real_names[0]
         yield f'clock.speed = {speed:g}: must be 1, {name} is real (it has a link)'
 
 
@@ -113,7 +115,12 @@ def _double_autopilots(scenario: Scenario) -> Iterator[str]:
     """Refuse two real vehicles that cannot be told apart, or differ in what is of their link."""
     found: dict[tuple[str, int, int], str] = {}
     keys: dict[str, tuple[str, bool]] = {}
-    for index, vehicle in enumerate(scenario.vehicles):
+    blocks: list[tuple[str, VehicleBlock | GroundVehicleBlock]] = [
+        (f'vehicles[{index}]', vehicle) for index, vehicle in enumerate(scenario.vehicles)
+    ]
+    if scenario.ground_vehicle:
+        blocks.append(('ground_vehicle', scenario.ground_vehicle))
+    for block, vehicle in blocks:
         if not vehicle.link:
             continue
         drone = vehicle.drone
@@ -121,13 +128,13 @@ def _double_autopilots(scenario: Scenario) -> Iterator[str]:
         other = found.setdefault(number, vehicle.name)
         if other != vehicle.name:
             yield (
-                f'vehicles[{index}].drone.system = {drone.system}: {other} has it on the same '
+                f'{block}.drone.system = {drone.system}: {other} has it on the same '
                 'link, must differ'
             )
         key = (drone.signing_key_file, drone.unsigned)
         if keys.setdefault(vehicle.link, key) != key:
             yield (
-                f'vehicles[{index}].drone.signing_key_file and unsigned: must be those of the '
+                f'{block}.drone.signing_key_file and unsigned: must be those of the '
                 'other vehicles on its link'
             )
 
@@ -165,23 +172,40 @@ def _two_ends(scenario: Scenario) -> Iterator[str]:
 
 
 def _too_much_wind(scenario: Scenario) -> Iterator[str]:
+    wind = scenario.air.wind
+    try:
+        strongest = _strongest_wind(scenario)
+    except ValueError as error:
+        yield f'air.wind.record_file: {error}'
+        return
     rates = ('cruise_speed_mps', 'acceleration_mps2', 'climb_rate_mps', 'descent_rate_mps')
     for index, vehicle in enumerate(scenario.vehicles):
         try:
             Performance(
                 **vehicle.model_dump(include=set(rates)),
                 autopilot=Autopilot(**vehicle.autopilot.model_dump()),
-                wind_mps=_strongest_wind(scenario),
+                wind_mps=strongest,
             )
         except ValueError as error:
-            gusts = ' with gusts of air.wind' if scenario.air.wind.gust_std_mps else ''
-            yield f'vehicles[{index}] in survey.airspace.wind_mps{gusts}: {error}'
+            key = 'air.wind.record_file' if wind.record_file else 'survey.airspace.wind_mps'
+            gusts = ' with gusts of air.wind' if wind.gust_std_mps else ''
+            yield f'vehicles[{index}] in {key}{gusts}: {error}'
 
 
 def _strongest_wind(scenario: Scenario) -> tuple[float, float]:
-    """Return the wind with gusts of two standard deviations along it, which vehicles must hold."""
+    """Return the wind with gusts of two standard deviations along it, which vehicles must hold.
+
+    Raises
+    ------
+    ValueError
+        If the record of the wind cannot be read.
+    """
+    wind = scenario.air.wind
     east, north = scenario.survey.airspace.wind_mps
-    speed, gust = math.hypot(east, north), 2.0 * scenario.air.wind.gust_std_mps
+    if wind.record_file:
+        recorded = read_wind(Path(wind.record_file)).strongest
+        east, north = recorded.towards_east_mps, recorded.towards_north_mps
+    speed, gust = math.hypot(east, north), 2.0 * wind.gust_std_mps
     return (east * (1.0 + gust / speed), north * (1.0 + gust / speed)) if speed else (gust, 0.0)
 
 
@@ -190,11 +214,18 @@ def _unclear_releases(scenario: Scenario) -> Iterator[str]:
         if len(release.amounts) != 1 or not set(release.amounts) <= set(release.own_amounts):
             keys = ', '.join(release.own_amounts)
             yield f'air.releases[{index}]: needs exactly one of {keys} above 0'
+        elif release.temperature_c is not None and not release.rate_g_s:
+            yield f'air.releases[{index}].temperature_c: needs rate_g_s'
     speed = math.hypot(*scenario.survey.airspace.wind_mps)
     if scenario.air.releases and speed < LEAST_WIND_MPS:
         yield (
             f'survey.airspace.wind_mps = {speed:g} m/s: must be at least {LEAST_WIND_MPS:g} m/s '
             'with air.releases'
+        )
+    elif scenario.air.wind.scene_file and speed < LEAST_WIND_MPS:
+        yield (
+            f'survey.airspace.wind_mps = {speed:g} m/s: must be at least {LEAST_WIND_MPS:g} m/s '
+            'with air.wind.scene_file'
         )
     air = scenario.air
     if air.search.extra_rounds and not (air.gas_sensors and air.anemometer):

@@ -132,7 +132,7 @@ def _places(ring: Any) -> tuple[LatLon, ...]:
 
 def _with_files(scenario: Scenario, path: Path) -> Scenario:
     """Return `scenario` with the absolute paths of the other files that it names."""
-    camera, radiation = scenario.camera, scenario.radiation
+    camera, radiation, wind = scenario.camera, scenario.radiation, scenario.air.wind
     ground = None if camera.ground == 'scene' else camera.ground
     scene = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
     drawn = scene if camera.backend == 'engine' else None
@@ -142,6 +142,8 @@ def _with_files(scenario: Scenario, path: Path) -> Scenario:
         ('camera', 'scene_file', drawn, 'the path of a scene'),
         ('survey', 'terrain_file', terrain, 'the path of a GeoTIFF of heights'),
         ('radiation', 'scene_file', radiation.scene_file or None, 'the path of a scene'),
+        ('air.wind', 'scene_file', wind.scene_file or None, 'the path of a scene'),
+        ('air.wind', 'record_file', wind.record_file or None, 'the path of a record (CSV)'),
     ):
         if named is None:
             continue
@@ -149,6 +151,13 @@ def _with_files(scenario: Scenario, path: Path) -> Scenario:
         if not file.is_file():
             line = f'{block}.{key} = {named!r}: must be {what}'
             raise ScenarioError(f'{path.name}: {line}; no such file')
-        values = getattr(scenario, block).model_copy(update={key: str(file)})
-        scenario = scenario.model_copy(update={block: values})
+        scenario = _with_value(scenario, block, {key: str(file)})
     return scenario
+
+
+def _with_value(block: Any, path: str, values: dict[str, Any]) -> Any:
+    """Return a block with `values` in the block at a path of keys, such as ``air.wind``."""
+    key, _, rest = path.partition('.')
+    own = getattr(block, key)
+    own = _with_value(own, rest, values) if rest else own.model_copy(update=values)
+    return block.model_copy(update={key: own})

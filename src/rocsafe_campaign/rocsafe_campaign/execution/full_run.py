@@ -51,10 +51,8 @@ class FullRuns:
             If the mission fails, with its last words, takes longer than `limit_s`, or would fly a
             real vehicle.
         """
-        for vehicle in scenario.linked:
-            raise CampaignError(
-                f'{vehicle.name}: link = {vehicle.link!r}: campaigns fly simulated vehicles only'
-            )
+        for name in scenario.real_names:
+            raise CampaignError(f'{name}: has a link: campaigns fly simulated vehicles only')
         folder = self.folder / f'{run.number:06d}'
         folder.mkdir(parents=True, exist_ok=True)
         file = folder / 'scenario.yaml'

@@ -90,7 +90,7 @@ def impure_keys(scenario: Scenario) -> Iterator[str]:
         yield f'radiation.scene_file = {radiation.scene_file!r}: {only}'
     if scenario.extra_rounds:
         yield f'search.extra_rounds = {scenario.extra_rounds}: {only}'
-    if scenario.air.is_used or scenario.air.wind.gust_std_mps:
+    if scenario.air.is_used or not scenario.air.wind.is_steady:
         yield f'air: {only}'
 
 

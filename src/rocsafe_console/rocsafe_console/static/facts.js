@@ -217,7 +217,7 @@ export class Facts {
 
   drawDecisions(decisions) {
     const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), `${one.text}${one.reason ? `: ${one.reason}` : ''}`));
-    fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions' }, ...rows) : make('p', { class: 'none', text: '–' }));
+    fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions', tabindex: 0, 'aria-label': t('decisions') }, ...rows) : make('p', { class: 'none', text: '–' }));
   }
 }
 

@@ -26,7 +26,7 @@ export class Runs {
     const address = make('output', { class: 'note' });
     const link = make('button', { type: 'button', class: 'small', text: t('link_make'), onclick: async () => { address.textContent = (await ask('/api/links', {})).url; } });
     const rows = runs.map((run) => this.row(run, may));
-    this.events = make('ul', { class: 'decisions' });
+    this.events = make('ul', { class: 'decisions', tabindex: 0, 'aria-label': t('replay_events') });
     this.eventBox = make('section', { class: 'fact', hidden: !this.run }, make('h2', { text: t('replay_events') }), this.events);
     this.panel.replaceChildren(this.eventBox, make('h2', { text: t('runs_title') }), make('p', { class: 'run-buttons' }, link), address,
       rows.length ? make('ul', { class: 'run-list' }, ...rows) : make('p', { class: 'none', text: t('runs_none') }),

@@ -9,6 +9,7 @@ from rocsafe_dispersion.agents.agent_table import Agent
 from rocsafe_dispersion.plume.filaments import FilamentCloud, Filaments
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.wind.site_wind import SiteWind
 from rocsafe_geo.wind.wind_field import WindField
 
 # Latitude and longitude in degrees, altitude in metres.
@@ -32,7 +33,7 @@ class AirField:
     frame
         Frame of wind and clouds.
     ground_altitude_m
-        Altitude of the ground, metres; it is level.
+        Altitude of the ground, metres; it is level unless `wind` is that of a site.
     wind
         The wind.
     clouds
@@ -54,7 +55,10 @@ class AirField:
     def place_m(self, place: GeoPlace) -> FloatArray:
         """Return east, north and height above the ground, (1, 3), metres."""
         found = self._frame.to_enu(*place)
-        found[:, 2] = np.maximum(place[2] - self._ground_m, 0.0)
+        ground = self._ground_m
+        if isinstance(self._wind, SiteWind):
+            ground += float(self._wind.ground_up_m(found[:, :2])[0])
+        found[:, 2] = np.maximum(place[2] - ground, 0.0)
         return found
 
     def gases_g_m3(self, time_s: float, place: GeoPlace) -> list[tuple[Agent, float]]:

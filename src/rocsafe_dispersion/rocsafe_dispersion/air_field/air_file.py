@@ -1,55 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of the simulated air that are lists or blocks: one YAML file.
 
-Its keys are those of a scenario's ``air`` block; the wind is that of the survey's airspace.
+Its keys are those of a scenario's ``air`` block; the wind is the one that pushes the vehicles.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from rocsafe_dispersion.agents.agent_table import released_agent
-from rocsafe_dispersion.atmosphere.stability import StabilityClass
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_geo.limits import require_between, require_finite, require_not_negative
+from rocsafe_geo.wind.mission_wind import WindSettings
 
 # Latitude and longitude, degrees.
 Place = tuple[float, float]
 PARTICLES = 'particles'
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class WindSettings:
-    """The mean wind, which also pushes the vehicles, and its gusts.
-
-    Attributes
-    ----------
-    towards_east_mps, towards_north_mps
-        Velocity of the air at `height_m`: where it goes to, m/s.
-    height_m
-        Height above the ground of these, metres.
-    roughness_m
-        Roughness length of the ground, metres.
-    stability
-        Pasquill class, A very unstable to F stable.
-    gust_std_mps, gust_scale_s
-        Standard deviation of the gusts along each horizontal axis, m/s, and their time scale, s.
-    """
-
-    towards_east_mps: float = 0.0
-    towards_north_mps: float = 0.0
-    height_m: float = 10.0
-    roughness_m: float = 0.03
-    stability: StabilityClass = 'D'
-    gust_std_mps: float = 0.0
-    gust_scale_s: float = 20.0
-
-    def __post_init__(self) -> None:
-        for name in ('towards_east_mps', 'towards_north_mps'):
-            require_between(name, getattr(self, name), -50.0, 50.0, 'm/s')
-        require_between('height_m', self.height_m, 1.0, 200.0, 'm')
-        require_between('roughness_m', self.roughness_m, 1e-3, 0.5, 'm')
-        require_between('gust_std_mps', self.gust_std_mps, 0.0, 20.0, 'm/s')
-        require_between('gust_scale_s', self.gust_scale_s, 1.0, 3600.0, 's')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,6 +47,9 @@ class ReleaseSettings:
         When, seconds after the start of the mission, and how long.
     radius_m
         Radius of the place that it leaves, metres.
+    temperature_c
+        Temperature at which a chemical leaves at its rate, degrees Celsius: lighter than the air
+        it rises; None: it neither rises nor falls.
     track
         Places that a moving release passes.
     settling_mps
@@ -103,6 +71,7 @@ class ReleaseSettings:
     start_s: float = 0.0
     duration_s: float = math.inf
     radius_m: float = 0.0
+    temperature_c: float | None = None
     track: tuple[StopSettings, ...] = ()
     settling_mps: float = 0.0
     decay_per_s: float = 0.0
@@ -126,6 +95,8 @@ class ReleaseSettings:
         given = [name for name, value in amounts.items() if value > 0.0]
         if len(given) != 1 or given[0] not in own:
             raise ValueError(f'release {self.name}: needs exactly one of {", ".join(own)} above 0')
+        if self.temperature_c is not None and given != ['rate_g_s']:
+            raise ValueError(f'release {self.name}: temperature_c needs rate_g_s')
 
     @property
     def is_particles(self) -> bool:
@@ -152,10 +123,12 @@ class AirFile:
     anemometer_std_mps
         Standard deviation of the wind that a vehicle measures over a window, m/s.
     ground_altitude_m
-        Altitude of the ground above the ellipsoid, metres.
+        Altitude of the ground at the origin above the ellipsoid, metres.
+    origin
+        Origin of the frame of the wind of a site; None: the first release.
     """
 
-    wind: WindSettings = WindSettings()
+    wind: WindSettings = field(default_factory=WindSettings)
     releases: tuple[ReleaseSettings, ...] = ()
     gas_sensors: tuple[str, ...] = ()
     particle_counter: bool = False
@@ -164,8 +137,11 @@ class AirFile:
     intake_delay_s: float = 1.0
     anemometer_std_mps: float = 0.5
     ground_altitude_m: float = 0.0
+    origin: Place | None = None
 
     def __post_init__(self) -> None:
+        if self.wind.site_file and self.origin is None:
+            raise ValueError('origin must be given with wind.site_file')
         names = [release.name for release in self.releases]
         if len(set(names)) < len(names):
             raise ValueError('releases must have different names')

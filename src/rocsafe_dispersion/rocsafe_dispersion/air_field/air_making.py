@@ -6,22 +6,19 @@ from pathlib import Path
 
 from rocsafe_dispersion.agents.agent_table import released_agent
 from rocsafe_dispersion.air_field.air_field import AirField, ReleasedCloud
-from rocsafe_dispersion.air_field.air_file import AirFile, ReleaseSettings, WindSettings
+from rocsafe_dispersion.air_field.air_file import AirFile, Place, ReleaseSettings
 from rocsafe_dispersion.air_field.air_options import AirOptions
-from rocsafe_dispersion.atmosphere.stability import layer_of_class
 from rocsafe_dispersion.plume.filaments import FilamentCloud
 from rocsafe_dispersion.plume.losses import Losses
 from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.rise import buoyancy_m4_s3
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import read_values
-from rocsafe_geo.wind.gusts import GustyWind
+from rocsafe_geo.wind.mission_wind import LEAST_WIND_MPS, mission_wind
 from rocsafe_geo.wind.similarity import SurfaceLayer
-from rocsafe_geo.wind.wind_field import ProfileWind, UniformWind, WindField
-from rocsafe_geo.wind.wind_vector import WindVector
-
-LEAST_WIND_MPS = 0.5
+from rocsafe_geo.wind.wind_field import WindField
 
 
 def read_air(options: AirOptions) -> AirFile:
@@ -43,20 +40,17 @@ def air_field(settings: AirFile, seed: int) -> AirField:
     ValueError
         If there are releases and too little wind, or a value is out of range.
     """
-    origin = settings.releases[0].position if settings.releases else (0.0, 0.0)
-    frame = LocalFrame(GeoPosition(*origin, settings.ground_altitude_m))
-    speed = math.hypot(settings.wind.towards_east_mps, settings.wind.towards_north_mps)
-    if speed < LEAST_WIND_MPS:
+    latitude, longitude = settings.origin or _first_place(settings)
+    frame = LocalFrame(GeoPosition(latitude, longitude, settings.ground_altitude_m))
+    wind, layer = mission_wind(settings.wind, seed), settings.wind.layer()
+    if layer is None:
         if settings.releases:
+            speed = math.hypot(settings.wind.towards_east_mps, settings.wind.towards_north_mps)
             raise ValueError(
                 f'the wind is {speed:g} m/s: must be at least {LEAST_WIND_MPS:g} m/s where '
                 'something is released'
             )
-        return AirField(frame, settings.ground_altitude_m, _calm(settings.wind), ())
-    layer = layer_of_class(
-        settings.wind.stability, speed, settings.wind.height_m, settings.wind.roughness_m
-    )
-    wind = _wind(settings.wind, layer, seed)
+        return AirField(frame, settings.ground_altitude_m, wind, ())
     clouds = tuple(
         _cloud(release, frame, layer, wind, seed + number)
         for number, release in enumerate(settings.releases)
@@ -64,49 +58,29 @@ def air_field(settings: AirFile, seed: int) -> AirField:
     return AirField(frame, settings.ground_altitude_m, wind, clouds)
 
 
-def _calm(wind: WindSettings) -> WindField:
-    return UniformWind(
-        wind=WindVector(
-            towards_east_mps=wind.towards_east_mps, towards_north_mps=wind.towards_north_mps
-        )
-    )
-
-
-def _wind(settings: WindSettings, layer: SurfaceLayer, seed: int) -> WindField:
-    mean = ProfileWind(
-        layer=layer,
-        wind=WindVector(
-            towards_east_mps=settings.towards_east_mps,
-            towards_north_mps=settings.towards_north_mps,
-        ),
-        reference_height_m=settings.height_m,
-    )
-    if not settings.gust_std_mps:
-        return mean
-    return GustyWind(
-        mean=mean,
-        sigma_east_mps=settings.gust_std_mps,
-        sigma_north_mps=settings.gust_std_mps,
-        time_scale_s=settings.gust_scale_s,
-        seed=seed,
-    )
+def _first_place(settings: AirFile) -> Place:
+    return settings.releases[0].position if settings.releases else (0.0, 0.0)
 
 
 def _cloud(
     settings: ReleaseSettings, frame: LocalFrame, layer: SurfaceLayer, wind: WindField, seed: int
 ) -> ReleasedCloud:
     release = _release(settings, frame)
+    agent = None if settings.is_particles else released_agent(settings.agent)
+    buoyancy = 0.0
+    if agent is not None and settings.temperature_c is not None:
+        buoyancy = buoyancy_m4_s3(agent, settings.rate_g_s, settings.temperature_c)
     travel = similarity_travel(
         layer,
         settings.height_m,
         start_sigma_m=release.sigma_m,
+        buoyancy_m4_s3=buoyancy,
         losses=Losses(
             surface_resistance_s_m=settings.surface_resistance_s_m,
             settling_mps=settings.settling_mps,
             decay_per_s=settings.decay_per_s,
         ),
     )
-    agent = None if settings.is_particles else released_agent(settings.agent)
     return ReleasedCloud(agent=agent, cloud=FilamentCloud(release, travel, wind, seed))
 
 

@@ -9,13 +9,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
-from rocsafe_dispersion.buildings.air_grid import AirGrid
 from rocsafe_geo.arrays import BoolArray
-
-Cells = NDArray[np.float32]
+from rocsafe_geo.wind.air_grid import AirGrid, Cells, FaceVelocities, sum_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,39 +29,6 @@ class CorrectionOptions:
 
     divergence: float = 1e-3
     most_steps: int = 60
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class FaceVelocities:
-    """Velocities at the faces of the cells of a grid, m/s.
-
-    Attributes
-    ----------
-    east : (columns + 1, rows, layers)
-        Through the faces to the west and east of the cells.
-    north : (columns, rows + 1, layers)
-        Through the faces to the south and north.
-    up : (columns, rows, layers + 1)
-        Through the faces below and above.
-    """
-
-    east: Cells
-    north: Cells
-    up: Cells
-
-    def divergence(self, grid: AirGrid) -> Cells:
-        """Return what leaves each cell, 1/s, of the shape of `grid`."""
-        parts = (self.east, self.north, self.up)
-        sizes = grid.sizes_m.tolist()
-        return sum_of(np.diff(part, axis=i) / np.float32(sizes[i]) for i, part in enumerate(parts))
-
-
-def sum_of(parts: Any) -> Cells:
-    """Return the sum of arrays."""
-    first, *others = parts
-    for part in others:
-        first += part
-    return np.asarray(first)
 
 
 def corrected(
@@ -91,7 +55,7 @@ def corrected(
     """
     options = options or CorrectionOptions()
     opened = _openings(solid)
-    velocity = [part * gate for part, gate in zip(_parts(guess), opened, strict=True)]
+    velocity = [part * gate for part, gate in zip(guess.parts, opened, strict=True)]
     speed = max(float(np.abs(part).max()) for part in velocity)
     if speed == 0.0:
         return FaceVelocities(east=velocity[0], north=velocity[1], up=velocity[2])
@@ -101,10 +65,6 @@ def corrected(
     for axis, (part, gate) in enumerate(zip(velocity, opened, strict=True)):
         part -= gate * _gradient(potential, axis, grid)
     return FaceVelocities(east=velocity[0], north=velocity[1], up=velocity[2])
-
-
-def _parts(velocities: FaceVelocities) -> tuple[Cells, Cells, Cells]:
-    return velocities.east, velocities.north, velocities.up
 
 
 def _openings(solid: BoolArray) -> list[Cells]:

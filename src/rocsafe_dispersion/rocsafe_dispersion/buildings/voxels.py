@@ -3,14 +3,15 @@
 
 import numpy as np
 
-from rocsafe_dispersion.buildings.air_grid import AirGrid
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.solids.scene_solids import SceneSolids, Thing
 from rocsafe_geo.terrain.height_grid import height_at
+from rocsafe_geo.wind.air_grid import AirGrid
 
 # Distance of the points that sample a triangle, in cells.
 SAMPLE_CELLS = 0.5
 MOST_SAMPLES = 400
+LEAST_FILLED = 0.25
 
 
 def solid_cells(grid: AirGrid, solids: SceneSolids) -> BoolArray:
@@ -18,7 +19,8 @@ def solid_cells(grid: AirGrid, solids: SceneSolids) -> BoolArray:
 
     A cell is solid if its middle is below the ground, or between the lowest and the highest
     surface that a thing has within its column: things are taken to be closed between them, which
-    holds for houses and tanks and closes the space within an arch.
+    holds for houses and tanks and closes the space within an arch. Things that fill less than
+    `LEAST_FILLED` of these cells, such as fences and people, do not hold the air up.
 
     Parameters
     ----------
@@ -29,8 +31,16 @@ def solid_cells(grid: AirGrid, solids: SceneSolids) -> BoolArray:
     """
     solid = middles_below(grid, ground_heights_m(grid, solids))
     for thing in solids.things:
-        solid |= _thing_cells(grid, thing)
+        cells = _thing_cells(grid, thing)
+        if volume_m3(thing) >= LEAST_FILLED * cells.sum() * grid.sizes_m.prod():
+            solid |= cells
     return solid
+
+
+def volume_m3(thing: Thing) -> float:
+    """Return the volume that the closed surface of a thing encloses, m^3."""
+    first, second, third = np.moveaxis(thing.corners_enu_m.astype(float), 1, 0)
+    return float(np.einsum('ti,ti->', first, np.cross(second, third)) / 6.0)
 
 
 def ground_heights_m(grid: AirGrid, solids: SceneSolids) -> FloatArray:

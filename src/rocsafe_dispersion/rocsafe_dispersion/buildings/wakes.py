@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import ndimage
 
-from rocsafe_dispersion.buildings.air_grid import AirGrid
 from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_geo.wind.air_grid import AirGrid
 from rocsafe_geo.wind.wind_vector import WindVector
 
 

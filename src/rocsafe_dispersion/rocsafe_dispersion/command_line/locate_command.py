@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from rocsafe_dispersion.agents.agent_table import agent
-from rocsafe_dispersion.atmosphere.stability import CLASSES, layer_of_class
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
@@ -27,6 +26,7 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
 )
 from rocsafe_dispersion.mission_gas.release_files import write_release_files
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.wind.stability import CLASSES, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
 EXIT_OK, EXIT_REFUSED = 0, 2
@@ -179,6 +179,10 @@ def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, A
     """Return what was found as values for JSON."""
     return {
         'releases': [_release(release, frame) for release in found.releases],
+        'another': {
+            'rate_g_s': found.hidden.smallest_g_s,
+            'ground_share': round(found.hidden.share, 4),
+        },
         'gains_of_one_release_more': [round(gain, 2) for gain in found.gains],
         'backgrounds_g_m3': found.background_g_m3.tolist(),
         'plume': {
@@ -216,13 +220,15 @@ def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
 
 
 def _text(document: dict[str, Any]) -> str:
-    if not document['releases']:
-        return 'no release: the readings are those of a background\n'
-    lines = []
+    hidden = document['another']
+    share = 100.0 * hidden['ground_share']
+    what = 'another' if document['releases'] else 'a release'
+    lines = [] if document['releases'] else ['no release: the readings are those of a background']
     for release in document['releases']:
         first, second = list(release.items())[:2]
         low, high = release['rate_95_g_s']
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
         rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
+    lines.append(f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground')
     return '\n'.join(lines) + '\n'

@@ -18,14 +18,18 @@ class HiddenReleases:
 
     Attributes
     ----------
+    smallest_g_s
+        The smallest rate that matters, g/s.
     places_m : (m, 2)
         Places tried, metres.
     ratios : (m,)
-        Likelihood of a release of the smallest rate at each place over that of none.
+        Likelihood of a release of the smallest rate at each place over that of none, beside
+        those that were found.
     samples
         Releases of this rate and above, drawn by their likelihood.
     """
 
+    smallest_g_s: float
     places_m: FloatArray
     ratios: FloatArray
     samples: ReleaseSamples

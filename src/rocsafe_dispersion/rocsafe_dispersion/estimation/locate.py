@@ -22,6 +22,7 @@ from rocsafe_dispersion.estimation.plume_kernel import (
     PlumeShape,
 )
 from rocsafe_dispersion.estimation.rate_fit import (
+    AS_FITTED,
     MULTIPLE_WEIGHTS,
     MULTIPLES,
     RateFits,
@@ -35,6 +36,8 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
 
 _EXCHANGES = 4
+# Shapes of which less is believed than this share of the most probable one tell nothing more.
+_LEAST_PRIOR = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,7 +58,7 @@ class LocatedReleases:
     scatter
         The most probable scatter.
     hidden
-        Where a release may still be if none was found; None: there is one.
+        Where a release may still be that was not found, beside those that were.
     """
 
     releases: tuple[FoundRelease, ...]
@@ -63,7 +66,7 @@ class LocatedReleases:
     background_g_m3: FloatArray
     shape: PlumeShape
     scatter: float
-    hidden: HiddenReleases | None
+    hidden: HiddenReleases
 
 
 class _Fits:
@@ -77,15 +80,20 @@ class _Fits:
         """Return the fits of all places for one release beside `fixed` ones, which come first."""
         key = (case, tuple(fixed))
         if key not in self._made:
-            size = (*case.units.shape, len(fixed))
-            others = np.broadcast_to(case.units[:, :, None, list(fixed)], size)
-            units = np.concatenate([others, case.units[..., None]], axis=3)
+            units = beside(case, fixed)
             self._made[key] = fit_rates(self._survey, units, case.scatter, self._options)
         return self._made[key]
 
     def log_weights(self, case: ShapeCase, fixed: Sequence[int]) -> FloatArray:
         """Return the logarithms of the posterior of all places, up to a constant, (m,)."""
         return self.of(case, fixed).averaged(self._options.information_share) + case.log_prior
+
+
+def beside(case: ShapeCase, fixed: Sequence[int]) -> FloatArray:
+    """Return the readings for 1 g/s at `fixed` places and at any other, the last one."""
+    size = (*case.units.shape, len(fixed))
+    others = np.broadcast_to(case.units[:, :, None, list(fixed)], size)
+    return np.concatenate([others, case.units[..., None]], axis=3)
 
 
 def locate_releases(
@@ -131,10 +139,10 @@ def locate_releases(
     maker = CaseMaker(survey, places, area.height_m, travel, reference, options)
     fits = _Fits(survey, options)
     cases = maker.cases(lambda case: float(logsumexp(fits.log_weights(case, ()))))
-    empty = [_without(survey, case.scatter, options) for case in cases]
     gains: list[float] = []
     chosen: list[int] = []
-    background, case = empty[0].backgrounds_g_m3[0], cases[0]
+    case = cases[0]
+    background = _at(survey, case, chosen, options).backgrounds_g_m3[0]
     # Without a release only the noise is left; beside one, its eddies are.
     share = independent_share(survey, background, options.information_share)
     for _ in range(options.most_releases):
@@ -154,7 +162,7 @@ def locate_releases(
         background_g_m3=background,
         shape=case.shape,
         scatter=case.scatter,
-        hidden=None if chosen else _hidden(survey, cases, empty, places, options),
+        hidden=_hidden(survey, cases, chosen, places, options),
     )
 
 
@@ -163,11 +171,6 @@ def _places(area: SearchArea) -> FloatArray:
     east = np.arange(area.west_m + area.cell_m / 2.0, area.east_m, area.cell_m)
     north = np.arange(area.south_m + area.cell_m / 2.0, area.north_m, area.cell_m)
     return np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
-
-
-def _without(survey: GasSurvey, scatter: float, options: LocateOptions) -> RateFits:
-    units = np.zeros((1, len(survey.values_g_m3), 1, 0))
-    return fit_rates(survey, units, scatter, options)
 
 
 def _at(survey: GasSurvey, case: ShapeCase, chosen: list[int], options: LocateOptions) -> RateFits:
@@ -183,8 +186,6 @@ def _evidence_of(
     options: LocateOptions,
 ) -> float:
     """Return the logarithm of the evidence of releases at chosen places."""
-    if not chosen:  # then all shapes say the same
-        return log_evidence([_without(survey, cases[0].scatter, options)], [0.0], share)
     fits = [_at(survey, case, chosen, options) for case in cases]
     return log_evidence(fits, [case.log_prior for case in cases], share)
 
@@ -247,27 +248,42 @@ def _regions(
 def _hidden(
     survey: GasSurvey,
     cases: list[ShapeCase],
-    empty: list[RateFits],
+    chosen: list[int],
     places: FloatArray,
     options: LocateOptions,
 ) -> HiddenReleases:
-    """Return what readings that tell of no release say of one that they may have missed."""
-    rates = np.full((len(places), 1), options.smallest_g_s)
-    logs = []
-    for case, none in zip(cases, empty, strict=True):
-        # The background is that without a release: a hidden one adds little to it.
-        background = none.backgrounds_g_m3[0][survey.instruments]
-        background = np.broadcast_to(background[:, None], (len(background), len(places)))
-        fixed = log_likelihoods(
-            survey, case.units[..., None], rates, background, case.scatter, options,
-            HIDDEN_MULTIPLES,
-        )  # fmt: skip
-        logs.append(options.information_share * (fixed - none.log_likelihoods[:, :1]))
-    priors = np.array([math.exp(case.log_prior) for case in cases])
-    weights = np.exp(np.minimum(logs, 50.0)) * (priors / priors.sum())[:, None, None]
+    """Return what the readings say of a release more that they may have missed."""
+    share = options.information_share
+    base = [_at(survey, case, chosen, options) for case in cases]
+    likely = np.array([fit.log_likelihoods[0, AS_FITTED] for fit in base])
+    priors = share * likely + [case.log_prior for case in cases]
+    priors = np.exp(priors - logsumexp(priors))
+    own = np.flatnonzero(priors > _LEAST_PRIOR * priors.max()).tolist()
+    weights = np.array(
+        [priors[i] * _hidden_ratios(survey, cases[i], chosen, base[i], options) for i in own]
+    )
     amounts = np.broadcast_to(options.smallest_g_s * HIDDEN_MULTIPLES, weights.shape)
     return HiddenReleases(
+        smallest_g_s=options.smallest_g_s,
         places_m=places,
-        ratios=weights[:, :, 0].sum(axis=0),
-        samples=drawn(weights, amounts, places, [case.shape for case in cases]),
+        ratios=weights[:, :, 0].sum(axis=0) / priors[own].sum(),
+        samples=drawn(weights, amounts, places, [cases[i].shape for i in own]),
     )
+
+
+def _hidden_ratios(
+    survey: GasSurvey, case: ShapeCase, chosen: list[int], base: RateFits, options: LocateOptions
+) -> FloatArray:
+    """Return the likelihoods of a release more over that of none, (places, multiples)."""
+    # Rates and background are those without it: a hidden one adds little to them.
+    units = beside(case, chosen)
+    count = units.shape[2]
+    rates = np.full((count, len(chosen) + 1), options.smallest_g_s)
+    rates[:, :-1] = base.rates_g_s
+    background = base.backgrounds_g_m3[0][survey.instruments]
+    background = np.broadcast_to(background[:, None], (len(background), count))
+    logs = log_likelihoods(
+        survey, units, rates, background, case.scatter, options, HIDDEN_MULTIPLES
+    )
+    gained = options.information_share * (logs - base.log_likelihoods[0, AS_FITTED])
+    return np.exp(np.minimum(gained, 50.0))

@@ -80,6 +80,7 @@ def measuring_places(
     air: MeanAir,
     noise_g_m3: float,
     count: int,
+    placed: Sequence[ReleaseSamples] = (),
 ) -> list[MeasuringPlace]:
     """Return up to `count` of the candidates (n, 3), the one of most information first.
 
@@ -95,6 +96,8 @@ def measuring_places(
         Standard deviation of the noise of a reading, g/m^3.
     count
         How many.
+    placed
+        Samples of releases about which nothing more is asked: their mean plume covers others.
     """
     if not groups:
         return []
@@ -102,6 +105,8 @@ def measuring_places(
         (predicted(samples, candidates_m, air) for samples in groups),
         np.zeros((len(groups[0].rates_g_s), len(candidates_m))),
     )
+    for samples in placed:
+        total = total + predicted(samples, candidates_m, air).mean(axis=0)
     logs = np.log1p(total / noise_g_m3)
     logs = logs - logs.mean(axis=0)
     chosen = []

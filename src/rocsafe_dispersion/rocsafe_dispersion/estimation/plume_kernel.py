@@ -15,6 +15,8 @@ _BLOCK = 1_000_000
 # Offsets of a plume that meanders, in standard deviations, and their weights (Gauss and Hermite).
 _ROOTS, _SHARES = np.polynomial.hermite_e.hermegauss(5)
 _WEIGHTS = np.asarray(_SHARES / _SHARES.sum())
+# Farther beside a plume, in its crosswind standard deviations, there is nothing of it.
+_REACH = 6.0
 # Slower wind does not carry a plume anywhere: readings in it count as in this wind, m/s.
 LEAST_SPEED_MPS = 0.3
 
@@ -108,11 +110,14 @@ def _concentrations(
     row, column = np.nonzero(along > 0.0)
     rows = travel.rows(along[row, column])
     sigma_y = shape.spread_y * at_rows(travel.sigma_y_m, rows)
+    ratio = across[row, column] / sigma_y
+    is_near = np.abs(ratio) < _REACH
+    row, column, rows = row[is_near], column[is_near], rows[is_near]
+    sigma_y, ratio = sigma_y[is_near], ratio[is_near]
     sigma_z = shape.spread_z * at_rows(travel.sigma_z_m, rows)
     flow = at_rows(travel.airborne / travel.speeds_mps, rows)
     flow = flow * vertical_shape(points_m[row, 2], height_m, sigma_z)
     narrow = math.sqrt(1.0 - shape.meander)
-    ratio = across[row, column] / sigma_y
     peak = flow / (math.sqrt(2.0 * math.pi) * narrow * sigma_y)
     for number, root in enumerate(roots):
         offset = (ratio - math.sqrt(shape.meander) * root) / narrow

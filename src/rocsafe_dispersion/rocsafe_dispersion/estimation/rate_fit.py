@@ -13,7 +13,7 @@ from scipy import special
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.plume_kernel import offset_weights
 from rocsafe_dispersion.estimation.release_options import LocateOptions
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 
 ROUNDS = 8
 _DESCENTS = 20
@@ -21,6 +21,8 @@ _TINY = 1e-300
 # The rate of the last release is tried at these multiples of its fit, closer near 1; the weights
 # make them even in the logarithm.
 MULTIPLES = np.array([0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.33, 2.0, 4.0])
+# Which of them is the fit itself.
+AS_FITTED = int(np.abs(MULTIPLES - 1.0).argmin())
 _WIDTHS = np.gradient(np.log(MULTIPLES))
 MULTIPLE_WEIGHTS = _WIDTHS / _WIDTHS.sum()
 # Degrees of freedom of the scatter (Student's t): heavy tails.
@@ -168,33 +170,53 @@ def log_likelihoods(
     The rate of the last release is multiplied by each of `multiples`; other arguments are as in
     `fit_rates`, rates are (m, releases) and the background of each reading is (n, m).
     """
+    every = np.arange(len(background))[:, None]
     noise = np.broadcast_to(survey.std_g_m3[:, None], background.shape)
-    missed = options.missed_probability * _densities(survey, background, noise)
-    releases = rates.shape[1]
-    if not releases:
-        logs = np.log(np.maximum(missed / options.missed_probability, _TINY)).sum(axis=0)
+    clean = _densities(survey, every, background, noise)
+    if not rates.shape[1]:
+        logs = np.log(np.maximum(clean, _TINY)).sum(axis=0)
         return np.repeat(logs[:, None], len(multiples), axis=1)
+    shares = offset_weights(units)
+    missed = options.missed_probability * clean
     others = np.einsum('onmp,mp->onm', units[..., :-1], rates[:, :-1])
+    if others.any():
+        parts = zip(shares, others, strict=True)
+        clean = sum(
+            share * _densities(survey, every, gas + background, np.hypot(noise, scatter * gas))
+            for share, gas in parts
+        )
     last = units[..., -1] * rates[:, -1]
+    # Only readings that the last release reaches depend on its rate.
+    reading, place = np.nonzero(last.any(axis=0))
+    logs = np.log(np.maximum(missed + (1.0 - options.missed_probability) * clean, _TINY))
+    logs[reading, place] = 0.0
+    rest = logs.sum(axis=0)
+    own, noise = background[reading, place], noise[reading, place]
+    missed, others, last = (each[..., reading, place] for each in (missed, others, last))
     found = np.empty((background.shape[1], len(multiples)))
     for index, multiple in enumerate(multiples):
         density = missed.copy()
-        for share, gas in zip(offset_weights(units), others + multiple * last, strict=True):
-            spread = np.hypot(noise, scatter * gas)
-            seen = _densities(survey, gas + background, spread)
+        for share, gas in zip(shares, others + multiple * last, strict=True):
+            seen = _densities(survey, reading, gas + own, np.hypot(noise, scatter * gas))
             density += (1.0 - options.missed_probability) * share * seen
-        found[:, index] = np.log(np.maximum(density, _TINY)).sum(axis=0)
+        reached = np.log(np.maximum(density, _TINY))
+        found[:, index] = rest + np.bincount(place, reached, len(rest))
     return found
 
 
-def _densities(survey: GasSurvey, mean: FloatArray, spread: FloatArray) -> FloatArray:
-    """Return the densities of Student's t, and probabilities of censored readings, (n, m)."""
-    offset = (survey.values_g_m3[:, None] - mean) / spread
+def _densities(
+    survey: GasSurvey, readings: IndexArray, mean: FloatArray, spread: FloatArray
+) -> FloatArray:
+    """Return the densities of Student's t, and probabilities of censored readings.
+
+    `readings` are the numbers of the readings, of a shape that fits `mean` and `spread`.
+    """
+    offset = (survey.values_g_m3[readings] - mean) / spread
     # 3/8 (1 + x^2/4)^(-5/2): four degrees of freedom, without a costly power.
     base = 1.0 + offset**2 / FREEDOM
     density = 0.375 / (base * base * np.sqrt(base) * spread)
     if not (survey.is_below | survey.is_above).any():
         return np.asarray(density)
     below = special.stdtr(FREEDOM, offset)
-    density = np.where(survey.is_below[:, None], below, density)
-    return np.where(survey.is_above[:, None], 1.0 - below, density)
+    density = np.where(survey.is_below[readings], below, density)
+    return np.where(survey.is_above[readings], 1.0 - below, density)

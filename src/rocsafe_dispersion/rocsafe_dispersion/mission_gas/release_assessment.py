@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
-from rocsafe_dispersion.atmosphere.stability import StabilityClass, layer_of_class
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import (
@@ -23,6 +22,7 @@ from rocsafe_dispersion.mission_gas.stopping import ReleaseRule, ReleaseVerdict
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.stability import StabilityClass, layer_of_class
 
 LEAST_BLOCKS = 8
 # Places tried along the longer side of the area: for releases, and to measure at.
@@ -71,8 +71,8 @@ class ReleaseAssessment:
         The mean air.
     found
         What was found.
-    verdict
-        Whether that is enough.
+    rule, verdict
+        When it is enough, and whether it is.
     plume
         Map of the plume; None without a release.
     """
@@ -81,6 +81,7 @@ class ReleaseAssessment:
     area: SearchArea
     air: MeanAir
     found: LocatedReleases
+    rule: ReleaseRule
     verdict: ReleaseVerdict
     plume: PlumeMap | None
 
@@ -120,7 +121,8 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         area=area,
         air=air,
         found=found,
-        verdict=options.rule.verdict(found, options.locate.smallest_g_s),
+        rule=options.rule,
+        verdict=options.rule.verdict(found),
         plume=plume_map(groups, area, air, flight.agent) if groups else None,
     )
 
@@ -142,13 +144,18 @@ def search_area(places_m: FloatArray, margin_m: float, release_height_m: float) 
 def suggested_places(
     assessment: ReleaseAssessment, count: int, within: shapely.Polygon | None = None
 ) -> list[MeasuringPlace]:
-    """Return the places whose readings tell most, at the height flown, within an area."""
-    groups: list[ReleaseSamples] = [one.samples for one in assessment.found.releases]
-    if assessment.found.hidden is not None:
-        groups = [assessment.found.hidden.samples]
+    """Return the places whose readings tell most, at the height flown, within an area.
+
+    First they place the releases that were found, then they look for another one.
+    """
+    found = assessment.found
+    placed: list[ReleaseSamples] = []
+    groups = [one.samples for one in found.releases]
+    if not groups or assessment.rule.is_placed(found):
+        placed, groups = groups, [found.hidden.samples]
     candidates = _candidates(assessment.area, assessment.flight.flight_height_m, within)
     noise = float(np.median(assessment.flight.survey.std_g_m3))
-    return measuring_places(groups, candidates, assessment.air, noise, count)
+    return measuring_places(groups, candidates, assessment.air, noise, count, placed)
 
 
 def _candidates(area: SearchArea, height_m: float, within: shapely.Polygon | None) -> FloatArray:

@@ -34,21 +34,32 @@ class ReleaseRule:
         require_positive('region_m', self.region_m, 'm')
         require_between('hidden_share', self.hidden_share, 1e-3, 0.9)
 
-    def verdict(self, found: LocatedReleases, smallest_g_s: float) -> ReleaseVerdict:
-        """Return whether what was found is placed well enough, or nothing is hidden."""
+    def verdict(self, found: LocatedReleases) -> ReleaseVerdict:
+        """Return whether what was found is placed well enough, and no more is hidden."""
+        share = found.hidden.share
+        where = (
+            f'of {found.hidden.smallest_g_s:g} g/s may be in {100.0 * share:.0f} % of the ground'
+        )
+        is_searched = share <= self.hidden_share
         if not found.releases:
-            share = 1.0 if found.hidden is None else found.hidden.share
-            text = (
-                f'a release of {smallest_g_s:g} g/s may be in {100.0 * share:.0f} % of the ground'
-            )
-            if share > self.hidden_share:
-                return ReleaseVerdict(is_enough=False, reason=text)
-            return ReleaseVerdict(is_enough=True, reason=f'no release found: {text}')
+            text = f'a release {where}'
+            reason = f'no release found: {text}' if is_searched else text
+            return ReleaseVerdict(is_enough=is_searched, reason=reason)
         count = len(found.releases)
         what = f'{count} release{"s" if count > 1 else ""}'
-        widest = max(release.region_radius_m for release in found.releases)
-        within = f'placed within {widest:.0f} m (95 %)'
-        if widest > self.region_m:
+        what = f'{what}, placed within {widest_m(found):.0f} m (95 %)'
+        if not self.is_placed(found):
             wanted = f'{self.region_m:g} m are wanted'
-            return ReleaseVerdict(is_enough=False, reason=f'{what}, {within}: {wanted}')
-        return ReleaseVerdict(is_enough=True, reason=f'{what}, {within}')
+            return ReleaseVerdict(is_enough=False, reason=f'{what}: {wanted}')
+        if not is_searched:
+            return ReleaseVerdict(is_enough=False, reason=f'{what}; another {where}')
+        return ReleaseVerdict(is_enough=True, reason=what)
+
+    def is_placed(self, found: LocatedReleases) -> bool:
+        """Return whether there are releases, all of them placed well enough."""
+        return bool(found.releases) and widest_m(found) <= self.region_m
+
+
+def widest_m(found: LocatedReleases) -> float:
+    """Return the radius of a circle as large as the largest region of 0.95, metres."""
+    return max(release.region_radius_m for release in found.releases)

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocsafe_dispersion.atmosphere.stability import StabilityClass
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.stability import StabilityClass
 
 Setting = Literal['rural', 'urban']
 # Factor, length coefficient (1/m) and exponent of factor * x * (1 + coefficient * x)^exponent.

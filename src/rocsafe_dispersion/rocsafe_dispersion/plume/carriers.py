@@ -10,6 +10,7 @@ from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import Travel, at_rows
 from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.limits import require_positive
+from rocsafe_geo.wind.site_wind import SiteWind
 from rocsafe_geo.wind.wind_field import WindField
 
 
@@ -42,7 +43,9 @@ class Carriers:
     """Moves the parcels of one release; the state at a time is a function of that time alone.
 
     Steps begin at whole multiples of their length, and parcels older than `longest_s` are left
-    out: after a restart the same parcels are at the same places.
+    out: after a restart the same parcels are at the same places. On a site a parcel moves with
+    the mean of the wind across its own width, and grows as it would in the open wind: one that is
+    caught behind a house grows until the wind beside the house takes it along.
     """
 
     def __init__(
@@ -54,6 +57,8 @@ class Carriers:
         longest_s: float = 3600.0,
     ) -> None:
         self._release, self._travel, self._wind = release, travel, wind
+        self._is_site = isinstance(wind, SiteWind)
+        self._open_wind = wind.open_wind if isinstance(wind, SiteWind) else wind
         self._step_s = require_positive('step_s', step_s, 's')
         self._kept = math.ceil(require_positive('longest_s', longest_s, 's') / step_s)
         self._reset(math.floor(release.start_s / step_s))
@@ -98,12 +103,26 @@ class Carriers:
         self._distances, self._released = self._distances[count:], self._released[count:]
 
     def _move(self, time_s: float, durations_s: FloatArray) -> None:
-        heights = at_rows(self._travel.wind_heights_m, self._travel.rows(self._distances))
-        velocities = self._wind.velocities_mps(time_s, np.column_stack([self._places, heights]))
+        rows = self._travel.rows(self._distances)
+        heights = at_rows(self._travel.wind_heights_m, rows)
+        velocities = self._open_wind.velocities_mps(
+            time_s, np.column_stack([self._places, heights])
+        )
         speeds = np.hypot(velocities[:, 0], velocities[:, 1])
-        self._headings = velocities[:, :2] / np.maximum(speeds, 1e-9)[:, None]
+        if self._is_site:
+            velocities = self._across(time_s, heights, at_rows(self._travel.sigma_y_m, rows))
+        lengths = np.hypot(velocities[:, 0], velocities[:, 1])
+        self._headings = velocities[:, :2] / np.maximum(lengths, 1e-9)[:, None]
         self._places = self._places + velocities[:, :2] * durations_s[:, None]
         self._distances = self._distances + speeds * durations_s
+
+    def _across(self, time_s: float, heights: FloatArray, sigmas: FloatArray) -> FloatArray:
+        """Return the wind at the parcels, the mean of three places across them, (n, 3)."""
+        side = sigmas[:, None] * np.column_stack([-self._headings[:, 1], self._headings[:, 0]])
+        places = [self._places, self._places - side, self._places + side]
+        rows = np.concatenate([np.column_stack([each, heights]) for each in places])
+        found = self._wind.velocities_mps(time_s, rows)
+        return np.asarray(found.reshape(3, -1, 3).mean(axis=0))
 
     def _parcels(self, skipped: int) -> Parcels:
         own = np.flatnonzero(self._released[skipped:] > 0.0) + skipped

@@ -12,14 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocsafe_dispersion.atmosphere.stability import StabilityClass
 from rocsafe_dispersion.plume.briggs import Setting, briggs_sigmas_m
 from rocsafe_dispersion.plume.losses import NO_LOSSES, REFERENCE_M, Losses
+from rocsafe_dispersion.plume.rise import rise_m
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
 from rocsafe_geo.wind.similarity import SurfaceLayer
+from rocsafe_geo.wind.stability import StabilityClass
 
 NEAREST_M, FARTHEST_M, ROWS = 0.1, 3e4, 480
+# The law is one of the surface layer.
+HIGHEST_M = 30.0
 _RATIO = math.log(FARTHEST_M / NEAREST_M) / (ROWS - 1)
 _ITERATIONS = 30
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -66,7 +69,7 @@ class Travel:
     airborne : (ROWS,)
         Share of what was released that is still in the air.
     fallen_m : (ROWS,)
-        How far it has settled, metres.
+        How far it has settled, metres; below 0 it has risen.
     wind_heights_m : (ROWS,)
         Height above the ground at which the wind has the speed of its middle, metres.
     height_m
@@ -106,6 +109,7 @@ def similarity_travel(
     *,
     sigma_theta_rad: float | None = None,
     start_sigma_m: float = 0.0,
+    buoyancy_m4_s3: float = 0.0,
     losses: Losses = NO_LOSSES,
     options: SpreadOptions | None = None,
 ) -> Travel:
@@ -122,6 +126,8 @@ def similarity_travel(
         from the layer.
     start_sigma_m
         Size of the release, metres.
+    buoyancy_m4_s3
+        Flux of buoyancy by which it rises (`rocsafe_dispersion.plume.rise`), m^4/s^3.
     losses
         What takes it out of the air.
     options
@@ -130,19 +136,21 @@ def similarity_travel(
     Raises
     ------
     ValueError
-        If a value is out of range.
+        If a value is out of range, or it rises above the surface layer.
     """
     options = options or SpreadOptions()
-    require_between('height_m', height_m, 0.0, 30.0, 'm')
+    require_between('height_m', height_m, 0.0, HIGHEST_M, 'm')
     require_not_negative('start_sigma_m', start_sigma_m, 'm')
     distances = NEAREST_M * np.exp(_RATIO * np.arange(ROWS))
-    sigma_z, speeds = _vertical(layer, distances, height_m, start_sigma_m, options)
+    risen = rise_m(distances, buoyancy_m4_s3, layer)
+    require_between('height to which it rises', height_m + float(risen[-1]), 0.0, HIGHEST_M, 'm')
+    sigma_z, speeds = _vertical(layer, distances, height_m + risen, start_sigma_m, options)
     if sigma_theta_rad is None:
         sigma_theta_rad = layer.sigma_v_mps() / float(layer.speed_mps(10.0))
     require_between('sigma_theta_rad', sigma_theta_rad, 0.0, 1.5, 'rad')
     slow = np.sqrt(1.0 + distances / (2.0 * speeds * options.lagrangian_s))
     sigma_y = np.hypot(sigma_theta_rad * distances / slow, start_sigma_m)
-    return _travel(distances, (sigma_y, sigma_z), speeds, height_m, layer, losses)
+    return _travel(distances, (sigma_y, sigma_z), speeds, height_m, layer, losses, risen)
 
 
 def briggs_travel(
@@ -159,13 +167,13 @@ def briggs_travel(
     distances = NEAREST_M * np.exp(_RATIO * np.arange(ROWS))
     sigmas = briggs_sigmas_m(distances, stability, setting)
     speeds = np.full(ROWS, float(layer.speed_mps(speed_height_m)))
-    return _travel(distances, sigmas, speeds, height_m, layer, losses)
+    return _travel(distances, sigmas, speeds, height_m, layer, losses, np.zeros(ROWS))
 
 
 def _vertical(
     layer: SurfaceLayer,
     distances: FloatArray,
-    height_m: float,
+    heights_m: FloatArray,
     start_m: float,
     options: SpreadOptions,
 ) -> tuple[FloatArray, FloatArray]:
@@ -174,7 +182,7 @@ def _vertical(
     speeds = np.ones_like(sigma)
     friction, length = layer.friction_velocity_mps, layer.obukhov_length_m
     for _ in range(_ITERATIONS):
-        speeds = mean_speeds_mps(layer, height_m, sigma)
+        speeds = mean_speeds_mps(layer, heights_m, sigma)
         grown = options.vertical * friction / speeds * distances
         if length > 0.0:
             ratio = (distances / length) ** (2.0 / 3.0)
@@ -186,12 +194,12 @@ def _vertical(
     return sigma, speeds
 
 
-def mean_speeds_mps(layer: SurfaceLayer, height_m: float, sigma_m: FloatArray) -> FloatArray:
+def mean_speeds_mps(layer: SurfaceLayer, heights_m: FloatArray, sigma_m: FloatArray) -> FloatArray:
     """Return the wind averaged over vertical Gaussian clouds with reflection, of their shape."""
-    low = np.maximum(height_m - 5.0 * sigma_m, 0.0)
-    high = height_m + 5.0 * sigma_m
+    low = np.maximum(heights_m - 5.0 * sigma_m, 0.0)
+    high = heights_m + 5.0 * sigma_m
     heights = low[:, None] + (high - low)[:, None] * (_NODES + 1.0) / 2.0
-    weights = vertical_shape(heights, height_m, sigma_m[:, None]) * _WEIGHTS
+    weights = vertical_shape(heights, heights_m[:, None], sigma_m[:, None]) * _WEIGHTS
     return np.asarray((weights * layer.speed_mps(heights)).sum(axis=1) / weights.sum(axis=1))
 
 
@@ -210,10 +218,11 @@ def _travel(
     height_m: float,
     layer: SurfaceLayer,
     losses: Losses,
+    risen_m: FloatArray,
 ) -> Travel:
     steps = np.diff(distances, prepend=0.0)
     times = np.cumsum(steps / speeds)
-    fallen = np.minimum(losses.settling_mps * times, height_m)
+    fallen = np.minimum(losses.settling_mps * times - risen_m, height_m)
     # Share a metre that the ground takes: v_d times the concentration over it, per unit of flow.
     shape = vertical_shape(np.full(ROWS, REFERENCE_M), height_m - fallen, sigmas[1])
     taken = losses.deposition_mps(layer) * shape / speeds

@@ -14,6 +14,8 @@ from rocsafe_geo.angle import wrap_rad
 from rocsafe_geo.limits import require_positive
 
 Place = tuple[float, float]
+# Kept between the sides of a vehicle and what a map shows, by routes.
+ROUTE_MARGIN_M = 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -52,6 +52,24 @@ def read_areas(path: str | Path) -> tuple[SurveyArea, ...]:
     return _areas(Path(path), most=MAX_AREAS)
 
 
+def areas_of_kind(path: str | Path, kind: str) -> tuple[SurveyArea, ...]:
+    """Return the polygons of a GeoJSON file of ROCSAFE whose property `kind` is this.
+
+    Raises
+    ------
+    ValueError
+        One line that starts with the path, if the file cannot be read or is no GeoJSON.
+    """
+    file = Path(path)
+    try:
+        features = json.loads(file.read_text(encoding='utf-8'))['features']
+        chosen = [one for one in features if one['properties'].get('kind') == kind]
+        polygons = list(_polygons_in({'type': 'FeatureCollection', 'features': chosen}, kind))
+        return tuple(_numbered(file, polygons, number) for number in range(1, len(polygons) + 1))
+    except (OSError, LookupError, TypeError, AttributeError, ValueError) as error:
+        raise ValueError(f'{file}: cannot be read as GeoJSON of ROCSAFE: {error}') from error
+
+
 def _areas(file: Path, most: int) -> tuple[SurveyArea, ...]:
     try:
         polygons = _reader_of(file)(_text_of(file))

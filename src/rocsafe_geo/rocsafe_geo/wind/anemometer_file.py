@@ -59,6 +59,12 @@ class RecordedWind:
         east, north = (np.interp(time_s, self.times_s, part) for part in self.towards_mps.T)
         return WindVector(towards_east_mps=float(east), towards_north_mps=float(north))
 
+    @property
+    def strongest(self) -> WindVector:
+        """The wind of the row with the highest speed."""
+        row = int(np.hypot(self.towards_mps[:, 0], self.towards_mps[:, 1]).argmax())
+        return self.wind_at(float(self.times_s[row]))
+
     def velocities_mps(self, time_s: float, places_m: FloatArray) -> FloatArray:
         """Return the velocity of the air, see `WindField`."""
         shares: FloatArray = np.ones(len(places_m))

@@ -130,11 +130,19 @@ def lines_of(plan: DrivePlan) -> list[str]:
             f'over cells {duration_text(plan.grid_time_s)}; no drive over them within the budget '
             f'is below {duration_text(plan.bound_s)} (gap {gap:.2f} %)'
         ),
+        *_age(plan.oldest_s),
         *_gas(plan.gas),
         *_price(plan),
         *(f'left out: {one.evidence}: {one.why}' for one in plan.left_out),
         *_curve(plan),
     ]
+
+
+def _age(oldest_s: float) -> list[str]:
+    if not math.isfinite(oldest_s):
+        return []
+    age = duration_text(oldest_s)
+    return [f'ground on the way was photographed up to {age} before the newest photograph']
 
 
 def _gas(gas: GasExposure | None) -> list[str]:

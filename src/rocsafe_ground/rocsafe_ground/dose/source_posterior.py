@@ -14,6 +14,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.errors import NoMapError
 
+ROUNDING_M2 = 1e-6
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundSource:
@@ -94,9 +96,12 @@ def _source(entry: dict[str, Any]) -> FoundSource:
     rate = float(entry['dose_rate_at_1m_usvh'])
     if not rate > 0.0:
         raise ValueError(f'dose_rate_at_1m_usvh is {rate:g}: must be above 0')
+    covariance = np.array(entry['position_covariance_m2'], np.float64).reshape(3, 3)
+    if not (np.isfinite(covariance).all() and np.linalg.eigvalsh(covariance)[0] > -ROUNDING_M2):
+        raise ValueError('position_covariance_m2: must be finite, and no variance below 0')
     return FoundSource(
         position=GeoPosition(place['latitude_deg'], place['longitude_deg'], place['altitude_m']),
-        covariance_m2=np.array(entry['position_covariance_m2'], np.float64).reshape(3, 3),
+        covariance_m2=covariance,
         rate_usvh=rate,
         rate_std_usvh=float(entry['dose_rate_at_1m_std_usvh']),
     )

@@ -6,7 +6,7 @@ What was not seen is not free. Obstacles grow by half the width of the vehicle a
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
@@ -19,12 +19,16 @@ from rocsafe_geo.terrain.terrain import Terrain
 from rocsafe_ground.drivable.ground_classes import ColourRules, GroundClass, ground_classes
 from rocsafe_ground.drivable.labels import LabelMap
 from rocsafe_ground.drivable.raster import Bands
+from rocsafe_ground.drivable.relief import Relief, relief_of
 from rocsafe_ground.drivable.route_grid import RouteGrid
+from rocsafe_ground.drivable.things import distances_m, in_cells, parts_of, thing_parts
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 
 IntArray = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 DRIVEN = (GroundClass.ROAD, GroundClass.GRASS, GroundClass.SOIL)
 OPAQUE = 128.0
+# Less is the noise of a good elevation model.
+LEAST_ROUGHNESS_M = 0.01
 
 
 class Reason(IntEnum):
@@ -35,8 +39,9 @@ class Reason(IntEnum):
     KEEP_OUT = 2
     OBSTACLE = 3
     STEEP = 4
-    TOO_NEAR = 5
-    HOT = 6
+    ROUGH = 5
+    TOO_NEAR = 6
+    HOT = 7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,12 +55,15 @@ class GroundRules:
     least_seen
         Share of a cell that photographs must show.
     most_blocked
-        Share of a cell that may look like something else than ground: markings of a road and
-        noise of the colours are less.
+        Share of a square of 0.5 m that may look like something else than ground: markings of a
+        road and noise of the colours are less.
     least_height_m
         Height above the ground that is more than the noise of heights from photographs.
-    slowest_on_slope
-        Share of its speed that a vehicle keeps on the steepest slope it can climb.
+    roughest_share
+        Standard deviation of heights about their plane, as a share of the largest step, above
+        which ground is too rough: what sticks out of it is up to four times as high.
+    slowest_share
+        Share of its speed that a vehicle keeps on the steepest or roughest ground it can drive.
     least_patch_m2
         A patch of grey or brown that is smaller is a thing, not ground: vehicles, tanks and roofs
         of sheds are up to 80 m2.
@@ -65,7 +73,8 @@ class GroundRules:
     least_seen: float = 0.9
     most_blocked: float = 0.35
     least_height_m: float = 0.5
-    slowest_on_slope: float = 0.4
+    roughest_share: float = 0.25
+    slowest_share: float = 0.4
     least_patch_m2: float = 80.0
 
 
@@ -79,10 +88,14 @@ class DrivableGround:
         `Reason` of each cell.
     slowness_spm : (rows, columns)
         Seconds a metre; infinite where no speed is known.
+    ages_s : (rows, columns)
+        How long before the newest photograph a cell was photographed, NaN where that is not
+        known; None: nowhere.
     """
 
     reasons: IntArray
     slowness_spm: FloatArray
+    ages_s: FloatArray | None = None
 
     @property
     def is_free(self) -> BoolArray:
@@ -102,6 +115,8 @@ class Layers:
         Classes that somebody or something labelled: they count instead of colours.
     heights
         Height of things above the ground, one band, metres.
+    ages
+        How long before the newest photograph a pixel was photographed, one band, seconds.
     terrain
         Elevation model.
     keep_outs
@@ -111,6 +126,7 @@ class Layers:
     mosaic: Bands
     labels: LabelMap | None = None
     heights: Bands | None = None
+    ages: Bands | None = None
     terrain: Terrain | None = None
     keep_outs: Sequence[shapely.Polygon] = ()
 
@@ -120,48 +136,66 @@ def drivable_ground(
 ) -> DrivableGround:
     """Return where `vehicle` can drive on `grid`."""
     rules = rules or GroundRules()
-    shares = _class_shares(layers, grid, rules.colours)
-    driven = shares[: len(DRIVEN)]
-    seen, blocked = shares[-1], shares[-2]
+    classes = _classes(layers, rules.colours)
+    driven, seen = _class_shares(classes, grid)
+    parts = _things(layers, classes, grid, vehicle, rules)
     reasons = np.full(grid.shape, Reason.FREE, np.uint8)
-    slope, is_step = _slope(layers.terrain, grid, vehicle)
-    reasons[(slope > math.radians(vehicle.largest_slope_deg)) | is_step] = Reason.STEEP
-    is_blocked = blocked > rules.most_blocked * seen
+    relief = relief_of(layers.terrain, grid, vehicle)
+    is_steep = relief.slope_rad > math.radians(vehicle.largest_slope_deg)
+    reasons[relief.roughness_m > _roughest_m(vehicle, rules)] = Reason.ROUGH
+    reasons[is_steep | relief.is_step] = Reason.STEEP
     if layers.labels is None:
-        is_blocked |= _is_small_patch(driven, is_blocked, grid, rules)
-    reasons[is_blocked] = Reason.OBSTACLE
-    if layers.heights is not None:
-        # A cell is as high as the highest thing in it.
-        tall = layers.heights.on(grid, Resampling.max)[0]
-        reasons[tall >= max(rules.least_height_m, vehicle.largest_step_m)] = Reason.OBSTACLE
+        reasons[_is_small_patch(driven, in_cells(parts, grid), grid, rules)] = Reason.OBSTACLE
     for zone in layers.keep_outs:
         east, north = grid.places()
         reasons[shapely.contains_xy(zone.buffer(0.5 * grid.cell_m), east, north)] = Reason.KEEP_OUT
-    reasons[(seen < rules.least_seen) | np.isnan(slope)] = Reason.UNKNOWN
-    near = _is_near(reasons != Reason.FREE, grid.cell_m, vehicle.reach_m)
-    reasons[near & (reasons == Reason.FREE)] = Reason.TOO_NEAR
-    return DrivableGround(reasons=reasons, slowness_spm=_slowness(driven, slope, vehicle, rules))
+    reasons[(seen < rules.least_seen) | np.isnan(relief.slope_rad)] = Reason.UNKNOWN
+    kept_m = vehicle.kept_m(grid.cell_m)
+    near = is_near(reasons != Reason.FREE, grid.cell_m, kept_m)
+    near |= distances_m(parts, grid) < kept_m
+    is_free = reasons == Reason.FREE
+    reasons[is_free & near] = Reason.TOO_NEAR
+    reasons[is_free & in_cells(parts, grid)] = Reason.OBSTACLE
+    return DrivableGround(
+        reasons=reasons,
+        slowness_spm=_slowness(driven, relief, vehicle, rules),
+        ages_s=_ages(layers, grid),
+    )
 
 
-def _class_shares(layers: Layers, grid: RouteGrid, rules: ColourRules) -> FloatArray:
-    """Return the share of each driven class, of all others, and of what was seen, in each cell."""
+def _classes(layers: Layers, rules: ColourRules) -> Bands:
+    """Return the class of each pixel by its label, else by its colour; 0 where unknown."""
     if layers.labels is not None:
-        pixels = layers.labels.bands
-        classes = layers.labels.classes()
-        is_seen = classes > 0.0
+        pixels, classes = layers.labels.bands, layers.labels.classes()
     else:
         pixels = layers.mosaic
         red, green, blue, opacity = pixels.values[:4]
-        is_seen = opacity >= OPAQUE
-        classes = np.where(is_seen, ground_classes(red, green, blue, rules), 0.0)
-    driven = [classes == kind for kind in DRIVEN]
-    blocked = classes > max(DRIVEN)
-    shown = np.stack([*driven, blocked, is_seen]).astype(np.float64)
-    bands = Bands(values=shown, crs=pixels.crs, transform=pixels.transform, pixel_m=pixels.pixel_m)
+        classes = np.where(opacity >= OPAQUE, ground_classes(red, green, blue, rules), 0.0)
+    return replace(pixels, values=classes[None].astype(np.float32))
+
+
+def _class_shares(classes: Bands, grid: RouteGrid) -> tuple[FloatArray, FloatArray]:
+    """Return the share of each driven class, and of what was seen, in each cell."""
+    values = classes.values[0]
+    shown = np.stack([*(values == kind for kind in DRIVEN), values > 0.0]).astype(np.float32)
     # Pixels finer than cells are averaged; the nearest of coarser ones counts.
-    is_fine = pixels.pixel_m < grid.cell_m
-    found = bands.on(grid, Resampling.average if is_fine else Resampling.nearest)
-    return np.nan_to_num(found)
+    how = Resampling.average if classes.pixel_m < grid.cell_m else Resampling.nearest
+    found = np.nan_to_num(replace(classes, values=shown).on(grid, how))
+    return found[:-1], found[-1]
+
+
+def _things(
+    layers: Layers, classes: Bands, grid: RouteGrid, vehicle: GroundVehicle, rules: GroundRules
+) -> BoolArray:
+    """Return which parts of cells are covered by what looks like a thing, or is higher."""
+    values = classes.values[0]
+    looks = np.stack([values > max(DRIVEN), values > 0.0]).astype(np.float32)
+    parts = thing_parts(replace(classes, values=looks), grid, rules.most_blocked)
+    if layers.heights is not None:
+        # A part is as high as the highest thing in it.
+        tall = layers.heights.on(grid, Resampling.max, parts_of(grid))[0]
+        parts |= tall >= max(rules.least_height_m, vehicle.largest_step_m)
+    return parts
 
 
 def _is_small_patch(
@@ -179,29 +213,7 @@ def _is_small_patch(
     return found
 
 
-def _slope(
-    terrain: Terrain | None, grid: RouteGrid, vehicle: GroundVehicle
-) -> tuple[FloatArray, BoolArray]:
-    """Return the slope of each cell, radians, NaN where unknown, and whether a step is there."""
-    if terrain is None:
-        return np.zeros(grid.shape), np.zeros(grid.shape, np.bool_)
-    east, north = grid.places()
-    places = grid.positions_of(np.column_stack([east.ravel(), north.ravel()]))
-    heights = terrain.altitudes_m(places[:, 0], places[:, 1]).reshape(grid.shape)
-    north_slope, east_slope = np.gradient(heights, grid.cell_m)
-    slope = np.arctan(np.hypot(north_slope, east_slope))
-    climb = math.tan(math.radians(vehicle.largest_slope_deg)) * grid.cell_m
-    limit = max(vehicle.largest_step_m, climb)
-    is_step = np.zeros(grid.shape, np.bool_)
-    for axis in (0, 1):
-        edge = np.abs(np.diff(heights, axis=axis)) > limit
-        first, second = [(0, 0), (0, 0)], [(0, 0), (0, 0)]
-        first[axis], second[axis] = (0, 1), (1, 0)
-        is_step |= np.pad(edge, first) | np.pad(edge, second)
-    return slope, is_step
-
-
-def _is_near(is_blocked: BoolArray, cell_m: float, reach_m: float) -> BoolArray:
+def is_near(is_blocked: BoolArray, cell_m: float, reach_m: float) -> BoolArray:
     """Return which cells are within `reach_m` of a blocked cell or of the edge of the grid."""
     around = np.pad(is_blocked, 1, constant_values=True)
     # From middle to middle; the blocked thing begins half a cell before.
@@ -209,13 +221,26 @@ def _is_near(is_blocked: BoolArray, cell_m: float, reach_m: float) -> BoolArray:
     return np.asarray(distance < reach_m)
 
 
+def _roughest_m(vehicle: GroundVehicle, rules: GroundRules) -> float:
+    """Return the roughness above which ground is not driven."""
+    return max(rules.roughest_share * vehicle.largest_step_m, LEAST_ROUGHNESS_M)
+
+
+def _ages(layers: Layers, grid: RouteGrid) -> FloatArray | None:
+    # Of a cell that several photographs show the oldest part counts.
+    return None if layers.ages is None else layers.ages.on(grid, Resampling.max)[0]
+
+
 def _slowness(
-    driven: FloatArray, slope: FloatArray, vehicle: GroundVehicle, rules: GroundRules
+    driven: FloatArray, relief: Relief, vehicle: GroundVehicle, rules: GroundRules
 ) -> FloatArray:
-    """Return seconds a metre by the commonest class of each cell and its slope."""
+    """Return seconds a metre by the commonest class of each cell, its slope and roughness."""
     speeds = np.array([vehicle.road_mps, vehicle.grass_mps, vehicle.rough_mps])
     speed = np.where(driven.max(axis=0) > 0.0, speeds[driven.argmax(axis=0)], 0.0)
     steepest = max(math.radians(vehicle.largest_slope_deg), 1e-9)
-    share = 1.0 - (1.0 - rules.slowest_on_slope) * np.clip(slope / steepest, 0.0, 1.0)
+    effort = np.maximum(
+        relief.slope_rad / steepest, relief.roughness_m / _roughest_m(vehicle, rules)
+    )
+    share = 1.0 - (1.0 - rules.slowest_share) * np.clip(effort, 0.0, 1.0)
     with np.errstate(divide='ignore'):
         return np.asarray(1.0 / (speed * share))

@@ -6,6 +6,7 @@ import os
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rasterio
@@ -18,6 +19,7 @@ from rocsafe_ground.drivable.route_grid import RouteGrid
 from rocsafe_ground.errors import NoMapError
 
 Bounds = tuple[float, float, float, float]
+Values = np.ndarray[tuple[int, ...], np.dtype[np.floating[Any]]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -34,7 +36,7 @@ class Bands:
         Side of a pixel in the unit of the coordinate system.
     """
 
-    values: FloatArray
+    values: Values
     crs: object
     transform: object
     pixel_m: float
@@ -52,17 +54,23 @@ class Bands:
         xs, ys = transform(self.crs, projection, [float(x)], [float(y)])
         return float(xs[0]), float(ys[0])
 
-    def on(self, grid: RouteGrid, resampling: Resampling = Resampling.average) -> FloatArray:
-        """Return the bands on the cells of a grid, (bands, rows, columns), row 0 in the south."""
-        found = np.full((len(self.values), *grid.shape), np.nan)
-        top = grid.south_m + grid.rows * grid.cell_m
+    def on(
+        self, grid: RouteGrid, resampling: Resampling = Resampling.average, parts: int = 1
+    ) -> FloatArray:
+        """Return the bands on the cells of a grid, (bands, rows, columns), row 0 in the south.
+
+        With `parts` each side of a cell is divided into so many.
+        """
+        shape = (len(self.values), grid.rows * parts, grid.columns * parts)
+        found = np.full(shape, np.nan, self.values.dtype)
+        top, side = grid.south_m + grid.rows * grid.cell_m, grid.cell_m / parts
         for band, target in zip(self.values, found, strict=True):
             reproject(
                 band, target, src_crs=self.crs, src_transform=self.transform, src_nodata=np.nan,
                 dst_crs=grid.projection, dst_nodata=np.nan, resampling=resampling,
-                dst_transform=from_origin(grid.west_m, top, grid.cell_m, grid.cell_m),
+                dst_transform=from_origin(grid.west_m, top, side, side),
             )  # fmt: skip
-        return found[:, ::-1].copy()
+        return found[:, ::-1].astype(np.float64)
 
 
 def read_bands(path: Path) -> Bands:

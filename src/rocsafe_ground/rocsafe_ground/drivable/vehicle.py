@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a ground vehicle can do."""
 
+import math
 from dataclasses import dataclass
 
 from rocsafe_geo.limits import require_between, require_not_negative, require_positive
+from rocsafe_geo.motion.ground_motion import ROUTE_MARGIN_M
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,7 +29,7 @@ class GroundVehicle:
     """
 
     width_m: float = 0.7
-    margin_m: float = 0.3
+    margin_m: float = ROUTE_MARGIN_M
     road_mps: float = 1.5
     grass_mps: float = 1.0
     rough_mps: float = 0.6
@@ -48,3 +50,15 @@ class GroundVehicle:
     def reach_m(self) -> float:
         """How far its middle stays from obstacles."""
         return 0.5 * self.width_m + self.margin_m
+
+    @property
+    def clearance_m(self) -> float:
+        """How near to obstacles a line of its route may come: as near as its driver lets it."""
+        return 0.5 * (self.width_m + self.margin_m)
+
+    def kept_m(self, cell_m: float) -> float:
+        """Return how far from obstacles the middles of free cells are.
+
+        Between the middles of neighbours a route comes nearer, the more the larger the cells are.
+        """
+        return max(self.reach_m, math.hypot(self.clearance_m, 0.5 * cell_m))

@@ -149,6 +149,9 @@ class DrivePlan:
         Budget of dose and time of the trip within it, for the same points.
     gas
         Gas along the drive; None: none was found.
+    oldest_s
+        How long before the newest photograph some ground on the way was photographed: what moved
+        since is not known; NaN: nor is that.
     """
 
     request: DriveRequest
@@ -165,6 +168,7 @@ class DrivePlan:
     left_out: tuple[LeftOut, ...]
     curve: tuple[tuple[float, float], ...]
     gas: GasExposure | None = None
+    oldest_s: float = math.nan
 
     @property
     def length_m(self) -> float:

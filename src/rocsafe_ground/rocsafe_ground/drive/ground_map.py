@@ -2,7 +2,7 @@
 """All that a route is planned on, from the folder of a run or of a map."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,7 +11,8 @@ import numpy as np
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.regions.area_files import read_areas
+from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.regions.area_files import areas_of_kind, read_areas
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_ground.dose.dose_field import DoseField, dose_field, origin_of
 from rocsafe_ground.dose.source_posterior import SourcePosterior, read_sources
@@ -24,8 +25,9 @@ from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.errors import NoMapError
 
 MOSAIC, HEIGHTS, DOSES, SOURCES = 'mosaic.tif', 'map/error.tif', 'dose_map.tif', 'sources.json'
-RELEASES = 'release.json'
-HEIGHT_BAND = 1
+RELEASES, PLAN = 'release.json', 'plan.geojson'
+EXCLUSION = 'exclusion'
+HEIGHT_BAND, AGE_BAND = 1, 2
 DOSE_BANDS = 3
 
 
@@ -98,8 +100,10 @@ class GroundMap:
         east, north = self.grid.places()
         for place in places:
             at_east, at_north = self.grid.enu_of(place)
-            is_near = np.hypot(east - at_east, north - at_north) < radius_m
-            reasons[is_near & (reasons == Reason.FREE)] = Reason.OBSTACLE
+            distance = np.hypot(east - at_east, north - at_north)
+            is_free = reasons == Reason.FREE
+            reasons[is_free & (distance < radius_m)] = Reason.TOO_NEAR
+            reasons[distance < 0.5 * self.grid.cell_m] = Reason.OBSTACLE
         return replace(self, ground=replace(self.ground, reasons=reasons))
 
     @property
@@ -117,69 +121,114 @@ def read_posterior(files: MapFiles) -> SourcePosterior | None:
 def read_ground_map(
     files: MapFiles, vehicle: GroundVehicle, cell_m: float, turn_back_usvh: float
 ) -> GroundMap:
-    """Return the map that files make.
+    """Return the map that files make; see `MapReader.read`."""
+    return MapReader().read(files, vehicle, cell_m, turn_back_usvh)
 
-    Raises
-    ------
-    NoMapError
-        If the mosaic or the dose map is missing or not georeferenced, or they do not overlap.
-    ValueError
-        If an option is out of range, or another file cannot be read.
-    """
-    require_between('cell_m', cell_m, 0.05, 100.0, 'm')
-    require_between('turn_back_usvh', turn_back_usvh, 1e-3, 1e9, 'uSv/h')
-    if not files.folder.is_dir():
-        raise NoMapError(f'{files.folder}: no such folder')
+
+class MapReader:
+    """Reads maps; of one that has only other dose rates than the last it keeps the ground."""
+
+    def __init__(self) -> None:
+        self._known: tuple[Hashable, RouteGrid, DrivableGround] | None = None
+
+    def read(
+        self, files: MapFiles, vehicle: GroundVehicle, cell_m: float, turn_back_usvh: float
+    ) -> GroundMap:
+        """Return the map that files make.
+
+        Raises
+        ------
+        NoMapError
+            If the mosaic or the dose map is missing or not georeferenced, or they do not overlap.
+        ValueError
+            If an option is out of range, or another file cannot be read.
+        """
+        require_between('cell_m', cell_m, 0.05, 100.0, 'm')
+        require_between('turn_back_usvh', turn_back_usvh, 1e-3, 1e9, 'uSv/h')
+        if not files.folder.is_dir():
+            raise NoMapError(f'{files.folder}: no such folder')
+        doses_path = files.dose_map or files.folder / DOSES
+        doses = read_bands(doses_path)
+        if len(doses.values) < DOSE_BANDS:
+            raise NoMapError(
+                f'{doses_path}: has {len(doses.values)} bands: must have mean, deviation, upper '
+                '95 %'
+            )
+        if (
+            not (np.isfinite(doses.values) | np.isnan(doses.values)).all()
+            or (doses.values < 0).any()
+        ):
+            raise NoMapError(f'{doses_path}: has a dose rate below 0, or an infinite one')
+        grid, ground = self._ground(files, vehicle, cell_m, origin_of(doses))
+        field = dose_field(doses, read_posterior(files), grid)
+        if np.isnan(field.mean_usvh).all():
+            raise NoMapError(f'{doses_path}: does not overlap {files.folder / MOSAIC}')
+        return GroundMap(
+            grid=grid,
+            ground=ground,
+            field=field,
+            turn_back_usvh=turn_back_usvh,
+            gas=read_gas(files.gas or files.folder, grid),
+        )
+
+    def _ground(
+        self, files: MapFiles, vehicle: GroundVehicle, cell_m: float, origin: GeoPosition | None
+    ) -> tuple[RouteGrid, DrivableGround]:
+        key = _stamps(files), vehicle, cell_m, origin
+        if self._known is None or self._known[0] != key:
+            self._known = key, *_read_ground(files, vehicle, cell_m, origin)
+        return self._known[1:]
+
+
+def _stamps(files: MapFiles) -> tuple[tuple[Path, int, int], ...]:
+    """Return path, size and time of the files of the ground that are there."""
+    names = [files.folder / name for name in (MOSAIC, HEIGHTS, PLAN)]
+    names += [path for path in (files.labels, files.terrain, *files.keep_outs) if path]
+    stats = [(path, path.stat()) for path in names if path.is_file()]
+    return tuple((path, stat.st_size, stat.st_mtime_ns) for path, stat in stats)
+
+
+def _read_ground(
+    files: MapFiles, vehicle: GroundVehicle, cell_m: float, origin: GeoPosition | None
+) -> tuple[RouteGrid, DrivableGround]:
     mosaic = read_bands(files.folder / MOSAIC)
     if len(mosaic.values) < 4:
         raise NoMapError(
             f'{files.folder / MOSAIC}: has {len(mosaic.values)} bands: must have red, green, '
             'blue and opacity'
         )
-    doses_path = files.dose_map or files.folder / DOSES
-    doses = read_bands(doses_path)
-    if len(doses.values) < DOSE_BANDS:
-        raise NoMapError(
-            f'{doses_path}: has {len(doses.values)} bands: must have mean, deviation, upper 95 %'
-        )
-    grid = _grid(mosaic, doses, cell_m)
+    grid = _grid(mosaic, origin, cell_m)
+    path = files.folder / HEIGHTS
+    standing = read_bands(path) if path.is_file() else None
     layers = Layers(
         mosaic=mosaic,
         labels=read_labels(files.labels) if files.labels else None,
-        heights=_heights(files.folder / HEIGHTS),
+        heights=_band(standing, HEIGHT_BAND),
+        ages=_band(standing, AGE_BAND),
         terrain=read_terrain(files.terrain) if files.terrain else None,
-        keep_outs=[
-            area.polygon(grid.frame) for path in files.keep_outs for area in read_areas(path)
-        ],
+        keep_outs=[area.polygon(grid.frame) for area in _keep_outs(files)],
     )
-    field = dose_field(doses, read_posterior(files), grid)
-    if np.isnan(field.mean_usvh).all():
-        raise NoMapError(f'{doses_path}: does not overlap {files.folder / MOSAIC}')
-    ground = drivable_ground(layers, grid, vehicle)
-    return GroundMap(
-        grid=grid,
-        ground=ground,
-        field=field,
-        turn_back_usvh=turn_back_usvh,
-        gas=read_gas(files.gas or files.folder, grid),
-    )
+    return grid, drivable_ground(layers, grid, vehicle)
 
 
-def _heights(path: Path) -> Bands | None:
-    if not path.is_file():
+def _keep_outs(files: MapFiles) -> Iterator[SurveyArea]:
+    """Yield the zones of an operator, and the exclusions of the plan of a run."""
+    for path in files.keep_outs:
+        yield from read_areas(path)
+    plan = files.folder / PLAN
+    if plan.is_file():
+        yield from areas_of_kind(plan, EXCLUSION)
+
+
+def _band(bands: Bands | None, number: int) -> Bands | None:
+    """Return one band; None if it is not there."""
+    if bands is None or len(bands.values) <= number:
         return None
-    bands = read_bands(path)
-    if len(bands.values) <= HEIGHT_BAND:
-        return None
-    return Bands(
-        values=bands.values[HEIGHT_BAND : HEIGHT_BAND + 1],
-        crs=bands.crs, transform=bands.transform, pixel_m=bands.pixel_m,
-    )  # fmt: skip
+    return replace(bands, values=bands.values[number : number + 1])
 
 
-def _grid(mosaic: Bands, doses: Bands, cell_m: float) -> RouteGrid:
+def _grid(mosaic: Bands, origin: GeoPosition | None, cell_m: float) -> RouteGrid:
     """Return the grid over a mosaic, about the origin of the dose map if it has one."""
-    origin = origin_of(doses)
     if origin is None:
         west, south, east, north = mosaic.bounds_in('EPSG:4326')
         origin = GeoPosition(0.5 * (south + north), 0.5 * (west + east), 0.0)

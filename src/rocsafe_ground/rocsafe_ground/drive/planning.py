@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Planning of a drive: stands at the evidence, the tour, straight lines, the check by draws."""
 
+import math
+
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
@@ -12,8 +14,10 @@ from rocsafe_ground.errors import BeyondBudgetError
 from rocsafe_ground.route.edges import SECONDS_PER_HOUR
 from rocsafe_ground.tour.trip import Budgets, Tour
 
-# How far something in the way may extend around where it was met.
-BLOCKED_M = 0.5
+# How exactly a range finder tells the places of things in the way.
+BLOCKED_M = 0.1
+# Between two stops dose rates differ by no larger factor.
+SAME_RATE = 1.5
 
 
 def plan_drive(request: DriveRequest, ground: GroundMap) -> DrivePlan:
@@ -62,7 +66,8 @@ def plan_drive(request: DriveRequest, ground: GroundMap) -> DrivePlan:
     True
     """
     if request.blocked:
-        ground = ground.blocked_at(request.blocked, request.vehicle.reach_m + BLOCKED_M)
+        kept_m = request.vehicle.kept_m(ground.grid.cell_m)
+        ground = ground.blocked_at(request.blocked, kept_m + BLOCKED_M)
     task, refused = task_of(request, ground)
     return _plan(task, _safe_drive(task), refused)
 
@@ -102,7 +107,16 @@ def _plan(task: Task, drive: Drive, refused: tuple[LeftOut, ...]) -> DrivePlan:
         left_out=(*refused, *_left_out(task, tour)),
         curve=_curve(task, tour),
         gas=drive.gas,
+        oldest_s=_oldest_s(task, drive),
     )
+
+
+def _oldest_s(task: Task, drive: Drive) -> float:
+    """Return the greatest age of the cells of a drive that are known, NaN if none is."""
+    ages = task.ground.ground.ages_s
+    known = np.empty(0) if ages is None else ages.ravel()[drive.track.cells]
+    known = known[np.isfinite(known)]
+    return float(known.max()) if len(known) else math.nan
 
 
 def _curve(task: Task, tour: Tour) -> tuple[tuple[float, float], ...]:
@@ -131,13 +145,34 @@ def _left_out(task: Task, tour: Tour) -> list[LeftOut]:
 
 
 def _stops(task: Task, drive: Drive) -> tuple[DriveStop, ...]:
-    tour, track = drive.tour, drive.track
-    grid, stops = task.ground.grid, []
+    """Return the bends, and between them the places that tell how the dose rate changes.
+
+    A vehicle compares what it takes with what was predicted for the way so far: that is linear
+    between two stops.
+    """
+    grid, track = task.ground.grid, drive.track
     rates = task.ground.field.mean_usvh.ravel()
     doses = rates[track.cells] * track.seconds / SECONDS_PER_HOUR
+    places, stops = track.places_m(grid), list[DriveStop]()
     for bend in track.bends:
+        line = slice(*bend.samples)
+        cuts = _cuts(rates[track.cells[line]])
+        times, taken = (_so_far(values[line], cuts) for values in (track.seconds, doses))
+        for number, cut in enumerate(cuts[1:-1], start=1):
+            east, north = places[bend.samples[0] + cut].tolist()
+            stops.append(
+                DriveStop(
+                    place=grid.position_at(east, north), east_m=east, north_m=north,
+                    speed_mps=bend.speed_mps,
+                    duration_s=float(times[number]), dose_usv=float(taken[number]),
+                )
+            )  # fmt: skip
         east, north = grid.place_of(bend.cell)[0].tolist()
-        stand = tour.order[bend.leg] if bend.is_end and 0 <= bend.leg < len(tour.order) else None
+        stand = (
+            drive.tour.order[bend.leg]
+            if bend.is_end and 0 <= bend.leg < len(drive.tour.order)
+            else None
+        )
         point = None if stand is None else task.stands[stand].point
         dwell = point.dwell_s if point else 0.0
         stops.append(
@@ -149,12 +184,34 @@ def _stops(task: Task, drive: Drive) -> tuple[DriveStop, ...]:
                 dwell_s=dwell,
                 evidence=point.id if point else '',
                 look_rad=0.0 if stand is None else task.look_rad(stand),
-                duration_s=bend.duration_s + dwell,
-                dose_usv=float(doses[slice(*bend.samples)].sum())
-                + float(rates[bend.cell]) * dwell / SECONDS_PER_HOUR,
+                duration_s=float(times[-1]) + dwell,
+                dose_usv=float(taken[-1]) + float(rates[bend.cell]) * dwell / SECONDS_PER_HOUR,
             )
         )
     return tuple(stops)
+
+
+def _cuts(rates_usvh: FloatArray) -> list[int]:
+    """Return the samples at which a line is divided, so that rates differ little within a part."""
+    cuts, low, high = [0], math.inf, 0.0
+    for number, rate in enumerate(rates_usvh.tolist()):
+        low, high = min(low, rate), max(high, rate)
+        if high > SAME_RATE * low and 0 < number < len(rates_usvh) - 1:
+            cuts.append(number)
+            low = high = rate
+    return [*cuts, max(len(rates_usvh) - 1, 0)]
+
+
+def _so_far(values: FloatArray, cuts: list[int]) -> FloatArray:
+    """Return the sums of values of samples from each cut to the next; first is 0.
+
+    A sample within a line stands for half a step before it and half a step after it.
+    """
+    if not len(values):
+        return np.zeros(len(cuts))
+    sums = np.cumsum(values) - 0.5 * values
+    sums[0], sums[-1] = 0.0, float(values.sum())
+    return np.diff(sums[cuts], prepend=0.0)
 
 
 def _timed(task: Task, drive: Drive) -> FloatArray:

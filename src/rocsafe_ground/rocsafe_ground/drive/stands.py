@@ -5,6 +5,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import label
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 from rocsafe_geo.position import GeoPosition
@@ -15,11 +16,14 @@ from rocsafe_ground.evidence.evidence_point import EvidencePoint
 
 # A start that the map takes for blocked, such as the shadow of a tent, is moved by no more.
 START_REACH_M = 3.0
+# What a vehicle that stands too near to it does not drive over to get away.
+CROSSED_BY_NOTHING = (Reason.KEEP_OUT, Reason.OBSTACLE, Reason.STEEP, Reason.ROUGH)
 REASON_TEXTS = {
     Reason.UNKNOWN: 'ground that was not seen',
     Reason.KEEP_OUT: 'a zone not to be entered',
     Reason.OBSTACLE: 'an obstacle',
     Reason.STEEP: 'ground that is too steep',
+    Reason.ROUGH: 'ground that is too rough',
     Reason.TOO_NEAR: 'ground too near an obstacle',
     Reason.HOT: 'a dose rate at which the vehicle turns back',
     Reason.FREE: 'ground that nothing drivable leads to',
@@ -36,7 +40,7 @@ class Stand:
 
 
 def start_cell(ground: GroundMap, start: GeoPosition) -> int:
-    """Return the free cell nearest to the start.
+    """Return the free cell nearest to the start, of those on its side of obstacles.
 
     Raises
     ------
@@ -46,15 +50,24 @@ def start_cell(ground: GroundMap, start: GeoPosition) -> int:
         If no free cell is near.
     """
     place = ground.grid.enu_of(start)
-    if ground.grid.cell_of(*place) is None:
+    cell = ground.grid.cell_of(*place)
+    if cell is None:
         raise NoMapError(f'the start {_text(start)} is beyond the map{_by(ground, place)}')
-    near, distance = _near(ground, place, START_REACH_M, ground.is_free)
+    is_here = _on_this_side(ground, cell)
+    near, distance = _near(ground, place, START_REACH_M, ground.is_free & is_here)
     if not len(near):
         raise NoWayError(
             f'the start {_text(start)} is on {_reason(ground, place)}: no drivable ground is '
             f'within {START_REACH_M:g} m'
         )
     return int(near[distance.argmin()])
+
+
+def _on_this_side(ground: GroundMap, cell: int) -> BoolArray:
+    """Return the cells that a start leads to without a way over obstacles; on one: all cells."""
+    sides, _ = label(~np.isin(ground.reasons, CROSSED_BY_NOTHING))
+    here = int(sides.ravel()[cell])
+    return np.asarray((sides == here) | (here == 0))
 
 
 def stand_of(ground: GroundMap, point: EvidencePoint, is_reached: BoolArray) -> Stand:

@@ -130,9 +130,9 @@ def task_of(request: DriveRequest, ground: GroundMap) -> tuple[Task, tuple[LeftO
         If the start cannot be driven from, or no evidence be driven to; if the toxic load is to
         be limited and that of the gas is not known.
     """
-    loads = _loads(request, ground)
+    loads, vehicle, cell_m = _loads(request, ground), request.vehicle, ground.grid.cell_m
     is_free, slowness, upper = ground.is_free, ground.ground.slowness_spm, ground.field.upper_usvh
-    edges = edges_of(is_free, slowness, np.nan_to_num(upper), ground.grid.cell_m, loads)
+    edges = edges_of(is_free, slowness, np.nan_to_num(upper), cell_m, loads)
     searcher = Searcher(edges)
     start = start_cell(ground, request.start)
     reached = np.isfinite(searcher.tree(start, (1.0, 0.0, 0.0)).costs).reshape(ground.grid.shape)
@@ -146,8 +146,8 @@ def task_of(request: DriveRequest, ground: GroundMap) -> tuple[Task, tuple[LeftO
     end = None if request.end is None else start_cell(ground, request.end)
     points = [_tour_point(one, upper, loads) for one in found]
     surface = Surface(
-        is_free=is_free, slowness_spm=slowness, rates_usvh=upper, cell_m=ground.grid.cell_m,
-        loads_per_s=loads,
+        is_free=is_free, slowness_spm=slowness, rates_usvh=upper, cell_m=cell_m,
+        aside_m=vehicle.kept_m(cell_m) - vehicle.clearance_m, loads_per_s=loads,
     )  # fmt: skip
     task = Task(
         request=request, ground=ground, searcher=searcher, surface=surface,

@@ -43,6 +43,7 @@ def drive_document(plan: DrivePlan) -> Document:
             {'dose_budget_usv': round(dose, 6), 'time_s': round(time, 3)}
             for dose, time in plan.curve
         ],
+        'oldest_ground_s': round(plan.oldest_s, 3) if math.isfinite(plan.oldest_s) else None,
         'left_out': [{'evidence': one.evidence, 'why': one.why} for one in plan.left_out],
         'stops': [_stop(stop) for stop in plan.stops],
         **({} if plan.gas is None else {'gas': _gas(plan.gas)}),

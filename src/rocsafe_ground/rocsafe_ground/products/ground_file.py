@@ -26,11 +26,16 @@ def write_ground(path: Path, ground: GroundMap) -> None:
     grid = ground.grid
     with np.errstate(divide='ignore'):
         speed = np.where(ground.is_free, 1.0 / ground.ground.slowness_spm, 0.0)
+    ages = ground.ground.ages_s
     bands = (
         (f'reason: {NAMES}', ground.reasons.astype(np.float64)),
         ('speed, m/s, 0 where not free', speed),
         ('mean: dose rate 1 m above ground, uSv/h', ground.field.mean_usvh),
         ('upper_95: upper 95 % of the dose rate, uSv/h', ground.field.upper_usvh),
+        (
+            'time before the newest photograph, s',
+            np.full(grid.shape, np.nan) if ages is None else ages,
+        ),
     )
     top = grid.south_m + grid.rows * grid.cell_m
     try:

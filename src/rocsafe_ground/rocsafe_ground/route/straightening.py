@@ -8,24 +8,25 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 
-# Samples per side of a cell: a line that touches a corner of a blocked cell by less goes by it,
-# which the margin of the vehicle covers.
+# Samples per side of a cell: a line that touches a corner of a blocked cell by less goes by it.
 SAMPLES = 4
 # Of a cell: rounding of samples.
-EDGE = 1e-9
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Surface:
     """What a line over cells costs: all arrays (rows, columns).
 
-    `loads_per_s` is the toxic load that a second adds; None: it does not count.
+    `loads_per_s` is the toxic load that a second adds; None: it does not count. Along cells that
+    are not free a line keeps within `aside_m` of the middles of those that are.
     """
 
     is_free: BoolArray
     slowness_spm: FloatArray
     rates_usvh: FloatArray
     cell_m: float
+    aside_m: float
     loads_per_s: FloatArray | None = None
 
     def line_costs(self, a: int, b: int) -> tuple[float, float, float] | None:
@@ -35,8 +36,9 @@ class Surface:
         """
         places, length = self.line(a, b)
         rows, columns = np.rint(places).astype(np.int64).T
-        # A sample on the edge of two cells is in both.
-        low, high = np.ceil(places - 0.5 - EDGE).T, np.floor(places + 0.5 + EDGE).T
+        # A sample near the edge of two cells is in both.
+        edge = max(0.5 - self.aside_m / self.cell_m, ROUNDING)
+        low, high = np.ceil(places - 0.5 - edge).T, np.floor(places + 0.5 + edge).T
         for r, c in itertools.product((low[0], high[0]), (low[1], high[1])):
             if not self.is_free[r.astype(np.int64), c.astype(np.int64)].all():
                 return None

@@ -10,6 +10,7 @@ from typing import Any
 
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.command_line.map_command import shots_of
+from rocsafe_mapping.command_line.notes import note
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mosaic.changes import (
@@ -34,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         document = compared(options.before, options.after, wanted)
         write_whole(options.output, json.dumps(document, indent=1).encode() + b'\n')
     except (MappingError, ValueError, OSError) as error:
-        sys.stderr.write(f'error: {error}\n')
+        note(f'error: {error}')
         return EXIT_REFUSED
     areas = [feature['properties']['area_m2'] for feature in document['features']]
     sys.stdout.write(f'{len(areas)} changes, {sum(areas):.1f} m2; {options.output}\n')
@@ -49,7 +50,7 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
     MappingError
         If a folder has no photographs, or the flights do not tie to each other.
     """
-    maker = Mapmaker(MapOptions(ground_resolution_m=wanted.resolution_m), _note)
+    maker = Mapmaker(MapOptions(ground_resolution_m=wanted.resolution_m), note)
     maker.add_all(
         [
             Shot(
@@ -64,7 +65,7 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
     alignment = maker.align()
     _require_tied(maker)
     for reason in violations(alignment, maker.block.state):
-        _note(f'not to be called georeferenced: {reason}')
+        note(f'not to be called georeferenced: {reason}')
     placed_photos = maker.placed_photos()
     grid = maker.grid(placed_photos)
     renderers = [
@@ -88,10 +89,6 @@ def _require_tied(maker: Mapmaker) -> None:
     ]
     if not bridges:
         raise MappingError('the flights have no ground in common that looks alike')
-
-
-def _note(text: str) -> None:
-    sys.stderr.write(f'{text}\n')
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from rocsafe_mapping.command_line.notes import note
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.photographs.shot import ShotRecord
 from rocsafe_mapping.store.catalogue import read_store
@@ -24,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         counts = import_folder(options.folder, options.store)
     except (MappingError, OSError) as error:
-        sys.stderr.write(f'error: {error}\n')
+        note(f'error: {error}')
         return EXIT_REFUSED
     sys.stdout.write(
         f'{counts[Status.STORED]} stored, {counts[Status.DUPLICATE]} there already, '
@@ -47,7 +48,7 @@ def import_folder(folder: Path, directory: Path) -> dict[Status, int]:
 
     def refuse(text: str) -> None:
         counts[Status.REJECTED] += 1
-        sys.stderr.write(f'{text}\n')
+        note(text)
 
     store = ImageStore(directory, refuse)
     try:
@@ -60,7 +61,7 @@ def import_folder(folder: Path, directory: Path) -> dict[Status, int]:
             answer = store.put(record, shot.read_image(), is_tagged=True)
             counts[answer.status] += 1
             if answer.status is Status.REJECTED:
-                sys.stderr.write(f'{shot.path}: {answer.reason}\n')
+                note(f'{shot.path}: {answer.reason}')
     finally:
         store.close()
     shots = read_store(directory, refuse)

@@ -12,6 +12,7 @@ from typing import Any
 
 from rocsafe_geo.regions.area_files import read_area
 from rocsafe_mapping.allocation import keep_freed_memory
+from rocsafe_mapping.command_line.notes import note
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.mosaic.survey import Survey
@@ -98,7 +99,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return make_map(options)
     except (MappingError, ValueError, OSError) as error:
-        sys.stderr.write(f'error: {error}\n')
+        note(f'error: {error}')
         return EXIT_REFUSED
 
 
@@ -113,7 +114,7 @@ def make_map(options: argparse.Namespace) -> int:
     watch = Stopwatch()
     watch.lap('start')
     maker = Mapmaker(
-        MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), _note
+        MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), note
     )
     maker.add_all(_shots(options), _survey(options))
     if not len(maker) or maker.frame is None:
@@ -141,7 +142,7 @@ def _shots(options: argparse.Namespace) -> list[Shot]:
     stored = {shot.path.name: shot for shot in shots_of(options.folder)}
     records = {name: shot.record for name, shot in stored.items()}
     if options.geo is not None:
-        records = located(records, read_geolocations(options.geo), _note)
+        records = located(records, read_geolocations(options.geo), note)
     return [
         Shot(name=name, record=records[name], read=shot.read_image)
         for name, shot in stored.items()
@@ -167,7 +168,7 @@ def _labels_of(options: argparse.Namespace) -> Path | None:
 
 
 def shots_of(folder: Path) -> tuple[StoredShot, ...]:
-    """Return the photographs of an image store, or of any folder.
+    """Return the photographs of an image store, or of any folder; each file's bytes once.
 
     Raises
     ------
@@ -175,8 +176,13 @@ def shots_of(folder: Path) -> tuple[StoredShot, ...]:
         If it cannot be read.
     """
     if (folder / MANIFEST).exists():
-        return read_store(folder, _note)
-    return photographs_of(folder, _note)
+        return read_store(folder, note)
+    known: dict[str, StoredShot] = {}
+    for shot in photographs_of(folder, note):
+        first = known.setdefault(shot.record.sha256, shot)
+        if first is not shot:
+            note(f'not on the map: {shot.path.name}: the same file as {first.path.name}')
+    return tuple(known.values())
 
 
 def _conclude(document: Mapping[str, Any], folder: Path) -> int:
@@ -197,10 +203,6 @@ def _conclude(document: Mapping[str, Any], folder: Path) -> int:
     for reason in document['why_not_georeferenced']:
         sys.stdout.write(f'not to be called georeferenced: {reason}\n')
     return EXIT_OK if document['is_georeferenced'] else EXIT_FAILED
-
-
-def _note(text: str) -> None:
-    sys.stderr.write(f'{text}\n')
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from rocsafe_mapping.command_line.notes import note
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.repository.sink import token_of_file
@@ -20,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         token = token_of_file(options.token_file)
         server = Repository(options.folder, (options.host, options.port), token)
     except (MappingError, ValueError, OSError) as error:
-        sys.stderr.write(f'error: {error}\n')
+        note(f'error: {error}')
         return EXIT_REFUSED
     host, port = server.server_address[:2]
     sys.stdout.write(f'serving {options.folder} at http://{host!s}:{port}\n')

@@ -25,6 +25,8 @@ WGS84_EPSG, WEB_MERCATOR_EPSG = 4326, 3857
 # Half the side of the square of Web Mercator, metres; side of its tiles.
 WORLD_M = math.pi * 6_378_137.0
 TILE_PX = 256
+# That GDAL writes: its pixels are 3.7 cm wide at the equator, less elsewhere.
+FINEST_ZOOM = 22
 UTM_NORTH_EPSG, UTM_SOUTH_EPSG = 32600, 32700
 UTM_ZONE_DEG, UTM_ZONES = 6.0, 60
 # UTM ends at these latitudes (NGA.SIG.0012).

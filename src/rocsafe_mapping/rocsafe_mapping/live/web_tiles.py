@@ -14,13 +14,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M, MapGrid, Window
+from rocsafe_mapping.drawing.grid import (
+    FINEST_ZOOM,
+    TILE_PX,
+    WEB_MERCATOR_EPSG,
+    WORLD_M,
+    MapGrid,
+    Window,
+)
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import LATTICE_PX, PlacedPhoto, drawn, scores
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker
 
-FINEST_ZOOM, COARSER_ZOOMS = 22, 6
+COARSER_ZOOMS = 6
 PNG_COMPRESSION = 2
 OPAQUE = 255
 # Halved tiles that are kept, 64 KiB each: the coarser tile above them is joined soon after.

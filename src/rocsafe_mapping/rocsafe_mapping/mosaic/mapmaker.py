@@ -234,7 +234,8 @@ class Mapmaker:
         left = [shot for shot in shots if shot.name not in far]
         if not any(shot.record.has_fix for shot in left):
             self.frame, self.epsg = frame_of(survey)
-        for shot in left:
+        # Those with a fix first: the first of them gives the frame.
+        for shot in sorted(left, key=lambda shot: not shot.record.has_fix):
             try:
                 self._take(shot)
             except PlacementError as error:

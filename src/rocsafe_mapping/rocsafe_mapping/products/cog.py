@@ -9,6 +9,7 @@ import numpy as np
 import rasterio
 import rasterio.shutil
 from numpy.typing import NDArray
+from rasterio._err import CPLE_BaseError
 from rasterio.enums import ColorInterp, Resampling
 from rasterio.errors import RasterioError
 from rasterio.transform import Affine
@@ -28,6 +29,8 @@ COG_BLOCK_PX, RAW_BLOCK_PX = 512, 256
 RGBA = (ColorInterp.red, ColorInterp.green, ColorInterp.blue, ColorInterp.alpha)
 Colour = tuple[int, int, int]
 RAW_SUFFIX = '.raw'
+GDAL_ERRORS = (OSError, RasterioError, CPLE_BaseError)
+"""What rasterio raises where a file cannot be read or written; copies raise GDAL's own."""
 # What stands for no value where values are numbers: programs differ on NaN.
 NO_VALUE = -9999.0
 # A local map says in every raster that its numbers are no metres and its top is not north.
@@ -106,7 +109,7 @@ def _made(path: Path, write: Callable[[Path], None], resampling: Resampling) -> 
         sync_file(part_of(path))
         finish_part(path)
         sync_directory(path.parent)
-    except (OSError, RasterioError) as error:
+    except GDAL_ERRORS as error:
         discard_part(path)
         raise MappingError(f'cannot write map {path}: {error}') from error
     finally:

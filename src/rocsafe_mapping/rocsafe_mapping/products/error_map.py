@@ -10,6 +10,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing.renderer import Renderer
@@ -35,10 +36,13 @@ class ErrorMap:
         Standard error of where something is shown, NaN where nothing is.
     heights_m
         Of what is shown above the ground, NaN where unknown.
+    ages_s
+        How long before the newest photograph that of a place was taken, NaN where unknown.
     """
 
     error_m: Shares
     heights_m: Shares
+    ages_s: Shares
 
     @property
     def is_shown(self) -> BoolArray:
@@ -71,7 +75,9 @@ class ErrorMap:
 def error_map(alignment: Alignment, renderer: Renderer) -> ErrorMap:
     """Return how far each place of the map may be off."""
     labels, whole = renderer.owners, renderer.owner_window
-    error = np.full(labels.shape, np.nan, np.float32)
+    error, ages = (np.full(labels.shape, np.nan, np.float32) for _ in range(2))
+    times = {name: alignment.photos[name].time_ns for name in renderer.names}
+    newest = max(times.values(), default=0)
     for number, name in enumerate(renderer.names):
         part = renderer.shown_window(name)
         place = part.within(whole)
@@ -83,8 +89,10 @@ def error_map(alignment: Alignment, renderer: Renderer) -> ErrorMap:
         ground_m = (0.5 * (edges[:-1, :-1] + edges[1:, 1:]))[is_own]
         rise_m = renderer.relief.rise_m[place][is_own].astype(float)
         error[place][is_own] = alignment.errors_at_m(name, ground_m, rise_m)
+        if times[name]:
+            ages[place][is_own] = (newest - times[name]) / NS_PER_S
     heights = np.where(labels == NO_PHOTO, np.float32(np.nan), renderer.relief.heights_m)
-    return ErrorMap(error_m=error, heights_m=heights)
+    return ErrorMap(error_m=error, heights_m=heights, ages_s=ages)
 
 
 def write_error_map(folder: Path, found: ErrorMap, renderer: Renderer) -> str:
@@ -97,7 +105,11 @@ def write_error_map(folder: Path, found: ErrorMap, renderer: Renderer) -> str:
     OSError
         If the picture cannot be.
     """
-    bands = {'standard error, m': found.error_m, 'height above the ground, m': found.heights_m}
+    bands = {
+        'standard error, m': found.error_m,
+        'height above the ground, m': found.heights_m,
+        'time before the newest photograph, s': found.ages_s,
+    }
     write_values(folder / ERROR_TIF, renderer.coarse, renderer.owner_window, bands)
     write_whole(folder / ERROR_PNG, _png(found))
     return ERROR_PNG

@@ -12,16 +12,15 @@ import rasterio.shutil
 from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from rasterio.enums import Resampling
-from rasterio.errors import RasterioError
 from rasterio.io import DatasetReader
 from rasterio.transform import Affine
 from rasterio.vrt import WarpedVRT
 from rasterio.warp import calculate_default_transform, transform_bounds
 
 from rocsafe_geo.storage.durable import discard_part, finish_part, part_of, write_whole
-from rocsafe_mapping.drawing.grid import TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
+from rocsafe_mapping.drawing.grid import FINEST_ZOOM, TILE_PX, WEB_MERCATOR_EPSG, WORLD_M
 from rocsafe_mapping.errors import MappingError
-from rocsafe_mapping.products.cog import CACHE_BYTES, LOCAL_WKT
+from rocsafe_mapping.products.cog import CACHE_BYTES, GDAL_ERRORS, LOCAL_WKT
 
 LONGEST_SIDE_PX = 2048
 KML = """<?xml version="1.0" encoding="UTF-8"?>
@@ -70,7 +69,7 @@ def write_overlays(cog: Path, stem: Path) -> tuple[Path, ...]:
         corners = _corners(epsg, (transform.c, south, east, transform.f))
         text = KML.format(name=escape(stem.name), picture=escape(picture.name), corners=corners)
         write_whole(kml, text.encode())
-    except (OSError, RasterioError) as error:
+    except GDAL_ERRORS as error:
         raise MappingError(f'cannot write overlays of {cog}: {error}') from error
     return picture, world, projection, kml
 
@@ -95,7 +94,7 @@ def write_mbtiles(cog: Path, path: Path) -> None:
                 file.build_overviews(levels or [2], Resampling.average)
         part.replace(part_of(path))
         finish_part(path)
-    except (OSError, RasterioError) as error:
+    except GDAL_ERRORS as error:
         part.unlink(missing_ok=True)
         discard_part(path)
         raise MappingError(f'cannot write tiles {path}: {error}') from error
@@ -104,13 +103,12 @@ def write_mbtiles(cog: Path, path: Path) -> None:
 def _on_tiles(source: DatasetReader) -> WarpedVRT:
     """Return a map in Web Mercator whose edges are edges of tiles.
 
-    Otherwise GDAL shifts the map
-    by up to a pixel.
+    Otherwise GDAL shifts the map by up to a pixel.
     """
     wished, _, _ = calculate_default_transform(
         source.crs, f'EPSG:{WEB_MERCATOR_EPSG}', source.width, source.height, *source.bounds
     )
-    zoom = round(math.log2(2.0 * WORLD_M / TILE_PX / wished.a))
+    zoom = min(round(math.log2(2.0 * WORLD_M / TILE_PX / wished.a)), FINEST_ZOOM)
     pixel_m = 2.0 * WORLD_M / TILE_PX / 2**zoom
     side_m = TILE_PX * pixel_m
     west, south, east, north = transform_bounds(

@@ -2,10 +2,10 @@
 """A reference repository: keeps photographs that are sent over HTTP in an image store.
 
 Sending: ``HEAD /uploads/<sha256>`` returns the offset; ``PATCH /uploads/<sha256>`` with
-``Upload-Offset`` adds a piece; ``PUT /images/<shot_id>`` with the record makes the bytes a
-photograph: 201 new, 200 there already, 409 other bytes of that name, 412 not all bytes are there,
-413 too large, 422 no photograph, 503 too many unfinished uploads, 507 disk full. Each body is
-checked against ``Content-Digest`` (RFC 9530).
+``Upload-Offset`` adds a piece; ``PUT /images/<shot_id>`` with the record, and the SHA-256 of the
+bytes as ``Idempotency-Key``, makes them a photograph: 201 new, 200 there already, 409 other bytes
+of that name, 412 not all bytes are there, 413 too large, 422 no photograph, 503 too many
+unfinished uploads, 507 disk full. Each body is checked against ``Content-Digest`` (RFC 9530).
 
 Reading: ``GET /images`` lists the photographs as JSON, ``GET /images/<shot_id>`` is one.
 
@@ -173,8 +173,8 @@ class _Handler(BaseHTTPRequestHandler):
             if found is None:
                 return self._answer(404)
             return self._send('image/jpeg', read_shot(self.server.folder, found[1]).read_image())
-        except StoreError as error:
-            return self._answer(404, str(error))
+        except StoreError:
+            return self._answer(404)
 
     def do_PATCH(self) -> None:
         """Add a piece to an upload."""
@@ -228,9 +228,10 @@ class _Handler(BaseHTTPRequestHandler):
         """Log nothing: the answers say it."""
 
     def _store(self, record: ShotRecord, sha256: str) -> None:
+        if not _SHA256.fullmatch(sha256):
+            return self._answer(400, 'Idempotency-Key is not the SHA-256 of the photograph')
         uploads = self.server.uploads
-        is_there = _SHA256.fullmatch(sha256) is not None and uploads.size(sha256) > 0
-        image = uploads.path(sha256).read_bytes() if is_there else b''
+        image = uploads.path(sha256).read_bytes() if uploads.size(sha256) > 0 else b''
         if hashlib.sha256(image).hexdigest() != sha256:
             if _is_stored(self.server.folder, record.shot_id, sha256):
                 return self._answer(ANSWERS[Status.DUPLICATE])

@@ -28,6 +28,8 @@ SUFFIXES = ('.jpg', '.jpeg')
 FILM_WIDTH_MM, FILM_DIAGONAL_MM = 36.0, math.hypot(36.0, 24.0)
 EXIF_FOCAL_STD_SHARE = 0.06
 TABLE_FOCAL_STD_SHARE = 0.03
+# Of lenses that see straight lines as straight: a fisheye's 136 degrees to a long telephoto.
+SHORTEST_FOCAL_WIDTHS, LONGEST_FOCAL_WIDTHS = 0.2, 50.0
 # Widths of sensors in millimetres, from their makers' data sheets.
 SENSOR_WIDTH_MM = {
     'FC300S': 6.17, 'FC300X': 6.17, 'FC330': 6.17, 'FC220': 6.17, 'FC6310': 13.2, 'FC6310S': 13.2,
@@ -93,7 +95,7 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
     ValueError
         If a tag has a value that cannot be, or the focal length is unknown.
     """
-    latitude, longitude = _degrees(tags, GPS.GPSLatitude), _degrees(tags, GPS.GPSLongitude)
+    latitude, longitude = _fix_deg(tags)
     yaw, pitch, roll, tilt_std, yaw_std = _attitude(tags)
     rotation = rotation_enu_from_optical(math.radians(90.0 - yaw), pitch, roll)
     horizontal = _known(tags.number('Camera:GPSXYAccuracy'), HORIZONTAL_STD_M)
@@ -118,6 +120,12 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
         sha256=sha256,
         lens=f'{tags.text(Base.Make)} {tags.text(Base.Model)} {vehicle}'.strip(),
     )
+
+
+def _fix_deg(tags: Tags) -> tuple[float, float]:
+    """Return latitude and longitude; NaN for 0/0, which cameras write that have no fix."""
+    fix = _degrees(tags, GPS.GPSLatitude), _degrees(tags, GPS.GPSLongitude)
+    return fix if any(fix) else (math.nan, math.nan)
 
 
 def _degrees(tags: Tags, tag: int) -> float:
@@ -165,6 +173,11 @@ def _attitude(tags: Tags) -> tuple[float, float, float, float, float]:
 
 def _camera(tags: Tags) -> Intrinsics:
     focal_px, std_share = _focal(tags)
+    if not SHORTEST_FOCAL_WIDTHS <= focal_px / tags.width_px <= LONGEST_FOCAL_WIDTHS:
+        raise ValueError(
+            f'a focal length of {focal_px / tags.width_px:.3g} image widths is not from '
+            f'{SHORTEST_FOCAL_WIDTHS:g} to {LONGEST_FOCAL_WIDTHS:g}'
+        )
     return Intrinsics(
         width_px=tags.width_px,
         height_px=tags.height_px,

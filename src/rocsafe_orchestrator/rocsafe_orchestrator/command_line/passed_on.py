@@ -33,6 +33,7 @@ SCENE, SHOW = 'scene', 'show'
 PASSED_ON = (
     PassedOn('localize', 'rocsafe_radiation', 'estimate sources from readings'),
     PassedOn('locate-release', 'rocsafe_dispersion', 'find releases of gas in readings'),
+    PassedOn('site-wind', 'rocsafe_dispersion', 'compute the wind around buildings'),
     PassedOn('advise', 'rocsafe_dispersion', 'name the agent and rank procedures from evidence'),
     PassedOn('ground', 'rocsafe_ground', 'plan the drive of a ground vehicle to evidence points'),
     PassedOn(

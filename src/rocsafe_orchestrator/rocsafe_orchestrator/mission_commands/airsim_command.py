@@ -70,8 +70,7 @@ def serve_scripts(request: AirsimRequest, console: Console) -> int:
     from rocsafe_orchestrator.company_node import claimed
 
     scenario = read_scenario(request.scenario, speed=request.speed)
-    if scenario.linked:
-        name = scenario.linked[0].name
+    for name in scenario.real_names:
         raise ScenarioError(
             f'{request.scenario.name}: {name} is a real vehicle: use `rocsafe run --airsim`'
         )

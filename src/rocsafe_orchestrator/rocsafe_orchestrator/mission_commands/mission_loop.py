@@ -16,7 +16,7 @@ from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.request import Order, OrderKind
 from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, RunStatus
-from rocsafe_orchestrator.mission_commands.confirmation import Confirmation
+from rocsafe_orchestrator.mission_commands.confirmation import DRIVE, PLAN, Confirmation
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.progress import Display
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
@@ -104,9 +104,12 @@ class MissionLoop:
         self._is_shortage_told = False
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
-        self._confirmation = Confirmation(
-            parts.node.requests.plans, parts.terminal, parts.display, parts.confirmed
-        )
+        requests = parts.node.requests
+        self._confirmations = [
+            Confirmation(waiting, parts.terminal, parts.display, parts.confirmed, subject)
+            for waiting, subject in ((requests.plans, PLAN), (requests.drives, DRIVE))
+            if waiting is not None
+        ]
         self._marked: dict[str, str] = {}
         self._decisions = Decisions()
         self._own = [spec.name for spec in parts.table if spec.is_here]
@@ -132,9 +135,10 @@ class MissionLoop:
     def _tick(self, now_s: float) -> None:
         parts = self._parts
         may_order = self._watch_operator(now_s)
-        if digest := self._confirmation.watch(now_s):
-            parts.run_info['confirmed_plan'] = digest
-            self._say(f'plan {digest} is confirmed')
+        for one in self._confirmations:
+            if digest := one.watch(now_s):
+                parts.run_info[f'confirmed_{one.subject.what}'] = digest
+                self._say(f'{one.subject.what} {digest} is confirmed')
         if parts.interrupt.count:
             parts.mission.cancel(parts.interrupt.text)
         parts.interrupt.is_saving = parts.mission.phase >= Phase.MAPPING

@@ -228,7 +228,7 @@ class MissionRun:
                 directory=self.directory,
                 run_info=self.run_info,
                 crew_watch=CrewWatch(self.scenario, self.monitor),
-                real=frozenset(vehicle.name for vehicle in self.scenario.linked),
+                real=frozenset(self.scenario.real_names),
                 hosts=hosts,
             )
             try:
@@ -283,7 +283,7 @@ class MissionRun:
 
     def _operator_watch(self) -> OperatorWatch | None:
         policy = OnOperatorLost(self.scenario.on_operator_lost)
-        return OperatorWatch(policy) if self.scenario.linked else None
+        return OperatorWatch(policy) if self.scenario.real_names else None
 
 
 def _log_end(directory: RunDirectory, phase: Phase, text: str) -> None:

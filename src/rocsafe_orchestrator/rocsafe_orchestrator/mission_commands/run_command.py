@@ -13,7 +13,7 @@ from rocsafe_orchestrator.company_node import Claim, claimed
 from rocsafe_orchestrator.contamination import require_clean
 from rocsafe_orchestrator.mission_commands.mission_run import Extras, MissionRun, locked
 from rocsafe_orchestrator.parameters.config_file import require_parameter_file
-from rocsafe_orchestrator.planning_commands.preflight_command import cleared
+from rocsafe_orchestrator.planning_commands.preflight_command import cleared, on_wall_time
 from rocsafe_orchestrator.processes.company import needed_names
 from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
@@ -74,9 +74,12 @@ def run_scenario(request: RunRequest, console: Console) -> int:
         for executable in executables:
             import_for(executable)
         claim.require_alone()
+        if scenario.real_names:
+            require_clean(request.parent, scenario.real_names)
         if scenario.linked:
-            require_clean(request.parent, tuple(vehicle.name for vehicle in scenario.linked))
             scenario = cleared(scenario, PREFLIGHT_S, started)
+        elif scenario.real_names:
+            scenario = on_wall_time(scenario, started)
         return _run(request, scenario, console, claim)
 
 

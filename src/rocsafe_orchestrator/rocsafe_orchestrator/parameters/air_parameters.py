@@ -12,21 +12,29 @@ ESTIMATOR, ADVISOR = 'estimator', 'advisor'
 OWN_KEYS = {'window_s', 'wind', 'search'}
 
 
-def air_parameters(scenario: Scenario) -> Parameters:
-    """Return the parameters of the air; `air_file` is the content of that file.
-
-    The wind is the one that pushes the vehicles.
-    """
-    metered = scenario.with_simulated_detector
+def wind_settings(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the wind of a mission, which pushes the vehicles and carries the gas."""
     east, north = scenario.survey.airspace.wind_mps
-    wind = {'towards_east_mps': east, 'towards_north_mps': north}
+    wind = scenario.air.wind
+    return {
+        'towards_east_mps': east,
+        'towards_north_mps': north,
+        **wind.model_dump(exclude={'scene_file'}),
+        **({'site_file': str(run.site_wind)} if wind.scene_file else {}),
+    }
+
+
+def air_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return the parameters of the air; `air_file` is the content of that file."""
+    origin = scenario.origin_position()
     return {
         'vehicles': list(scenario.metered_names),
         # The true position of a real vehicle is unknown.
-        'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
+        'vehicles_at_their_fix': [n for n in scenario.metered_names if n in scenario.real_names],
         'start_time_s': scenario.clock.start.timestamp(),
         'air_file': {
-            'wind': wind | scenario.air.wind.model_dump(),
+            'wind': wind_settings(scenario, run),
+            'origin': [origin.latitude_deg, origin.longitude_deg],
             'ground_altitude_m': scenario.origin.ground_altitude_m,
             **scenario.air.model_dump(mode='json', exclude=OWN_KEYS, exclude_defaults=True),
         },

@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """The request for a drive of the ground vehicle, and what it has done so far."""
 
+import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
-from rocsafe_ros.conversions import point_of_position
+from rocsafe_orchestrator.mission.drive_watch import DriveWatch, WatchedStop
+from rocsafe_ros.conversions import point_of_position, position_of_point
 from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 
 SOURCE, RELEASE = 'source', 'release'
 Found = Sequence[tuple[GeoPosition, float]]
+# A background, and the square of the least distance to a source.
+LEAST_RATE_USVH, LEAST_M2 = 0.1, 1.0
 # A budget that is used up: the router then says what the least one would be.
 LEAST_BUDGET_USV = 1e-6
 
@@ -101,6 +105,45 @@ def _found(kind: str, unit: str, found: Found, dwell_s: float) -> Iterator[Evide
             priority=max(0.1, rate / strongest), dwell_s=dwell_s,
             found_in=f'{kind} {number}: {rate:.4g} {unit}',
         )  # fmt: skip
+
+
+def dose_change(route: GroundRoute, planned_on: Found, known: Found) -> float:
+    """Return how many times the planned dose a route takes by the sources that are known now.
+
+    By 1 / r^2 over a background, at the stops of the route.
+    """
+    planned = changed = 0.0
+    for stop in route.stops:
+        place = position_of_point(stop.position)
+        planned += stop.dose_usv
+        changed += stop.dose_usv * _rate_usvh(place, known) / _rate_usvh(place, planned_on)
+    return changed / planned if planned > 0.0 else 1.0
+
+
+def _rate_usvh(place: GeoPosition, sources: Found) -> float:
+    squares = [max(distance_m(place, source) ** 2, LEAST_M2) for source, _ in sources]
+    rates = [rate / square for (_, rate), square in zip(sources, squares, strict=True)]
+    return LEAST_RATE_USVH + sum(rates)
+
+
+def task_digest(scenario: Scenario) -> str:
+    """Return a hash of what the ground vehicle of a scenario is to do, 8 hexadecimal digits."""
+    block = scenario.ground_vehicle
+    text = block.model_dump_json() if block else ''
+    return hashlib.sha256(text.encode()).hexdigest()[:8]
+
+
+def drive_watch(route: GroundRoute) -> DriveWatch:
+    """Return the watch over the dose of a route."""
+    stops = [
+        WatchedStop(
+            place=position_of_point(stop.position),
+            duration_s=stop.duration_s,
+            dose_usv=stop.dose_usv,
+        )
+        for stop in route.stops
+    ]
+    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh)
 
 
 def drive_text(route: GroundRoute) -> str:

@@ -15,13 +15,12 @@ SHARED_BLOCKS = {'sources', 'shields', 'background'}
 def field_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
     """Return the parameters of the radiation field; `field_file` is the content of that file."""
     radiation = scenario.radiation
-    metered = scenario.with_simulated_detector
     return {
         'model': radiation.model,
         'source_radius_m': radiation.source_radius_m,
         'vehicles': list(scenario.metered_names),
         # The true position of a real vehicle is unknown.
-        'vehicles_at_their_fix': [vehicle.name for vehicle in metered if vehicle.link],
+        'vehicles_at_their_fix': [n for n in scenario.metered_names if n in scenario.real_names],
         'start_time_s': scenario.clock.start.timestamp(),
         'field_file': _field_file(scenario, run),
         'detector': radiation.detector,

@@ -7,9 +7,11 @@ from typing import Any
 
 import yaml
 
+from rocsafe_orchestrator.parameters.air_parameters import wind_settings
 from rocsafe_orchestrator.parameters.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.camera_blocks import camera_parameters
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.simulation_blocks import sensor_parameters
@@ -19,6 +21,8 @@ Parameters = dict[str, Any]
 FIELD, RECORDER, FLEET, BRIDGE = 'radiation_field', 'recorder', 'fleet', 'bridge'
 LOCALIZER, AIR, AGENTS = 'localizer', 'air', 'agents'
 LOCK_STEP = {'lock_step': True}
+# A route tells the speed of each line; none is faster.
+FASTEST_DRIVE_MPS = 1.5
 # Where the head of several hosts takes photographs from the others.
 PHOTOGRAPHS_PORT = 47612
 # Where agents listen with Zenoh.
@@ -42,7 +46,7 @@ def world_parameters(scenario: Scenario) -> Parameters:
 
     Not where a real vehicle takes part: time runs as on the wall then, and does not wait.
     """
-    is_real = bool(scenario.linked)
+    is_real = bool(scenario.real_names)
     return {
         'step_s': scenario.clock.step_s,
         'speed': 1.0 if is_real else scenario.clock.speed,
@@ -60,7 +64,7 @@ def rav_parameters(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory)
     return {
         'home_latitude_deg': vehicle.home[0],
         'home_longitude_deg': vehicle.home[1],
-        **_vehicle_model(scenario, vehicle),
+        **_vehicle_model(scenario, vehicle, run),
         'spool_directory': str(run.spool / vehicle.name),
     }
 
@@ -73,29 +77,42 @@ def fleet_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
                 {'name': vehicle.name, 'home': vehicle.home} for vehicle in scenario.simulated
             ]
         },
-        **_vehicle_model(scenario, scenario.simulated[0]),
+        **_vehicle_model(scenario, scenario.simulated[0], run),
         'spool_directory': str(run.spool),
     }
 
 
 def bridge_parameters(
-    scenario: Scenario, state_directory: str, linked: tuple[VehicleBlock, ...]
+    scenario: Scenario,
+    state_directory: str,
+    linked: tuple[VehicleBlock, ...],
+    driver: GroundVehicleBlock | None = None,
 ) -> Parameters:
-    """Return the parameters of the bridge to some real vehicles."""
+    """Return the parameters of the bridge to some real vehicles, and to a ground vehicle."""
+    drones = [
+        {
+            'name': vehicle.name,
+            'link': vehicle.link,
+            'speed_mps': vehicle.cruise_speed_mps,
+            'hover_s': vehicle.hover_s,
+            'endurance_s': vehicle.endurance_s,
+            **vehicle.drone.model_dump(exclude={'detector'}),
+        }
+        for vehicle in linked
+    ]
+    if driver is not None:
+        drones.append(
+            {
+                'name': driver.name,
+                'link': driver.link,
+                'speed_mps': FASTEST_DRIVE_MPS,
+                'endurance_s': driver.endurance_s,
+                'drives': True,
+                **driver.drone.model_dump(exclude={'detector'}),
+            }
+        )
     return {
-        'drones_file': {
-            'drones': [
-                {
-                    'name': vehicle.name,
-                    'link': vehicle.link,
-                    'speed_mps': vehicle.cruise_speed_mps,
-                    'hover_s': vehicle.hover_s,
-                    'endurance_s': vehicle.endurance_s,
-                    **vehicle.drone.model_dump(exclude={'detector'}),
-                }
-                for vehicle in linked
-            ]
-        },
+        'drones_file': {'drones': drones},
         'state_directory': state_directory,
         'needs_supervisor': True,
         'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
@@ -181,12 +198,12 @@ def agent_parameters(scenario: Scenario, run: RunDirectory, host: str = '') -> P
     is_apart = scenario.simulation.processes != FLEET
     return {
         'vehicles': vehicles,
-        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
+        'real_vehicles': list(scenario.real_names),
         'mission': run.name,
         'plan_file': str(run.plan),
         'terrain_file': scenario.survey.terrain_file,
         'state_directory': str(run.path / AGENTS),
-        'lock_step': not scenario.linked,
+        'lock_step': not scenario.real_names,
         'participants': simulated if is_apart else [],
         'others': _participants_elsewhere(scenario, own),
         **_link_parameters(scenario, own),
@@ -226,7 +243,7 @@ def recorder_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
         'output_directory': str(run.path),
         'vehicles': list(scenario.all_names),
         'other_cameras': [camera.name for camera in scenario.other_cameras],
-        'real_vehicles': [vehicle.name for vehicle in scenario.linked],
+        'real_vehicles': list(scenario.real_names),
         **LOCK_STEP,
     }
 
@@ -274,11 +291,12 @@ def _participants(scenario: Scenario) -> list[str]:
 def _vehicle_participants(scenario: Scenario) -> list[str]:
     is_fleet = scenario.simulation.processes == 'fleet'
     names = [vehicle.name for vehicle in scenario.simulated]
-    driver = [scenario.driver_name] if scenario.driver_name else []
+    is_simulated = scenario.driver_name and scenario.driver_name not in scenario.real_names
+    driver = [scenario.driver_name] if is_simulated else []
     return [*([FLEET] if is_fleet and names else names), *driver]
 
 
-def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
+def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock, run: RunDirectory) -> Parameters:
     """Return what a vehicle can do and what its sensors are like."""
     own_keys = {'name', 'home', 'autopilot', *PLANNING_KEYS, *LINK_KEYS}
     simulation = scenario.simulation.model_dump(exclude={'processes', 'sensors'})
@@ -288,8 +306,7 @@ def _vehicle_model(scenario: Scenario, vehicle: VehicleBlock) -> Parameters:
         'hover_power_w': vehicle.hover_power_w,
         'wind_east_mps': scenario.survey.airspace.wind_mps[0],
         'wind_north_mps': scenario.survey.airspace.wind_mps[1],
-        'gust_std_mps': scenario.air.wind.gust_std_mps,
-        'gust_scale_s': scenario.air.wind.gust_scale_s,
+        **({} if scenario.air.wind.is_steady else {'wind_file': wind_settings(scenario, run)}),
         **simulation,
         **sensor_parameters(scenario.simulation.sensors),
         **camera_parameters(scenario.camera, scenario.other_cameras),

@@ -84,10 +84,15 @@ def cleared(scenario: Scenario, wait_s: float, now: datetime, host: str = '') ->
     ]
     if reasons:
         raise OrchestratorError('\n'.join(reasons))
+    return on_wall_time(with_homes(scenario, answers), now)
+
+
+def on_wall_time(scenario: Scenario, now: datetime) -> Scenario:
+    """Return a scenario with a real vehicle at the present time, which runs as on the wall."""
     is_given = 'start' in scenario.clock.model_fields_set
     start = scenario.clock.start if is_given else now.astimezone(timezone.utc)
     clock = scenario.clock.model_copy(update={'speed': 1.0, 'start': start})
-    return with_homes(scenario, answers).model_copy(update={'clock': clock})
+    return scenario.model_copy(update={'clock': clock})
 
 
 def with_homes(scenario: Scenario, answers: Iterable[dict[str, Any]]) -> Scenario:

@@ -40,7 +40,7 @@ def scenario_launches(
         If an executable is missing, or the folder cannot be made.
     """
     scenario = read_scenario(path)
-    if is_hardware and not scenario.linked:
+    if is_hardware and not scenario.real_names:
         raise ScenarioError(f'{path.name}: vehicles: none has a link to a real vehicle')
     run = create_run_directory(parent, run_name(scenario.name, datetime.now().astimezone()))
     export_scenes(scenario, run)

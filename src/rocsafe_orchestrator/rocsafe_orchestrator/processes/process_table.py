@@ -24,6 +24,7 @@ from rocsafe_orchestrator.parameters.node_parameters import AGENTS, AIR, BRIDGE,
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import calls, topics
 from rocsafe_ros.interface_spec import CallSpec, TopicSpec, name_of
+from rocsafe_scenario.ground_blocks import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
@@ -113,6 +114,7 @@ def _host_processes(scenario: Scenario, run: RunDirectory, own: str) -> Iterator
             *_collector_processes(scenario, run, host),
             *_agent_processes(scenario, run, host),
             *_vehicle_processes(scenario, run, vehicles),
+            *_bridge_processes(scenario, run, vehicles, host),
         )
         for spec in specs:
             renamed = () if is_head else (*names, *spec.remappings)
@@ -199,7 +201,7 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
         sensors = (
             Endpoint(spec=topics.ANEMOMETER, vehicle=name) for name in scenario.metered_names
         )
-        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario), *sensors)
+        yield _process(AIR, 'rocsafe_dispersion/air', air_parameters(scenario, run), *sensors)
         yield _process(
             ESTIMATOR,
             'rocsafe_dispersion/estimator',
@@ -213,9 +215,8 @@ def _air_processes(scenario: Scenario, run: RunDirectory) -> Iterator[ProcessSpe
 def _vehicle_processes(
     scenario: Scenario, run: RunDirectory, vehicles: tuple[VehicleBlock, ...]
 ) -> Iterator[ProcessSpec]:
-    """Yield one process for all real vehicles of a host, and one or several for the others."""
+    """Yield one process or several for the simulated vehicles of a host."""
     simulated = tuple(vehicle for vehicle in vehicles if not vehicle.link)
-    linked = tuple(vehicle for vehicle in vehicles if vehicle.link)
     if simulated and scenario.simulation.processes == 'fleet':
         values = parameters.fleet_parameters(scenario, run)
         yield _process(FLEET, 'rocsafe_sim/fleet', values, *_of_each(simulated, *VEHICLE_SPECS))
@@ -226,20 +227,30 @@ def _vehicle_processes(
             yield _process(
                 vehicle.name, 'rocsafe_sim/rav', values, *ready, node=f'/{vehicle.name}/rav'
             )
-    if linked:
-        values = parameters.bridge_parameters(scenario, str(run.spool), linked)
-        bridge = parameters.name_on(scenario, BRIDGE, scenario.host_of(linked[0].name))
-        spec = _process(
-            bridge, 'rocsafe_mavlink/bridge', values, *_of_each(linked, *VEHICLE_SPECS)
-        )
+
+
+def _bridge_processes(
+    scenario: Scenario, run: RunDirectory, vehicles: tuple[VehicleBlock, ...], host: str
+) -> Iterator[ProcessSpec]:
+    """Yield one process for all real vehicles of a host, and those of their detectors."""
+    linked = tuple(vehicle for vehicle in vehicles if vehicle.link)
+    block = scenario.ground_vehicle
+    driver = block if block and block.link and host == scenario.head else None
+    ready = [*_of_each(linked, *VEHICLE_SPECS), *(_of_driver(driver) if driver else ())]
+    if ready:
+        values = parameters.bridge_parameters(scenario, str(run.spool), linked, driver)
+        bridge = parameters.name_on(scenario, BRIDGE, host)
+        spec = _process(bridge, 'rocsafe_mavlink/bridge', values, *ready)
         yield (
             spec if bridge == BRIDGE else replace(spec, remappings=(f'{BRIDGE}:__node:={bridge}',))
         )
-    for vehicle in linked:
+    detected: list[VehicleBlock | GroundVehicleBlock] = [*linked]
+    for vehicle in [*detected, *([driver] if driver else [])]:
         if isinstance(vehicle.drone.detector, DetectorBlock):
             yield _process(
                 f'detector_{vehicle.name}', 'rocsafe_radiation/detector',
-                vehicle.drone.detector.model_dump(), *_of_each((vehicle,), topics.RADIATION),
+                vehicle.drone.detector.model_dump(),
+                Endpoint(spec=topics.RADIATION, vehicle=vehicle.name),
                 node=f'/{vehicle.name}/detector',
             )  # fmt: skip
 
@@ -252,12 +263,16 @@ def _ground_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Process
         ROUTER, 'rocsafe_ground/router', router_parameters(block, run),
         *_shared(calls.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
     )  # fmt: skip
+    if not block.link:
+        yield _process(
+            block.name, 'rocsafe_sim/rgv', rgv_parameters(scenario, block, run),
+            *_of_driver(block), node=f'/{block.name}/rgv',
+        )  # fmt: skip
+
+
+def _of_driver(block: GroundVehicleBlock) -> Iterator[Endpoint]:
     specs = (calls.DRIVE_ROUTE, topics.STATE, topics.SHOT)
-    yield _process(
-        block.name, 'rocsafe_sim/rgv', rgv_parameters(scenario, block, run),
-        *(Endpoint(spec=spec, vehicle=block.name) for spec in specs),
-        node=f'/{block.name}/rgv',
-    )  # fmt: skip
+    return (Endpoint(spec=spec, vehicle=block.name) for spec in specs)
 
 
 def _shared(*specs: Spec) -> Iterator[Endpoint]:

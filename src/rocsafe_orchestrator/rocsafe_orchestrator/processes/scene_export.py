@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The solids of a scenario's scenes, written by the command ``rocsafe scene solids``.
+"""Files of a scenario's scenes that the nodes of a run read, written by other commands.
 
-The radiation nodes read these files; no node needs to know how a scene is made.
+``rocsafe scene solids`` writes the solids, ``rocsafe site-wind`` the wind around them; no node
+needs to know how a scene is made.
 """
 
 import subprocess
@@ -16,29 +17,48 @@ DEADLINE_S = 300.0
 
 
 def export_scenes(scenario: Scenario, run: RunDirectory) -> None:
-    """Write the files of solids that the nodes of a run read, unless they are there.
+    """Write the files of solids and wind that the nodes of a run read, unless they are there.
 
     Raises
     ------
     SetupError
         In one line, if a scene cannot be made in time or at all.
     """
-    for scene in dict.fromkeys((scenario.engine_scene, scenario.radiation.scene_file)):
+    windy = scenario.air.wind.scene_file
+    for scene in dict.fromkeys((scenario.engine_scene, scenario.radiation.scene_file, windy)):
         if scene and not run.solids_of(scene).is_file():
-            _export(scene, scenario, run)
+            _write_solids(scene, scenario, run)
+    if windy and not run.site_wind.is_file():
+        _write_wind(windy, scenario, run)
 
 
-def _export(scene: str, scenario: Scenario, run: RunDirectory) -> None:
+def _write_solids(scene: str, scenario: Scenario, run: RunDirectory) -> None:
     origin = scenario.origin_position()
     place = (origin.latitude_deg, origin.longitude_deg, origin.altitude_m)
-    command = (
-        str(find_executable('rocsafe_scene', 'scene')),
-        'solids',
-        scene,
+    options = (
         f'--out={run.solids_of(scene)}',
         f'--origin={",".join(map(repr, place))}',
         f'--seed={scenario.seed}',
     )
+    _make(scene, 'rocsafe_scene', 'scene', 'solids', scene, *options)
+
+
+def _write_wind(scene: str, scenario: Scenario, run: RunDirectory) -> None:
+    wind = scenario.air.wind
+    options = (
+        f'--out={run.site_wind}',
+        f'--height={wind.height_m!r}',
+        f'--roughness={wind.roughness_m!r}',
+        f'--stability={wind.stability}',
+        '--towards',
+        *(f'{value:.6f}' for value in scenario.survey.airspace.wind_mps),
+    )
+    _make(scene, 'rocsafe_dispersion', 'site-wind', str(run.solids_of(scene)), *options)
+
+
+def _make(scene: str, package: str, executable: str, *arguments: str) -> None:
+    """Run a command that makes something of a scene."""
+    command = (str(find_executable(package, executable)), *arguments)
     try:
         done = subprocess.run(
             command, check=False, capture_output=True, text=True, timeout=DEADLINE_S

@@ -164,17 +164,16 @@ def limits(record: RunRecord, view: MapView | None) -> list[str]:
 
 def what_is_simulated(scenario: Scenario | None) -> str:
     """Return which flights and readings of the run are not real."""
-    if scenario is None or not scenario.linked:
+    if scenario is None or not scenario.real_names:
         return 'Simulated flight and simulated detectors.'
-    metered = scenario.with_simulated_detector
+    driver, metered = scenario.driver_name, scenario.metered_names
+    is_real = driver in scenario.real_names
     groups = {
-        'Real flight': scenario.linked,
-        'Simulated flight': scenario.simulated,
-        'Own detector': [vehicle for vehicle in scenario.vehicles if vehicle not in metered],
+        'Real flight': [vehicle.name for vehicle in scenario.linked],
+        'Real drive': [driver] if driver and is_real else [],
+        'Simulated flight': [vehicle.name for vehicle in scenario.simulated],
+        'Simulated drive': [driver] if driver and not is_real else [],
+        'Own detector': [name for name in scenario.all_names if name not in metered],
         'Simulated detector': metered,
     }
-    return ' '.join(
-        f'{what}: {", ".join(vehicle.name for vehicle in vehicles)}.'
-        for what, vehicles in groups.items()
-        if vehicles
-    )
+    return ' '.join(f'{what}: {", ".join(names)}.' for what, names in groups.items() if names)

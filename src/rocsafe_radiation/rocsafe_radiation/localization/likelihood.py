@@ -61,6 +61,8 @@ LARGEST_DAMPING, SMALLEST_DAMPING = 1e8, 1e-9
 WEIGHT_ROUNDS = 3
 # Counts of spikes are spread over so many factors of e.
 SPIKE_SPREAD = 10.0
+# A step that gains less log likelihood is the last one.
+LEAST_GAIN = 1e-2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,7 +210,7 @@ class Likelihood:
             before = self.objective(parameters)
             parameters = self._climbed(parameters, weights, iterations)
             value = self.objective(parameters)
-            if abs(value - before) < 1e-2:
+            if abs(value - before) < LEAST_GAIN:
                 break
         information, _ = self.information_and_gradient(parameters, self.weights(parameters))
         return Fit(parameters=parameters, log_likelihood=value, information=information)
@@ -226,7 +228,7 @@ class Likelihood:
                     damping = max(damping / 10.0, SMALLEST_DAMPING)
                     break
                 damping *= 5.0
-            if gained < 1e-3:
+            if gained < LEAST_GAIN:
                 break
         return parameters
 

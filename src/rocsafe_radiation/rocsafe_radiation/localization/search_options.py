@@ -30,10 +30,14 @@ class SearchOptions:
     are_shades_tried
         Whether something beside the sources may take part of their dose rate on one side; alike
         likely as not.
-    background_stds, background_spacings, position_factors, rhos
-        Settings over which the evidence is summed: standard deviation of the background's random
-        field and spacing of its bumps in heights, standard deviation of the fixes as a multiple of
-        that given, and share by which readings scatter in proportion to the sources.
+    background_slopes, background_spacings, position_factors, rhos
+        Settings over which the evidence is summed: standard deviation of the bumps of the
+        background's random field over their spacing in heights, this spacing, standard deviation
+        of the fixes as a multiple of that given, and share by which readings scatter in proportion
+        to the sources. From above, the ground is the more blurred the narrower its parts are: so
+        bumps are the lower the nearer they are to each other.
+    background_slope_std
+        Prior standard deviation of the first of these.
     near_evidence
         Settings whose evidence is lower than that of the best by more are not looked beyond.
     outlier_share
@@ -60,7 +64,8 @@ class SearchOptions:
     tried_candidates: int = 4
     rough_iterations: int = 8
     log_odds_of_source: float = -2.0
-    background_stds: tuple[float, ...] = (0.0, 0.03, 0.1)
+    background_slopes: tuple[float, ...] = (0.0, 0.015, 0.05, 0.15)
+    background_slope_std: float = 0.02
     background_spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
     position_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
     rhos: tuple[float, ...] = (0.0, 0.05, 0.2)

@@ -3,9 +3,11 @@
 
 A setting is how uneven the background is and over which lengths, how large the errors of the fixes
 are, how much readings scatter in proportion to the sources, and whether there are walls beside
-these. The readings decide: for each
-number of sources, settings beside the best one are fitted until they add nothing, and their
-evidence is added up.
+these. The readings decide: for each number of sources, settings beside the best one are fitted
+until they add nothing, and their evidence is added up.
+
+Settings are alike likely before, but for steep backgrounds: a field that rises and falls within a
+height as much as sources do explains any number of these.
 """
 
 import itertools
@@ -25,7 +27,7 @@ from rocsafe_radiation.localization.starts import with_one_more, with_shades, wi
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_ORDER = 4
-# Indices of background_stds, background_spacings, standard deviations of the fixes, rhos and
+# Indices of background_slopes, background_spacings, standard deviations of the fixes, rhos and
 # whether there are shades.
 Index = tuple[int, int, int, int, int]
 # A fairly uneven background; sources are looked for there, with fixes as good as stated.
@@ -99,35 +101,38 @@ def search(
         Most sources looked for.
     """
     settings = _Settings(survey, setting)
+    odds, near = setting.search.log_odds_of_source, setting.search.near_evidence
     grid = candidate_grid(survey, setting)
     kernel = grid_kernel(survey, setting, grid)
     first = settings.likelihood(settings.first)
     fit = without_sources(first)
-    found = [settings.around(fit, first)]
+    found = [settings.around(fit, first, -math.inf)]
     while len(found) <= largest_order:
         more = with_one_more(first, fit, grid, kernel)
         if more is None:
             break
+        gain = first.evidence(more) - first.evidence(fit) + odds
         fit = more
-        found.append(tuple(one for one in settings.around(fit, first) if _is_placed(one)))
+        best = max(fits[0].evidence + odds * k for k, fits in enumerate(found) if fits)
+        floor = best - odds * len(found) - 2.0 * near
+        found.append(settings.around(fit, first, floor))
         evidences = OrderSearch(settings=tuple(found)).evidences
-        # One of two sources alone explains little: a field that is uneven enough for the other
-        # explains both. Only two numbers in a row that are worse end the search.
-        if evidences[-2:].max() < evidences.max() - setting.search.near_evidence:
+        # A background that is steep enough explains any source: one source more may be worse than
+        # that, and all of them better. In the first setting it is not as steep.
+        if gain < 0.0 and evidences[-1] < evidences.max() - near:
             break
     return OrderSearch(settings=tuple(found))
 
 
-def _is_placed(one: Weighed) -> bool:
+def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
     """Return whether the place of each source is known to a part of the survey.
 
     A source that may be anywhere raises all readings alike: it is background.
     """
-    likelihood = one.likelihood
     places = likelihood.survey.positions_enu_m[:, :2]
     diagonal_m = float(np.linalg.norm(np.ptp(places, axis=0)))
     longest_m = likelihood.setting.search.largest_ellipse_share * diagonal_m
-    covariance = one.fit.covariance
+    covariance = fit.covariance
     starts = range(likelihood.head_size, len(covariance), likelihood.source_size)
     blocks = [covariance[start : start + 2, start : start + 2] for start in starts]
     variances = [float(np.linalg.eigvalsh(block)[-1]) for block in blocks]
@@ -145,14 +150,14 @@ def _is_without_wall(found: dict[Index, Weighed], near: float) -> bool:
 
 
 class _Settings:
-    """The settings over which evidence is summed, alike likely before."""
+    """The settings over which evidence is summed."""
 
     def __init__(self, survey: RadiationSurvey, known: Setting) -> None:
         self._survey, self._known = survey, known
         options = known.search
         stds_m = sorted({factor * known.position_std_m for factor in options.position_factors})
         self._axes = (
-            options.background_stds,
+            options.background_slopes,
             options.background_spacings,
             tuple(stds_m),
             options.rhos,
@@ -166,12 +171,12 @@ class _Settings:
 
     def likelihood(self, index: Index) -> Likelihood:
         """Return the likelihood in the setting at `index`."""
-        std, spacing, position_std_m, rho, has_shades = (
+        slope, spacing, position_std_m, rho, has_shades = (
             axis[k] for axis, k in zip(self._axes, index, strict=True)
         )
         setting = replace(
             self._known,
-            background_std=std,
+            background_std=slope * spacing,
             background_spacing_heights=spacing,
             position_std_m=position_std_m,
             rho=rho,
@@ -179,18 +184,20 @@ class _Settings:
         )
         return Likelihood(self._survey, setting, self._bases[index[1]])
 
-    def around(self, fit: Fit, likelihood: Likelihood) -> tuple[Weighed, ...]:
+    def around(self, fit: Fit, likelihood: Likelihood, floor: float) -> tuple[Weighed, ...]:
         """Return fits in all settings that add to the evidence, the best first.
 
         From the best setting so far, its neighbours are tried, until none is left whose evidence
-        is near to that of the best. `fit` is that in the first setting.
+        is near to that of the best, or until none is better where the best is below `floor`. `fit`
+        is that in the first setting.
         """
         near = self._known.search.near_evidence
         found = {self.first: self._weighed(likelihood, fit)}
         left = {self.first}
         while left:
             index = max(left, key=lambda one: found[one].evidence)
-            if found[index].evidence < max(one.evidence for one in found.values()) - near:
+            best = max(one.evidence for one in found.values())
+            if found[index].evidence < (best if best < floor else best - near):
                 break
             left.remove(index)
             is_empty = likelihood.source_count(fit.parameters) == 0
@@ -198,8 +205,10 @@ class _Settings:
                 is_new_wall = neighbour[4] > index[4]
                 if neighbour not in found and not (is_new_wall and _is_without_wall(found, near)):
                     found[neighbour] = self._moved(self._start(found, index, neighbour), neighbour)
-                    left.add(neighbour)
-        return tuple(sorted(found.values(), key=lambda one: one.evidence, reverse=True))
+                    if found[neighbour].evidence > -math.inf:
+                        left.add(neighbour)
+        placed = (one for one in found.values() if one.evidence > -math.inf)
+        return tuple(sorted(placed, key=lambda one: one.evidence, reverse=True))
 
     @staticmethod
     def _start(found: dict[Index, Weighed], index: Index, new: Index) -> Weighed:
@@ -234,11 +243,15 @@ class _Settings:
         return self._weighed(new, new.fit(start))
 
     def _weighed(self, likelihood: Likelihood, fit: Fit) -> Weighed:
-        """Return `fit` with its evidence, that of the setting included."""
+        """Return `fit` with its evidence, that of the setting included; -inf if not placed."""
+        if not _is_placed(likelihood, fit):
+            return Weighed(likelihood=likelihood, fit=fit, evidence=-math.inf)
         setting = likelihood.setting
         sizes = [len(axis) for axis in self._axes]
         equals = sizes[0] * (sizes[1] if setting.background_std > 0.0 else 1)
         if likelihood.source_count(fit.parameters):
             equals *= math.prod(sizes[2:])
-        evidence = likelihood.evidence(fit) - math.log(equals)
+        slope = setting.background_std / setting.background_spacing_heights
+        rareness = 0.5 * (slope / setting.search.background_slope_std) ** 2
+        evidence = likelihood.evidence(fit) - math.log(equals) - rareness
         return Weighed(likelihood=likelihood, fit=fit, evidence=evidence)

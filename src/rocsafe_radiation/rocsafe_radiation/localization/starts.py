@@ -19,9 +19,9 @@ from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.shade import first_shades, left, paths
 
 QUIET_SHARE = 0.2
-# Thickness over that expected at which a shade begins, how many are tried that differ by how much,
-# and the gain in log likelihood below which only the best one is tried.
-AMOUNTS, TRIED, APART, LEAST_GAIN = (0.2, 4.0), 8, 0.5, 2.0
+# Thickness over that expected at which a shade begins, how far apart those tried are, and the gain
+# in log likelihood below which only the best one is tried.
+AMOUNTS, APART, LEAST_GAIN = (0.2, 4.0), 0.5, 2.0
 
 
 def without_sources(likelihood: Likelihood) -> Fit:
@@ -134,5 +134,6 @@ def _likely_shades(plain: Likelihood, parameters: FloatArray, source: FloatArray
     gains, amounts = score_candidates(plain, parameters, lost, np.ones(plain.survey.size))
     # What is lost grows with the thickness.
     shades[:, 3] += np.log(np.clip(amounts, *AMOUNTS))
-    best = best_separated(shades[:, :2], gains - LEAST_GAIN, TRIED, APART)
+    tried = plain.setting.search.tried_candidates
+    best = best_separated(shades[:, :2], gains - LEAST_GAIN, tried, APART)
     return np.asarray(shades[best or [int(np.argmax(gains))]])

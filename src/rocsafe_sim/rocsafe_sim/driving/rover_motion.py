@@ -29,9 +29,8 @@ TICK_NS = 100_000_000
 TICK_S = TICK_NS / NS_PER_S
 # Something that stands ahead is seen so far beyond the distance in which the vehicle stops.
 SEEN_BEYOND_M = 0.6
-# Distance between the places ahead that are looked at, and what is kept from things there: skid,
-# and what is between two such places. Half of the margin of a route.
-AHEAD_STEP_M, CLEARANCE_M = 0.3, 0.15
+# Distance between the places ahead that are looked at.
+AHEAD_STEP_M = 0.3
 # A vehicle that looks so far away from its line stops before it turns.
 WRONG_WAY_RAD = math.radians(60.0)
 # The picture is taken after so much of the stand.
@@ -270,25 +269,30 @@ class RoverMotion:
         """Return whether something stands on the way ahead; the vehicle stops before it."""
         if self.parts.surroundings is None:
             return False
-        for ahead in self._ahead():
-            if thing := self.parts.touched(ahead, CLEARANCE_M):
+        for ahead, line_rad in self._ahead():
+            if thing := self.parts.in_the_way(ahead, line_rad):
                 break
         else:
             return False
-        seen = self.parts.scan(self.state.place, yaw_rad)
-        self.state.ledger.blocked = (ahead, *seen)
+        things = self.parts.things_beside(ahead) or (ahead,)
+        seen = self.parts.seen_from(self.state.place, yaw_rad)
+        self.state.ledger.blocked = (*things, *seen)
         self._end(DriveOutcome.BLOCKED, f'{thing} stands in the way', DriveMode.HOLDING)
         return True
 
-    def _ahead(self) -> Iterator[Place]:
-        """Yield places on the way in which it stops, also around the next bends."""
+    def _ahead(self) -> Iterator[tuple[Place, float]]:
+        """Yield places on the way in which it stops and the direction of the way there.
+
+        Also around the next bends.
+        """
         stopping = self.state.speed_mps**2 / (4.0 * self.parts.chassis.motion.acceleration_mps2)
         reach, here = stopping + SEEN_BEYOND_M, self.state.place
         for stop in self.stops[self.state.next_stop :]:
             length = min(math.dist(here, stop.place), reach)
             count = math.ceil(length / AHEAD_STEP_M)
+            yaw_rad = math.atan2(stop.north_m - here[1], stop.east_m - here[0])
             for k in range(1, count + 1):
-                yield along(here, stop.place, k * length / count)
+                yield along(here, stop.place, k * length / count), yaw_rad
             reach, here = reach - length, stop.place
             if reach <= 0.0:
                 return

@@ -4,7 +4,7 @@
 import math
 from dataclasses import dataclass
 
-from rocsafe_geo.motion.ground_motion import Place
+from rocsafe_geo.motion.ground_motion import ROUTE_MARGIN_M, Place
 from rocsafe_sim.driving.caution import CautionOptions
 from rocsafe_sim.driving.chassis import Chassis, Skid
 from rocsafe_sim.rav.sensing_noise import SensorNoise
@@ -13,9 +13,14 @@ from rocsafe_sim.vehicle.surroundings import Surroundings
 # Height of the middle of the ball that must touch nothing, above the ground: the vehicle drives
 # over what is lower than 5 cm and below barrier tape, which gives way to its mast.
 BODY_UP_M = 0.4
-# Reach and steps of its range finder, which sees what its body would touch.
-SCAN_M, SCAN_STEP_M = 8.0, 0.4
-SCAN_RAD = [math.radians(angle) for angle in range(-90, 91, 10)]
+# Kept from things beside the way: skid, and the curve of a bend. A route is planned with twice as
+# much, so that nothing that was on its map is in the way.
+CLEARANCE_M = 0.5 * ROUTE_MARGIN_M
+# Its range finder: reach, directions, how exactly it tells a place, and the heights that it looks
+# at: those of its body.
+SCAN_M, PLACE_M = 8.0, 0.1
+SCAN_RAD = [math.radians(angle) for angle in range(-90, 91, 5)]
+SCAN_UP_M = (0.15, 0.4, 0.65)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,22 +66,47 @@ class RoverParts:
         """Return the height of the ground."""
         return 0.0 if self.surroundings is None else self.surroundings.ground_up_m(*place)
 
-    def touched(self, place: Place, clearance_m: float = 0.0) -> str:
-        """Return what the vehicle would touch there, or come so near to; empty: nothing."""
+    def touched(self, place: Place) -> str:
+        """Return what the vehicle would touch there; empty: nothing."""
         if self.surroundings is None:
             return ''
         enu = (*place, self.ground_up_m(place) + BODY_UP_M)
-        return self.surroundings.touched(enu, 0.5 * self.chassis.width_m + clearance_m)
+        return self.surroundings.touched(enu, 0.5 * self.chassis.width_m)
 
-    def scan(self, place: Place, yaw_rad: float) -> tuple[Place, ...]:
-        """Return where the range finder sees something from a place."""
+    def in_the_way(self, place: Place, yaw_rad: float) -> str:
+        """Return what comes too near on either side of a way through a place; empty: nothing.
+
+        The clearance is beside the vehicle: what is above it or flat on the ground is as far away
+        as before.
+        """
+        east, north = -CLEARANCE_M * math.sin(yaw_rad), CLEARANCE_M * math.cos(yaw_rad)
+        left, right = (place[0] + east, place[1] + north), (place[0] - east, place[1] - north)
+        return self.touched(left) or self.touched(right)
+
+    def seen_from(self, place: Place, yaw_rad: float) -> tuple[Place, ...]:
+        """Return where the range finder sees the surfaces of things from a place."""
         seen = []
         for angle in SCAN_RAD:
             cos, sin = math.cos(yaw_rad + angle), math.sin(yaw_rad + angle)
-            for step in range(2, round(SCAN_M / SCAN_STEP_M)):
-                reach = step * SCAN_STEP_M
+            for step in range(2, round(0.5 * SCAN_M / PLACE_M)):
+                reach = 2.0 * step * PLACE_M
                 there = (place[0] + reach * cos, place[1] + reach * sin)
-                if self.touched(there):
+                if self._is_thing(there):
                     seen.append(there)
                     break
         return tuple(seen)
+
+    def things_beside(self, place: Place) -> tuple[Place, ...]:
+        """Return where things are that a way through a place comes too near to."""
+        reach = 0.5 * self.chassis.width_m + CLEARANCE_M + PLACE_M
+        count = math.floor(reach / (2.0 * PLACE_M))
+        offsets = [2.0 * PLACE_M * k for k in range(-count, count + 1)]
+        around = ((place[0] + east, place[1] + north) for east in offsets for north in offsets)
+        return tuple(there for there in around if self._is_thing(there))
+
+    def _is_thing(self, place: Place) -> bool:
+        if self.surroundings is None:
+            return False
+        up = self.ground_up_m(place)
+        balls = ((*place, up + height) for height in SCAN_UP_M)
+        return any(self.surroundings.touched(ball, PLACE_M) for ball in balls)

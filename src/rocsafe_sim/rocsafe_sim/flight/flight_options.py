@@ -10,9 +10,10 @@ from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.option import option
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.time_units import NS_PER_S
+from rocsafe_geo.wind.mission_wind import WindSettings, mission_wind
 from rocsafe_sim.flight.airframe import Airframe
-from rocsafe_sim.flight.gust_drift import GustDrift
 from rocsafe_sim.flight.sensing_options import SensingOptions
+from rocsafe_sim.flight.wind_drift import WindDrift
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,10 +43,10 @@ class FlightOptions(SensingOptions):
     )
     wind_east_mps: float = option(0.0, 'velocity of the air to the east, m/s', -100.0, 100.0)
     wind_north_mps: float = option(0.0, 'velocity of the air to the north, m/s', -100.0, 100.0)
-    gust_std_mps: float = option(
-        0.0, 'standard deviation of gusts to east and north each, m/s; 0: none', 0.0, 20.0
+    wind_file: str = option(
+        '',
+        'YAML file of how the wind changes, see docs/dispersion.md; empty: it is steady',
     )
-    gust_scale_s: float = option(20.0, 'how long gusts last, s', 1.0, 3600.0)
 
     def airframe(self) -> Airframe:
         """Return what the vehicles can do.
@@ -82,21 +83,24 @@ class FlightOptions(SensingOptions):
             wind_mps=(self.wind_east_mps, self.wind_north_mps),
         )
 
-    def gusts(self) -> GustDrift:
-        """Return how gusts push the vehicles, with the gusts of the air of the same seed.
+    def drift(self) -> WindDrift | None:
+        """Return how the wind pushes the vehicles, that of the air of the same seed.
 
         Raises
         ------
         ValueError
-            As `airframe`.
+            As `airframe`, or if the file of the wind cannot be read.
         """
-        return GustDrift(
-            std_mps=self.gust_std_mps,
-            scale_s=self.gust_scale_s,
-            seed=self.seed,
+        if not self.wind_file:
+            return None
+        settings = read_values(Path(self.wind_file), WindSettings)
+        if settings.is_steady:
+            return None
+        return WindDrift(
+            mission_wind(settings, self.seed),
             start_ns=round(self.scene_start_s * NS_PER_S),
             drag_per_m=self.autopilot().drag_per_m,
-            wind_mps=(self.wind_east_mps, self.wind_north_mps),
+            mean_mps=(self.wind_east_mps, self.wind_north_mps),
         )
 
     def autopilot(self) -> Autopilot:

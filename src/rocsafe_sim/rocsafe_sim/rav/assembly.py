@@ -38,7 +38,7 @@ def make_rav(
         name=name,
         frame=frame,
         noise=noise,
-        gusts=options.gusts(),
+        drift=options.drift(),
         cameras=tuple(map(MountedCamera, shared.cameras)),
         sensors=make_suite(
             options.sensors(),

@@ -8,12 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_body
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.storage.shot_store import ShotStore
+from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_sim.cameras.gimbal import Direction
 from rocsafe_sim.cameras.gimbal_file import read_gimbal, write_gimbal
@@ -25,8 +28,8 @@ from rocsafe_sim.cameras.mounted_camera import (
     VehiclePose,
 )
 from rocsafe_sim.clock.step_times import StepTimes
-from rocsafe_sim.flight.gust_drift import GustDrift
 from rocsafe_sim.flight.segment import FlightPose, Mode
+from rocsafe_sim.flight.wind_drift import WindDrift
 from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.sensors.body_motion import BodyState
 from rocsafe_sim.sensors.readings import Reading
@@ -79,8 +82,8 @@ class RavParts:
         Cameras; the first takes the photographs of the survey.
     sensors
         Sensors of motion, air, field and distance.
-    gusts
-        How gusts push it off its way; None: there are none.
+    drift
+        How the wind pushes it off its way; None: the wind is steady.
     """
 
     name: str
@@ -88,7 +91,7 @@ class RavParts:
     noise: SensorNoise
     cameras: tuple[MountedCamera, ...]
     sensors: SensorSuite = NO_SENSORS
-    gusts: GustDrift | None = None
+    drift: WindDrift | None = None
 
 
 class Rav:
@@ -195,17 +198,30 @@ class Rav:
         )
 
     def _blown(self, pose: FlightPose, time_ns: int) -> FlightPose:
-        """Return a pose on its way with what gusts add to it, which grows with the height."""
-        if self.parts.gusts is None:
+        """Return a pose on its way with what the wind adds to it, which grows with the height."""
+        if self.parts.drift is None:
             return pose
         (east, north, up), (east_mps, north_mps, up_mps) = pose.position_enu, pose.velocity_enu
-        offset, rate = self.parts.gusts.at(time_ns, (east_mps, north_mps))
+        flight = self.vehicle.flight
+        command = None if flight is None else flight.command
+        offset, rate = self.parts.drift.at(time_ns, self._way_at, command)
         share = min(1.0, max(0.0, self._height_m(pose.position_enu) / FULL_SWAY_M))
         return replace(
             pose,
             position_enu=(east + share * offset[0], north + share * offset[1], up),
             velocity_enu=(east_mps + share * rate[0], north_mps + share * rate[1], up_mps),
         )
+
+    def _way_at(self, time_ns: int) -> FlightPose:
+        """Return the pose on its way; before the last command straight back, also in a restart."""
+        flight = self.vehicle.flight
+        if flight is None or time_ns >= flight.command.start_ns:
+            return self.vehicle.pose_at(time_ns)
+        start = flight.command.start
+        since_s = (time_ns - flight.command.start_ns) / NS_PER_S
+        moved = np.array(start.position_enu) + since_s * np.array(start.velocity_enu)
+        east, north, up = moved.tolist()
+        return replace(start, position_enu=(east, north, up))
 
     def _pose_at(self, time_ns: int) -> FlightPose:
         """Return the true pose at a time."""

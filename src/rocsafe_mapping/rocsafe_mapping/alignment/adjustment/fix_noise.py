@@ -4,8 +4,8 @@
 The errors of a receiver drift: each is like the one before. Many fixes then say hardly more of the
 place of the whole block than a few, and the residuals, from which the block's own shift, turn and
 scale were taken, look smaller than the errors. The errors are modelled as autoregressive of first
-order; correlation and variance are drawn from their posterior by the restricted likelihood
-(Patterson and Thompson, Biometrika 58, 1971) with a prior that favours small correlations.
+order; correlation and standard deviation are drawn from their posterior: the restricted likelihood
+(Patterson and Thompson, Biometrika 58, 1971) with priors, which decide where fixes are few.
 """
 
 import numpy as np
@@ -13,10 +13,17 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 
 CORRELATIONS = np.linspace(0.0, 0.98, 50)
-PRIOR_POWER = 3.0
+PRIOR_POWER = 1.0
 """Prior of the correlation: (1 - correlation) to this power; short flights hardly show it.
 
-Chosen on the part `develop` of ``benchmarks/mapping_families.py``.
+Chosen on the part `develop` of ``benchmarks/mapping_fixes.py``.
+"""
+
+LOG_STDS = np.linspace(-6.0, 6.0, 121)
+"""Standard deviations that are tried, as logarithms over the claimed one.
+
+Their prior is the standard normal distribution: most receivers err by a third to three times of
+what they claim.
 """
 
 SIMILARITY_SIZE = 4
@@ -26,19 +33,23 @@ LARGEST_SCATTERS = 4.0
 """Residuals are cut at this many times their robust scatter: wrong fixes have little weight."""
 
 NORMAL_MEDIAN_RADIUS = 1.1774
-LEAST_FIXES = 10
-"""With fewer fixes the residuals do not show a correlation."""
 
 
 def fix_errors_m(
-    fixes_m: FloatArray, found_m: FloatArray, samples: int, rng: np.random.Generator
-) -> FloatArray | None:
-    """Return random errors that the fixes may have; None for fewer than ten fixes.
+    fixes_m: FloatArray,
+    found_m: FloatArray,
+    claimed_m: float,
+    samples: int,
+    rng: np.random.Generator,
+) -> FloatArray:
+    """Return random errors that the fixes may have.
 
     Parameters
     ----------
     fixes_m, found_m
         Fixes and places found by the adjustment, (east, north), shape (n, 2), in time order.
+    claimed_m
+        Standard deviation that the fixes claim.
     samples
         Number of draws.
 
@@ -47,21 +58,16 @@ def fix_errors_m(
     (n, 2, samples)
         Errors in metres.
     """
-    count = len(fixes_m)
-    if count < LEAST_FIXES:
-        return None
     off = _cut(fixes_m - found_m)
     design = _similarity(found_m - found_m.mean(axis=0))
-    fits = [_restricted(off, design, alike) for alike in CORRELATIONS]
-    logs = np.array([log for log, _ in fits]) + PRIOR_POWER * np.log1p(-CORRELATIONS)
-    weights = np.exp(logs - logs.max())
-    chosen = rng.choice(len(CORRELATIONS), samples, p=weights / weights.sum())
-    squares = np.array([square for _, square in fits])[chosen]
-    freedom = 2 * count - SIMILARITY_SIZE
-    std_m = np.sqrt(squares / rng.chisquare(freedom, samples))
-    alike = CORRELATIONS[chosen]
-    errors: FloatArray = rng.standard_normal((count, 2, samples))
-    for number in range(1, count):
+    stds_m = claimed_m * np.exp(LOG_STDS)
+    logs = np.array([_log_likelihood(off, design, alike, stds_m) for alike in CORRELATIONS])
+    logs += PRIOR_POWER * np.log1p(-CORRELATIONS)[:, np.newaxis] - 0.5 * LOG_STDS**2
+    weights = np.exp(logs - logs.max()).ravel()
+    chosen = rng.choice(len(weights), samples, p=weights / weights.sum())
+    alike, std_m = CORRELATIONS[chosen // len(stds_m)], stds_m[chosen % len(stds_m)]
+    errors: FloatArray = rng.standard_normal((len(off), 2, samples))
+    for number in range(1, len(off)):
         errors[number] = alike * errors[number - 1] + np.sqrt(1.0 - alike**2) * errors[number]
     return errors * std_m
 
@@ -82,16 +88,21 @@ def _similarity(places: FloatArray) -> FloatArray:
     return design
 
 
-def _restricted(off: FloatArray, design: FloatArray, alike: float) -> tuple[float, float]:
-    """Return the logarithm of the restricted likelihood, and the sum of whitened squares."""
+def _log_likelihood(
+    off: FloatArray, design: FloatArray, alike: float, stds_m: FloatArray
+) -> FloatArray:
+    """Return the logarithm of the restricted likelihood of standard deviations (k,)."""
+    freedom = off.size - SIMILARITY_SIZE
+    if freedom <= 0:
+        return np.zeros(len(stds_m))
     rows = _whitened(design, alike).reshape(-1, SIMILARITY_SIZE)
     values = _whitened(off, alike).ravel()
     found = np.linalg.lstsq(rows, values, rcond=None)[0]
-    square = max(float(np.sum((values - rows @ found) ** 2)), 1e-12)
+    square = float(np.sum((values - rows @ found) ** 2))
     _, log_design = np.linalg.slogdet(rows.T @ rows)
-    freedom = len(values) - SIMILARITY_SIZE
     log_variance = 2.0 * (len(off) - 1) * np.log1p(-(alike**2))
-    return -0.5 * float(log_variance + log_design + freedom * np.log(square)), square
+    logs: FloatArray = -freedom * np.log(stds_m) - 0.5 * square / stds_m**2
+    return logs - 0.5 * (log_variance + log_design)
 
 
 def _whitened(values: FloatArray, alike: float) -> FloatArray:

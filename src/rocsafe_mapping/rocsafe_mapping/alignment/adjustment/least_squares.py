@@ -107,17 +107,13 @@ def stated_error_m(
 def _draw_fixes(
     draws: FloatArray, photos: Mapping[str, Photo], names: Sequence[str], state: State
 ) -> None:
-    """Replace the draws of fixes, two of six rows a photograph, by errors as their residuals show.
-
-    Photographs of vehicles with too few fixes keep theirs.
-    """
+    """Replace the draws of fixes, two of six rows a photograph, by errors as residuals show."""
     rng = np.random.default_rng(1)
     for order in _in_time(photos, names):
         found = [state.poses[names[at]].centre[:2] for at in order]
         fixes = [photos[names[at]].prior.centre[:2] for at in order]
-        errors_m = fix_errors_m(np.array(fixes), np.array(found), draws.shape[1], rng)
-        if errors_m is None:
-            continue
+        claimed_m = float(np.median([photos[names[at]].horizontal_std_m for at in order]))
+        errors_m = fix_errors_m(np.array(fixes), np.array(found), claimed_m, draws.shape[1], rng)
         for at, error_m in zip(order, errors_m, strict=True):
             std_m = photos[names[at]].horizontal_std_m * state.noise.fix_factor
             draws[POSE_SIZE * at : POSE_SIZE * at + 2] = error_m / std_m

@@ -259,8 +259,12 @@ def _placed(
     turn_std = float(np.median(std_m)) / max(spread_m * math.sqrt(len(anchors)), 1e-9)
     guesses = [photos[name].vertical_std_m / photos[name].prior.centre[2] for name in names]
     is_guessed = float(np.median(guesses)) > options.guessed_height_share
-    is_contradicted = abs(math.log(scale)) > options.scale_certainty * scatter * turn_std
-    if len(anchors) > 1 and (is_guessed or is_contradicted):
+    told_m = float(np.sqrt(np.mean(np.abs(known - known.mean()) ** 2)))
+    is_told = told_m > options.least_baselines * float(np.median(std_m)) and scale > 0.0
+    is_contradicted = (
+        is_told and abs(math.log(scale)) > options.scale_certainty * scatter * turn_std
+    )
+    if len(anchors) > 1 and scale > 0.0 and (is_guessed or is_contradicted):
         heights *= scale
         free, held = free * scale, held * scale
     is_believed = has_yaw and abs(turn) < max(options.yaw_disbelief_rad, 4.0 * turn_std)

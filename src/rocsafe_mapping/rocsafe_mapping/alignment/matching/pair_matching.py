@@ -57,12 +57,13 @@ def match(first: View, second: View, method: str, options: AlignmentOptions) -> 
     """Return the ties of two photographs, None if they do not certainly show the same ground."""
     matching = options.matching
     near_first, near_second = _nearby(first, second), _nearby(second, first)
+    zoom = _zoom(first.photo, second.photo)
     # A few show whether the photographs fit, and where to search for the others.
-    coarse = _coarse(near_first, near_second, matching.few, matching)
+    coarse = _coarse(near_first, near_second, matching.few, zoom, matching)
     if coarse is None:
         # The fixes or the yaw are wrong: all features are compared.
-        coarse = _coarse(first.features, second.features, matching.many, matching)
-    found = None if coarse is None else _verified(first, second, coarse, options)
+        coarse = _coarse(first.features, second.features, matching.many, zoom, matching)
+    found = None if coarse is None else _verified(first, second, coarse, zoom, options)
     if found is None:
         return None
     first_px, second_px = refined(first.gray(), second.gray(), *found, options.refinement)
@@ -79,14 +80,14 @@ def match(first: View, second: View, method: str, options: AlignmentOptions) -> 
 
 
 def _coarse(
-    features: Features, others: Features, count: int, options: MatchingOptions
+    features: Features, others: Features, count: int, zoom: float, options: MatchingOptions
 ) -> FloatArray | None:
     """Return the homography that the `count` strongest features suggest."""
     matches = mutual_matches(features.strongest(count), others.strongest(count), options)
     found = _homography(
         features, others, matches, options.coarse_inliers, options.coarse_share, options
     )
-    if found is None or not _is_plausible(found[0], found[1], options):
+    if found is None or not _is_plausible(found[0], found[1], zoom, options):
         return None
     return found[0]
 
@@ -121,7 +122,7 @@ def _ground_to_pixel(photo: Photo) -> FloatArray:
 
 
 def _verified(
-    first: View, second: View, coarse: FloatArray, options: AlignmentOptions
+    first: View, second: View, coarse: FloatArray, zoom: float, options: AlignmentOptions
 ) -> tuple[FloatArray, FloatArray, FloatArray] | None:
     """Return homography and ties of all features near a first homography; None if not certain."""
     matching = options.matching
@@ -136,7 +137,7 @@ def _verified(
         return None
     homography, first_px, second_px = found
     is_good = _is_spread(first_px, first.photo, matching) and _is_plausible(
-        homography, first_px, matching
+        homography, first_px, zoom, matching
     )
     if is_good and len(first_px) < matching.strong_inliers:
         is_good = _fits_fixes(homography, first.photo, second.photo, matching)
@@ -214,7 +215,17 @@ def _is_spread(points: FloatArray, photo: Photo, options: MatchingOptions) -> bo
     return len(np.unique((points // cell).astype(int), axis=0)) >= options.least_cells
 
 
-def _is_plausible(homography: FloatArray, points: FloatArray, options: MatchingOptions) -> bool:
+def _zoom(first: Photo, second: Photo) -> float:
+    """Return how much larger the second shows the ground, by focal lengths and heights."""
+    zoom = second.camera.fx_px / first.camera.fx_px
+    if first.has_height and second.has_height:
+        zoom *= float(first.prior.centre[2] / second.prior.centre[2])
+    return zoom
+
+
+def _is_plausible(
+    homography: FloatArray, points: FloatArray, zoom: float, options: MatchingOptions
+) -> bool:
     """Return whether the homography is one between two cameras that look down on level ground."""
     areas = []
     for place in (points.mean(axis=0), points.min(axis=0), points.max(axis=0)):
@@ -223,7 +234,7 @@ def _is_plausible(homography: FloatArray, points: FloatArray, options: MatchingO
         areas.append(float(np.linalg.det(jacobian)))
         if small <= 0.0 or areas[-1] <= 0.0 or large / small > options.largest_stretch:
             return False
-    scale = areas[0] ** 0.5
+    scale = areas[0] ** 0.5 / zoom
     bend = max(areas) / min(areas)
     is_scaled = options.smallest_scale < scale < options.largest_scale
     return is_scaled and bend < options.largest_bend

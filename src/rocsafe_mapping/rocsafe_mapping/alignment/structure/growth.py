@@ -72,6 +72,9 @@ class Growth:
         self._px = np.array(
             [offsets_px[p][f] for p, f in zip(tracks.photos, tracks.features, strict=True)]
         )
+        # Sightings of each photograph: all of them are too many to be searched for each pair.
+        starts = np.searchsorted(self._photo, np.arange(1, len(focal_px)))
+        self._rows = np.split(np.arange(len(self._photo)), starts)
         self._good = np.ones(len(self._photo), bool)
         self._order: list[int] = []
         self._centres = np.zeros((len(focal_px), 3))
@@ -130,10 +133,13 @@ class Growth:
         return best if counts[best] >= self._options.least_seen else None
 
     def _known(self, name: int) -> int:
-        mine = self._photo == name
-        return int(np.isfinite(self._places[self._point[mine], 0]).sum())
+        return int(np.count_nonzero(self._is_known(self._rows[name])))
 
-    def _straight(self, rows: NDArray[np.bool_]) -> FloatArray:
+    def _is_known(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return whether the points of sightings have a place."""
+        return np.isfinite(self._places[self._point[rows], 0])
+
+    def _straight(self, rows: NDArray[np.int64]) -> FloatArray:
         """Return the undistorted rays x / z, y / z of sightings."""
         focal = self._focal[self._photo[rows]] * np.exp(self._lens[0])
         bent = self._px[rows] / focal[:, np.newaxis]
@@ -144,7 +150,8 @@ class Growth:
     def _add(self, name: int) -> bool:
         """Find the pose of a photograph from points that it shows; return whether it is good."""
         options = self._options
-        rows = (self._photo == name) & np.isfinite(self._places[self._point, 0])
+        rows = self._rows[name]
+        rows = rows[self._is_known(rows)]
         points, rays = self._places[self._point[rows]], self._straight(rows)
         cv2.setRNGSeed(0)
         limit = options.pose_px / self._focal[name]
@@ -170,27 +177,26 @@ class Growth:
 
     def _triangulate(self, name: int) -> None:
         """Find the points that a photograph and others in the scene show."""
-        mine = (self._photo == name) & self._good & np.isnan(self._places[self._point, 0])
+        mine = self._unknown(name)
         row_of = np.full(len(self._places), NOWHERE)
-        row_of[self._point[mine]] = np.flatnonzero(mine)
+        row_of[self._point[mine]] = mine
         for other in self._order:
             if other == name:
                 continue
-            rows = (self._photo == other) & self._good & (row_of[self._point] != NOWHERE)
-            rows &= np.isnan(self._places[self._point, 0])
-            if np.any(rows):
-                own = np.zeros(len(rows), bool)
-                own[row_of[self._point[rows]]] = True
-                self._intersect(name, other, own, rows)
+            theirs = self._unknown(other)
+            theirs = theirs[row_of[self._point[theirs]] != NOWHERE]
+            if len(theirs):
+                self._intersect(name, other, row_of[self._point[theirs]], theirs)
+
+    def _unknown(self, name: int) -> NDArray[np.int64]:
+        """Return the good sightings of a photograph whose points have no place yet."""
+        rows = self._rows[name]
+        return rows[self._good[rows] & ~self._is_known(rows)]
 
     def _intersect(
-        self, name: int, other: int, own: NDArray[np.bool_], rows: NDArray[np.bool_]
+        self, name: int, other: int, mine: NDArray[np.int64], theirs: NDArray[np.int64]
     ) -> None:
         """Take over points where the rays of two photographs meet well."""
-        # Both in the order of their points.
-        mine, theirs = np.flatnonzero(own), np.flatnonzero(rows)
-        mine = mine[np.argsort(self._point[mine])]
-        theirs = theirs[np.argsort(self._point[theirs])]
         one, two = self._directions(name, mine), self._directions(other, theirs)
         cosine = np.sum(one * two, axis=1)
         base = self._centres[other] - self._centres[name]
@@ -207,9 +213,7 @@ class Growth:
         self._places[self._point[mine[good]]] = place[good]
 
     def _directions(self, name: int, rows: NDArray[np.int64]) -> FloatArray:
-        chosen = np.zeros(len(self._photo), bool)
-        chosen[rows] = True
-        rays = self._straight(chosen)[np.argsort(np.argsort(rows))]
+        rays = self._straight(rows)
         rays = np.column_stack([rays, np.ones(len(rays))]) @ self._rotations[name].T
         directions: FloatArray = rays / np.linalg.norm(rays, axis=1, keepdims=True)
         return directions

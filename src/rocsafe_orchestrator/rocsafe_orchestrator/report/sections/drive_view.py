@@ -115,7 +115,15 @@ def _rows(route: Mapping[str, Any]) -> list[list[str]]:
         ['Fastest way', f'{formats.duration(fastest["time_s"])}, {_dose(fastest["dose_usv"])}'],
         ['Way over cells, turns not counted', _proof(proof)],
         ['1 µSv more would save about', f'{proof["seconds_per_usv"]:.3g} s'],
+        *_age(route.get('oldest_ground_s')),
     ]
+
+
+def _age(oldest_s: float | None) -> list[list[str]]:
+    if oldest_s is None:
+        return []
+    text = f'{formats.duration(oldest_s)} before the newest photograph at most'
+    return [['Ground on the way photographed', text]]
 
 
 def _proof(proof: Mapping[str, Any]) -> str:

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A box of cells over a site, and which of them are solid."""
+"""A box of cells over a site, and velocities at the faces of its cells."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_count, require_finite, require_positive
 
 LARGEST_CELLS = 20_000_000
+Cells = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,3 +69,47 @@ class AirGrid:
             for corner, size, count in zip(self.corner_m, self.sizes_m, self.shape, strict=True)
         )
         return east, north, up
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class FaceVelocities:
+    """Velocities at the faces of the cells of a grid, m/s.
+
+    Attributes
+    ----------
+    east : (columns + 1, rows, layers)
+        Through the faces to the west and east of the cells.
+    north : (columns, rows + 1, layers)
+        Through the faces to the south and north.
+    up : (columns, rows, layers + 1)
+        Through the faces below and above.
+    """
+
+    east: Cells
+    north: Cells
+    up: Cells
+
+    @property
+    def parts(self) -> tuple[Cells, Cells, Cells]:
+        """The three arrays."""
+        return self.east, self.north, self.up
+
+    def require_fits(self, grid: AirGrid, name: str) -> None:
+        """Raise a ValueError unless they are finite and have the shapes of `grid`."""
+        for axis, part in enumerate(self.parts):
+            shape = tuple(size + (axis == i) for i, size in enumerate(grid.shape))
+            if np.shape(part) != shape or not np.isfinite(part).all():
+                raise ValueError(f'{name}: velocities must be finite and have the shape {shape}')
+
+    def divergence(self, grid: AirGrid) -> Cells:
+        """Return what leaves each cell, 1/s, of the shape of `grid`."""
+        sizes = grid.sizes_m.astype(np.float32)
+        return sum_of(np.diff(part, axis=i) / sizes[i] for i, part in enumerate(self.parts))
+
+
+def sum_of(parts: Any) -> Cells:
+    """Return the sum of arrays."""
+    first, *others = parts
+    for part in others:
+        first += part
+    return np.asarray(first)

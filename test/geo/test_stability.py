@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_dispersion.atmosphere.stability import (
+from rocsafe_dispersion.plume.briggs import briggs_sigmas_m
+from rocsafe_geo.wind.stability import (
     CLASSES,
     class_of_length,
     layer_of_class,
     obukhov_length_m,
     stability_class,
 )
-from rocsafe_dispersion.plume.briggs import briggs_sigmas_m
 
 
 @pytest.mark.parametrize(
