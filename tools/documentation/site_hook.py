@@ -29,6 +29,8 @@ DOCUMENTS = {
     'SECURITY.md': 'security.md',
     'QUALITY_DECLARATION.md': 'quality.md',
 }
+_CELL = re.compile(r'<td.*?</td>', re.S)
+_LONG_NAME = re.compile(r'<code>([^<]{25,})</code>')
 _LINK = re.compile(r'(?<=\]\()(?!https?:|mailto:|#)([^)#\s]+)')
 
 
@@ -57,6 +59,16 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Return the text of a page with links of the repository changed to links of the site."""
     uri = page.file.src_uri
     return _LINK.sub(lambda match: _site_link(uri, match.group(1)), markdown)
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Return a page whose long names in tables may break: after a slash, dot or underscore."""
+    return _CELL.sub(lambda cell: _LONG_NAME.sub(_breakable, cell.group()), html)
+
+
+def _breakable(name: re.Match[str]) -> str:
+    parts = re.sub(r'(?<=[/._])(?=\w)', '<wbr>', name.group(1))
+    return f'<code class="long">{parts}</code>'
 
 
 def _site_link(uri: str, link: str) -> str:
