@@ -150,12 +150,12 @@ def test_without_relief_wanted_nothing_is_told(roofed):
 
 
 def test_the_map_of_errors_lies_on_the_map(roofed, tmp_path):
-    """A GeoTIFF of two bands with the map's projection, no value where nothing is shown."""
+    """A GeoTIFF of three bands with the map's projection, no value where nothing is shown."""
     maker, renderer = roofed
     found = error_map(maker.alignment(), renderer)
     write_error_map(tmp_path, found, renderer)
     with rasterio.open(tmp_path / ERROR_TIF) as file:
-        assert (file.count, file.crs.to_epsg()) == (2, renderer.grid.epsg)
+        assert (file.count, file.crs.to_epsg()) == (3, renderer.grid.epsg)
         errors, heights = file.read(masked=True)
         row, column = np.argwhere(renderer.relief.heights_m > 2.0)[0].tolist()
         east, north = file.xy(row, column)
