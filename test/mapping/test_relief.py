@@ -156,12 +156,13 @@ def test_the_map_of_errors_lies_on_the_map(roofed, tmp_path):
     write_error_map(tmp_path, found, renderer)
     with rasterio.open(tmp_path / ERROR_TIF) as file:
         assert (file.count, file.crs.to_epsg()) == (3, renderer.grid.epsg)
-        errors, heights = file.read(masked=True)
+        errors, heights, ages = file.read(masked=True)
         row, column = np.argwhere(renderer.relief.heights_m > 2.0)[0].tolist()
         east, north = file.xy(row, column)
     assert np.array_equal(errors.mask, ~found.is_shown)
     assert errors[row, column] == found.error_m[row, column]
     assert heights[row, column] == found.heights_m[row, column]
+    np.testing.assert_array_equal(ages.filled(np.nan), found.ages_s)
     cell = renderer.cell_m
     window = renderer.owner_window
     assert (east, north) == pytest.approx(

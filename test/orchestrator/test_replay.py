@@ -41,7 +41,7 @@ def test_all_inputs_are_fed_in_order_and_within_limits(inputs):
             if isinstance(taken, StoredShot):
                 feed.on_receipt(taken.shot_id)
             else:
-                feed.on_dose(taken.vehicle, taken.time_ns)
+                feed.on_dose_rate(taken.vehicle, taken.time_ns)
     assert sorted(seen, key=repr) == sorted(given_, key=repr)
     assert [g.time_ns for g in seen] == sorted(g.time_ns for g in seen)
 
@@ -56,7 +56,7 @@ def test_photograph_without_receipt_is_sent_again():
     feed.on_receipt('rav1-00000')
     assert list(feed.due(2 * RESEND_S)) == []
     assert feed.left == 1
-    feed.on_dose('rav1', 2)
+    feed.on_dose_rate('rav1', 2)
     assert feed.left == 0
 
 

@@ -14,7 +14,7 @@ from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import Trigger
 
-from rocsafe_interfaces.msg import AccumulatedDose, HazardSourceArray, ShotReceipt
+from rocsafe_interfaces.msg import DoseRate, HazardSourceArray, ShotReceipt
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.replay.feed import Feed, Input, StoredShot
 from rocsafe_orchestrator.replay.recorded_inputs import (
@@ -35,7 +35,7 @@ class ReplayNode(Node):
     """Publishes a recorded run: ``region``, each vehicle's ``radiation`` and ``camera/shot``.
 
     Publishes also ``/clock``, the time of what is replayed. Subscribes what tells that an input
-    was taken in: ``accumulated_dose`` and ``shots/receipts``; and ``hazard/sources``.
+    was taken in: ``dose_rate`` and ``shots/receipts``; and ``hazard/sources``.
     """
 
     def __init__(self, inputs: RecordedInputs, vehicles: tuple[str, ...]) -> None:
@@ -52,8 +52,8 @@ class ReplayNode(Node):
         for name in vehicles:
             self._readings[name] = topics.create_publisher(self, topics.RADIATION, name)
             self._shots[name] = topics.create_publisher(self, topics.SHOT, name)
-            on_dose = partial(self._on_dose, name)
-            topics.create_subscription(self, topics.ACCUMULATED_DOSE, on_dose, name)
+            on_rate = partial(self._on_dose_rate, name)
+            topics.create_subscription(self, topics.DOSE_RATE, on_rate, name)
         topics.create_subscription(self, topics.RECEIPTS, self._on_receipt)
         topics.create_subscription(self, topics.HAZARD_SOURCES, self._on_sources)
         self._asking = self.create_client(
@@ -98,8 +98,8 @@ class ReplayNode(Node):
             return
         self._shots[given.vehicle].publish(message)
 
-    def _on_dose(self, vehicle: str, dose: AccumulatedDose) -> None:
-        self.feed.on_dose(vehicle, time_of(dose))
+    def _on_dose_rate(self, vehicle: str, rate: DoseRate) -> None:
+        self.feed.on_dose_rate(vehicle, time_of(rate))
 
     def _on_receipt(self, receipt: ShotReceipt) -> None:
         if receipt.status == ShotReceipt.REJECTED:

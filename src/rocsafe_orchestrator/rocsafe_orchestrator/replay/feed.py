@@ -73,7 +73,7 @@ class Feed:
         """Note that a photograph was stored or refused."""
         self._shots.pop(shot_id, None)
 
-    def on_dose(self, vehicle: str, time_ns: int) -> None:
+    def on_dose_rate(self, vehicle: str, time_ns: int) -> None:
         """Note that the readings of a vehicle up to a time were taken in."""
         waiting = self._readings.get(vehicle, [])
         self._readings[vehicle] = [at_ns for at_ns in waiting if at_ns > time_ns]
