@@ -189,6 +189,6 @@ def _less_of(
     level: FloatArray | float, level_part: FloatArray, rate: FloatArray | float, steep: FloatArray
 ) -> FloatArray:
     """Return the limit along paths, given the level and the vertical part of their direction."""
-    with np.errstate(divide='ignore'):
+    with np.errstate(divide='ignore', over='ignore'):
         less: FloatArray = np.minimum(level / level_part, rate / steep)
     return less
