@@ -79,7 +79,7 @@ def brighton(options: argparse.Namespace) -> list[Row]:
     ties = quality['held_out_ties']['px']
     # More places than the quality document asks: a quantile of twenty is anybody's guess.
     shifts, places = seam_shifts_px(maker.renderer(), 1000)
-    is_ground = on_ground(places, alignment.ties_m, alignment.standing_m)
+    is_ground = on_ground(places, alignment.heights)
     states = [placement.placed_by for placement in alignment.placements.values()]
     rows = [
         ('brighton placed by features', f'{states.count(BY_FEATURES)} of 18', '18 of 18'),

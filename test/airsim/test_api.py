@@ -349,6 +349,7 @@ def test_segmentation_ids_are_chosen_by_name(world):
     assert ask(world, ('simListSceneObjects', '.*')) == ['wagon_1', 'drum']
 
 
+@pytest.mark.slow
 def test_a_loop_of_orders_is_obeyed_at_the_pace_of_the_vehicle(world):
     """As orbit sends them: the newest of those that came meanwhile; the others answer false."""
     api = Api(world, print)
@@ -385,6 +386,7 @@ def test_a_velocity_upwards_takes_off(world):
         ask(on_ground, LED[0], ('moveByVelocity', 1.0, 0.0, 0.0, 1.0, 0, ANY_YAW, ''))
 
 
+@pytest.mark.slow
 def test_reset_answers_when_the_vehicles_stand_at_home(world):
     """Also one that is landing already; what takes off then takes off from the ground."""
     core = world.vehicles['rav1'].core
@@ -400,6 +402,7 @@ def test_reset_answers_when_the_vehicles_stand_at_home(world):
     assert core.mode is Mode.HOLDING
 
 
+@pytest.mark.slow
 def test_a_wait_ends_with_the_flight(world):
     """A battery that runs low brings the vehicle home: the movement answers false."""
     core = world.vehicles['rav1'].core

@@ -78,6 +78,7 @@ def test_many_points_are_within_their_bound():
     assert search_of(0, count).best(Budgets(dose_usv=budget)).order == trip.order
 
 
+@pytest.mark.slow
 def test_many_points_that_do_not_all_fit_are_chosen_nearly_as_well_as_of_all_sets(monkeypatch):
     """By greed: the sum of priorities beside that of the exhaustive choice, ten times 8 points."""
     ratios = []

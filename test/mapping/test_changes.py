@@ -85,6 +85,13 @@ def test_flights_over_other_ground_are_refused(tmp_path, capsys):
     assert not output.exists()
 
 
+def test_a_folder_without_photographs_is_named(tmp_path, capsys):
+    """Nobody is told that two flights do not look alike where one has no photograph."""
+    (tmp_path / 'before').mkdir()
+    assert main([str(tmp_path / 'before'), str(tmp_path / 'after')]) == EXIT_REFUSED
+    assert 'before: no photograph that can be placed' in capsys.readouterr().err
+
+
 def test_change_options_have_limits():
     """Nothing below or at zero."""
     with pytest.raises(ValueError, match=r'least_area_m2 = 0\.0 must be above 0'):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
-from rocsafe_mapping.alignment.adjustment.height_error import height_error, leaning_m
+from rocsafe_mapping.alignment.adjustment.height_error import TieHeights, height_error, leaning_m
 from rocsafe_mapping.alignment.block import BY_FEATURES, Placement
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.surface import Surface, level_grid
@@ -24,10 +24,37 @@ def scattered(count: int, low: float, high: float) -> np.ndarray:
     return np.random.default_rng(3).uniform(low, high, (count, 2))
 
 
+def heights(places: np.ndarray, standing: np.ndarray, stds_m: float | np.ndarray = 0.01):
+    """Return heights of ties that are known so well."""
+    stds_m = np.broadcast_to(stds_m, len(standing))
+    return TieHeights(places_m=places, standing_m=standing, stds_m=stds_m)
+
+
+@pytest.mark.parametrize('surface', ['level', 'grid'])
+def test_photographs_from_one_place_tell_no_heights(surface) -> None:
+    """Whoever hovers and photographs, or flies a survey again, does not make the map worse."""
+    ties, rng = scattered(400, 0.0, 60.0), np.random.default_rng(2)
+    stds_m = np.where(np.arange(400) % 2, 20.0, 0.05)
+    known, noise = stds_m < 1.0, rng.normal(0.0, stds_m)
+    ground = Surface() if surface == 'level' else level_grid(ties, 3.2, 40_000)
+    found, alone = (
+        height_error(ground, heights(places, standing, stds), AlignmentOptions()).at(ties)
+        for places, standing, stds in (
+            (ties, noise, stds_m),
+            (ties[known], noise[known], stds_m[known]),
+        )
+    )
+    # The error between ties is that of draws, which are others with more ties.
+    assert found.mean() == pytest.approx(alone.mean(), rel=0.05)
+    assert found.max() < 0.3
+
+
 def test_level_ground_is_as_good_as_its_ties() -> None:
     """One figure for all of it: the spread of the ties' heights."""
     found = height_error(
-        Surface(), scattered(4, 0.0, 9.0), np.array([0.1, -0.1, 0.3, -0.3]), AlignmentOptions()
+        Surface(),
+        heights(scattered(4, 0.0, 9.0), np.array([0.1, -0.1, 0.3, -0.3])),
+        AlignmentOptions(),
     )
     assert found.at(np.array([[500.0, 3.0]])) == pytest.approx(math.sqrt(0.05))
 
@@ -38,7 +65,9 @@ def test_ground_without_ties_is_less_certain() -> None:
     ties = ties[np.linalg.norm(ties - 40.0, axis=1) > 15.0]
     standing = np.random.default_rng(1).normal(0.0, 0.05, len(ties))
     error = height_error(
-        level_grid(scattered(9, 0.0, 60.0), 3.2, 40_000), ties, standing, AlignmentOptions()
+        level_grid(scattered(9, 0.0, 60.0), 3.2, 40_000),
+        heights(ties, standing),
+        AlignmentOptions(),
     )
     near, hole = error.at(np.array([[8.0, 8.0], [40.0, 40.0]]))
     assert 0.05 < near < 0.25
@@ -50,7 +79,9 @@ def test_things_that_stand_up_count_where_they_stand() -> None:
     ties = scattered(1500, 0.0, 60.0)
     is_roof = np.linalg.norm(ties - 45.0, axis=1) < 6.0
     standing = np.where(is_roof, 3.0, 0.02)
-    error = height_error(level_grid(ties, 3.2, 40_000), ties, standing, AlignmentOptions())
+    error = height_error(
+        level_grid(ties, 3.2, 40_000), heights(ties, standing), AlignmentOptions()
+    )
     roof, meadow = error.at(np.array([[45.0, 45.0], [10.0, 10.0]]))
     assert roof > 2.0
     assert meadow < 1.0
@@ -80,8 +111,7 @@ def test_a_photograph_states_both_its_place_and_what_leans() -> None:
         placements={'a': Placement(pose=POSE, placed_by=BY_FEATURES)},
         errors_m={'a': 0.03},
         held_out_px=np.zeros((0, 2)),
-        ties_m=np.zeros((0, 2)),
-        standing_m=np.zeros(0),
+        heights=heights(np.zeros((0, 2)), np.zeros(0)),
         heights_error=Surface(heights_m=np.full((1, 1), 0.2)),
     )
     below, aside = np.array([[20.0, 20.0]]), np.array([[36.0, 20.0]])

@@ -4,6 +4,7 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
+from unittest import mock
 
 import pytest
 from hypothesis import given, settings
@@ -14,6 +15,7 @@ from rocsafe_sim.flight.battery import CHECK_PERIOD_S, low_battery_s, return_dur
 from rocsafe_sim.flight.commands import Command, CommandKind, timeline_of
 from rocsafe_sim.flight.segment import Mode, standing
 from rocsafe_sim.flight.tasks import fly_timeline, hold_timeline, land_timeline
+from rocsafe_sim.flight.timeline import Timeline
 
 AT_HOME = standing(HOME, 0.0)
 SHARES = st.floats(0.0, 1.0)
@@ -131,3 +133,16 @@ def test_it_turns_back_with_enough_charge_and_not_long_before(airframe, route, s
     used = timeline.used_j(low_s) + back.used_j(back.duration_s)
     left = 1.0 - used / airframe.power.capacity_j
     assert left >= airframe.reserve_fraction - 1e-9
+
+
+@settings(max_examples=20, deadline=None)
+@given(airframes(), routes(), SHARES, st.floats(0.3, 1.0))
+def test_a_stand_without_end_is_left_as_if_it_were_checked_all_the_time(
+    airframe, route, share, charge
+):
+    """A stand is known to cost the same at all times, which saves all checks but the last."""
+    timeline = flown(airframe, route)
+    stand = hold_timeline(airframe, timeline.pose(share * timeline.duration_s))
+    quick_s = low_battery_s(airframe, stand, charge, route)
+    with mock.patch.object(Timeline, 'stands_from_s', math.inf):
+        assert quick_s == low_battery_s(airframe, stand, charge, route)

@@ -75,61 +75,16 @@ def require_safe(options: WebOptions, user_count: int) -> None:
 
 def make_app(context: Context, port: list[int]) -> web.Application:
     """Return the application; `port` holds the port once it is known."""
+    options = context.options
     app = web.Application(middlewares=[guard], client_max_size=MOST_BODY_BYTES)
     app[CONTEXT] = context
     app[PUSHER] = Pusher(context)
     app[PORT] = port
     app[seal_handlers.SEALING] = asyncio.Lock()
-    get, post = app.router.add_get, app.router.add_post
-    get('/', _index)
-    get('/static/{path:.+}', _static)
-    get('/api/hello', handlers.hello)
-    post('/api/login', handlers.log_in)
-    post('/api/token', handlers.use_token)
-    post('/api/logout', handlers.log_out)
-    get('/api/sessions', handlers.list_sessions)
-    post('/api/sessions/{id}/revoke', handlers.revoke)
-    get('/api/live', live)
-    post('/api/orders', order_handlers.prepare_order)
-    post('/api/orders/{id}/confirm', order_handlers.confirm_order)
-    post('/api/alarms/{number}/acknowledge', handlers.acknowledge)
-    post('/api/marks', handlers.mark)
-    get('/api/coordinates', handlers.coordinates)
-    get('/api/image/{name}', handlers.image)
-    get(r'/api/base/{zoom:\d+}/{column:\d+}/{row:\d+}', handlers.base_tile)
-    get('/api/photograph/{shot}', handlers.photograph)
-    get('/api/video/{vehicle}', video_handlers.watch)
-    app[draft_handlers.DRAFTS] = Drafts(
-        context.options.runs, context.options.scenarios, context.environment
-    )
-    get('/api/drafts', draft_handlers.list_drafts)
-    get('/api/drafts/{kind}/{name}', draft_handlers.draft_text)
-    post('/api/drafts', draft_handlers.save_draft)
-    post('/api/drafts/{name}/plan', draft_handlers.plan_draft)
-    post('/api/drafts/{name}/preflight', draft_handlers.preflight_draft)
-    post('/api/drafts/{name}/launch', draft_handlers.launch_draft)
-    folders = Folders(runs=context.options.runs, scenarios=context.options.scenarios)
+    app[draft_handlers.DRAFTS] = Drafts(options.runs, options.scenarios, context.environment)
+    folders = Folders(runs=options.runs, scenarios=options.scenarios)
     app[job_handlers.JOBS] = Jobs(folders, context.environment)
-    get('/api/campaigns', job_handlers.list_campaigns)
-    get('/api/campaigns/{name}/page', job_handlers.campaign_page)
-    post('/api/jobs/{kind}/{name}', job_handlers.begin_job)
-    get('/api/jobs/{kind}/{name}', job_handlers.look_at_job)
-    post('/api/jobs/{kind}/{name}/end', job_handlers.end_job)
-    post('/api/links', outward_handlers.make_link)
-    get('/ogc/{secret}', outward_handlers.landing)
-    get('/ogc/{secret}/conformance', outward_handlers.conformance)
-    get('/ogc/{secret}/collections', outward_handlers.collections)
-    get('/ogc/{secret}/collections/{name}', outward_handlers.collection)
-    get('/ogc/{secret}/collections/{name}/items', outward_handlers.items)
-    post('/api/import', draft_handlers.import_areas)
-    get('/api/missions/{name}', draft_handlers.mission_of_draft)
-    post('/api/missions/{name}/end', draft_handlers.end_mission)
-    get('/api/runs', handlers.list_runs)
-    post('/api/runs/{run}/access', handlers.assign)
-    get('/api/runs/{run}/verify', seal_handlers.verify)
-    post('/api/runs/{run}/seal', seal_handlers.seal)
-    get('/api/runs/{run}/replay', handlers.replay)
-    get('/api/runs/{run}/files/{path:.+}', handlers.run_file)
+    app.add_routes(ROUTES)
     return app
 
 
@@ -285,3 +240,52 @@ def _is_loopback(host: str) -> bool:
         return host == 'localhost' or ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+# What is asked for, and what answers.
+ROUTES = (
+    web.get('/', _index),
+    web.get('/static/{path:.+}', _static),
+    web.get('/api/hello', handlers.hello),
+    web.post('/api/login', handlers.log_in),
+    web.post('/api/token', handlers.use_token),
+    web.post('/api/logout', handlers.log_out),
+    web.get('/api/sessions', handlers.list_sessions),
+    web.post('/api/sessions/{id}/revoke', handlers.revoke),
+    web.get('/api/live', live),
+    web.post('/api/orders', order_handlers.prepare_order),
+    web.post('/api/orders/{id}/confirm', order_handlers.confirm_order),
+    web.post('/api/alarms/{number}/acknowledge', handlers.acknowledge),
+    web.post('/api/marks', handlers.mark),
+    web.get('/api/coordinates', handlers.coordinates),
+    web.get('/api/image/{name}', handlers.image),
+    web.get(r'/api/base/{zoom:\d+}/{column:\d+}/{row:\d+}', handlers.base_tile),
+    web.get('/api/photograph/{shot}', handlers.photograph),
+    web.get('/api/video/{vehicle}', video_handlers.watch),
+    web.get('/api/drafts', draft_handlers.list_drafts),
+    web.get('/api/drafts/{kind}/{name}', draft_handlers.draft_text),
+    web.post('/api/drafts', draft_handlers.save_draft),
+    web.post('/api/drafts/{name}/plan', draft_handlers.plan_draft),
+    web.post('/api/drafts/{name}/preflight', draft_handlers.preflight_draft),
+    web.post('/api/drafts/{name}/launch', draft_handlers.launch_draft),
+    web.get('/api/campaigns', job_handlers.list_campaigns),
+    web.get('/api/campaigns/{name}/page', job_handlers.campaign_page),
+    web.post('/api/jobs/{kind}/{name}', job_handlers.begin_job),
+    web.get('/api/jobs/{kind}/{name}', job_handlers.look_at_job),
+    web.post('/api/jobs/{kind}/{name}/end', job_handlers.end_job),
+    web.post('/api/links', outward_handlers.make_link),
+    web.get('/ogc/{secret}', outward_handlers.landing),
+    web.get('/ogc/{secret}/conformance', outward_handlers.conformance),
+    web.get('/ogc/{secret}/collections', outward_handlers.collections),
+    web.get('/ogc/{secret}/collections/{name}', outward_handlers.collection),
+    web.get('/ogc/{secret}/collections/{name}/items', outward_handlers.items),
+    web.post('/api/import', draft_handlers.import_areas),
+    web.get('/api/missions/{name}', draft_handlers.mission_of_draft),
+    web.post('/api/missions/{name}/end', draft_handlers.end_mission),
+    web.get('/api/runs', handlers.list_runs),
+    web.post('/api/runs/{run}/access', handlers.assign),
+    web.get('/api/runs/{run}/verify', seal_handlers.verify),
+    web.post('/api/runs/{run}/seal', seal_handlers.seal),
+    web.get('/api/runs/{run}/replay', handlers.replay),
+    web.get('/api/runs/{run}/files/{path:.+}', handlers.run_file),
+)

@@ -23,6 +23,7 @@ from rocsafe_mapping.mosaic.changes import (
 )
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.products.quality import violations
+from rocsafe_mapping.store.catalogue import StoredShot
 
 EXIT_OK, EXIT_REFUSED = 0, 2
 
@@ -59,7 +60,7 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
                 read=shot.read_image,
             )
             for folder, prefix in ((before, BEFORE), (after, AFTER))
-            for shot in shots_of(folder)
+            for shot in _shots_of(folder)
         ]
     )
     alignment = maker.align()
@@ -78,6 +79,14 @@ def compared(before: Path, after: Path, wanted: ChangeOptions) -> dict[str, Any]
         for prefix in (BEFORE, AFTER)
     ]
     return change_document(changes(renderers[0], renderers[1], wanted), grid)
+
+
+def _shots_of(folder: Path) -> tuple[StoredShot, ...]:
+    """Return the photographs of a folder, at least one."""
+    shots = shots_of(folder)
+    if not shots:
+        raise MappingError(f'{folder}: no photograph that can be placed')
+    return shots
 
 
 def _require_tied(maker: Mapmaker) -> None:

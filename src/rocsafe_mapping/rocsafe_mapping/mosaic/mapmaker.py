@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.alignment.adjustment.height_error import height_error, leaning_m
+from rocsafe_mapping.alignment.adjustment.height_error import TieHeights, height_error, leaning_m
 from rocsafe_mapping.alignment.adjustment.least_squares import (
     residuals_px,
-    standing_m,
     stated_error_m,
+    tie_heights,
 )
 from rocsafe_mapping.alignment.block import BY_GPS, Block, Placement
 from rocsafe_mapping.alignment.initial.pair_graph import groups_of
@@ -116,8 +116,8 @@ class Alignment:
         Standard error of each tied photograph's corners on level ground.
     held_out_px
         Residuals (n, 2) of ties that were not adjusted.
-    ties_m, standing_m
-        Where ties lie (n, 2), and how far their points stand above the ground.
+    heights
+        How high the points of ties stand above the ground.
     heights_error
         Standard error of the ground's heights with what stands there.
     lags_s
@@ -135,8 +135,7 @@ class Alignment:
     placements: Mapping[str, Placement]
     errors_m: Mapping[str, float]
     held_out_px: FloatArray
-    ties_m: FloatArray
-    standing_m: FloatArray
+    heights: TieHeights
     heights_error: Surface = field(default_factory=Surface)
     lags_s: Mapping[str, float] = field(default_factory=dict)
     groups: tuple[int, ...] = ()
@@ -320,13 +319,12 @@ class Mapmaker:
         state, photos, pairs = block.state, block.photos, block.used_pairs
         options = self.options.alignment
         most = options.adjustment.most_ties
-        ties_m, above_m = standing_m(photos, pairs, state, most)
+        heights = tie_heights(photos, pairs, state, most)
         return Alignment(
-            ties_m=ties_m,
-            standing_m=above_m,
+            heights=heights,
             photos=photos,
             placements=block.placements(),
-            heights_error=height_error(state.surface, ties_m, above_m, options),
+            heights_error=height_error(state.surface, heights, options),
             lags_s=block.lags_s,
             groups=tuple(map(len, groups_of(pairs))),
             control=found_points(self._control, photos, state),

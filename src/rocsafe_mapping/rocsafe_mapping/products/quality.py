@@ -199,7 +199,7 @@ def _seams(alignment: Alignment, renderer: Renderer) -> dict[str, Any]:
     shifts, places = seam_shifts_px(renderer)
     if not len(shifts):
         return {'count': 0}
-    is_ground = on_ground(places, alignment.ties_m, alignment.standing_m)
+    is_ground = on_ground(places, alignment.heights)
     px = _quantiles(shifts)
     return {
         'count': len(shifts),

@@ -5,6 +5,7 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_mapping.alignment.adjustment.height_error import TieHeights
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
@@ -56,16 +57,17 @@ def seam_shifts_px(renderer: Renderer, most: int = MOST_PATCHES) -> tuple[FloatA
     return np.array(shifts), renderer.grid.ground_of(at_px[:, 0], at_px[:, 1])
 
 
-def on_ground(places_m: FloatArray, ties_m: FloatArray, standing_m: FloatArray) -> BoolArray:
+def on_ground(places_m: FloatArray, ties: TieHeights) -> BoolArray:
     """Return which places (n,) have no object about them, by the ties nearby.
 
     The ties of the adjustment decide, not the patches: a shifted patch alone is no sign of an
     object.
     """
     found = np.zeros(len(places_m), bool)
+    tells = ties.stds_m < STANDING_M
     for number, place in enumerate(places_m):
-        near = np.linalg.norm(ties_m - place, axis=1) < NEAR_M
+        near = tells & (np.linalg.norm(ties.places_m - place, axis=1) < NEAR_M)
         found[number] = near.sum() >= LEAST_TIES and bool(
-            np.all(np.abs(standing_m[near]) < STANDING_M)
+            np.all(np.abs(ties.standing_m[near]) < STANDING_M)
         )
     return found

@@ -82,6 +82,7 @@ def low_battery_s(
         return math.inf
     level_from_s = math.inf if climbs else _level_from_s(timeline, route)
     homeward_s = timeline.first_start_s(Mode.RETURNING, Mode.LANDING)
+    stands_from_s = timeline.stands_from_s
     elapsed_s = 0.0
     while elapsed_s < homeward_s:
         margin_s = CHECK_PERIOD_S * _growth_s(airframe, elapsed_s >= level_from_s)
@@ -91,7 +92,10 @@ def low_battery_s(
         if left_s <= 0.0:
             return elapsed_s
         # No check is needed before the need can have grown by what is left.
-        elapsed_s += CHECK_PERIOD_S * max(1, math.floor(left_s / margin_s))
+        grows_s = margin_s
+        if elapsed_s >= stands_from_s:
+            grows_s = CHECK_PERIOD_S * timeline.power_w(elapsed_s) / watt_s_per_s
+        elapsed_s += CHECK_PERIOD_S * max(1, math.floor(left_s / grows_s))
     return math.inf
 
 

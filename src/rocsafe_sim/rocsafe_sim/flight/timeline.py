@@ -92,6 +92,12 @@ class Timeline:
         return self._stop_s + self._route.duration_s
 
     @property
+    def stands_from_s(self) -> float:
+        """Begin of a stand without end, seconds; infinite if there is none."""
+        last = self.segments[-1]
+        return last.begin_s if math.isinf(last.end_s) else math.inf
+
+    @property
     def distance_m(self) -> float:
         """Horizontal distance flown in all."""
         return self._stop_m + self._route.distance_m

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How well the ground's heights are known, and what that is worth on the map."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
@@ -9,33 +11,54 @@ from rocsafe_mapping.alignment.model.surface import Surface
 from rocsafe_mapping.alignment_options import AlignmentOptions
 
 
-def height_error(
-    surface: Surface, ties_m: FloatArray, standing_m: FloatArray, options: AlignmentOptions
-) -> Surface:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TieHeights:
+    """How high points stand above the ground that two photographs show.
+
+    Attributes
+    ----------
+    places_m
+        Where they lie, (east, north), shape (n, 2).
+    standing_m
+        Their heights above the surface, shape (n,).
+    stds_m
+        Standard errors of these, shape (n,): large where both photographs were taken at one place.
+    """
+
+    places_m: FloatArray
+    standing_m: FloatArray
+    stds_m: FloatArray
+
+
+def height_error(surface: Surface, ties: TieHeights, options: AlignmentOptions) -> Surface:
     """Return the standard error of the ground's heights, as a grid like `surface`.
 
     Between ties, the prior of the ground's curvature gives the error; at ties, the spread of their
-    heights is added.
-
-    Parameters
-    ----------
-    ties_m
-        Where ties lie, (east, north), shape (n, 2).
-    standing_m
-        How far their points stand above the surface, shape (n,).
+    heights is added. A tie counts by how well it tells a height.
     """
-    usual = float(np.mean(standing_m**2)) if len(standing_m) else 0.0
+    usual = _usual_m2(ties)
     if surface.is_level or not usual:
         return Surface(heights_m=np.full((1, 1), np.sqrt(usual)))
-    nodes, weights = surface.weights(ties_m)
+    # The weights with which the variance of heights of that spread is found best.
+    telling = (usual / (usual + ties.stds_m**2)) ** 2
+    nodes, weights = surface.weights(ties.places_m)
     counts, squares = (
         np.bincount(nodes.ravel(), (weights * values).ravel(), surface.heights_m.size)
-        for values in (1.0, standing_m[:, np.newaxis] ** 2)
+        for values in (telling[:, np.newaxis], (telling * ties.standing_m**2)[:, np.newaxis])
     )
     usual_ties = options.adjustment.usual_ties
     spread = (squares + usual_ties * usual) / (counts + usual_ties)
-    unknown = surface.uncertainty_m(ties_m, np.full(len(ties_m), np.sqrt(usual)), options.ground)
+    unknown = surface.uncertainty_m(
+        ties.places_m, np.hypot(np.sqrt(usual), ties.stds_m), options.ground
+    )
     return surface.with_heights(np.sqrt(unknown**2 + spread.reshape(unknown.shape)))
+
+
+def _usual_m2(ties: TieHeights) -> float:
+    """Return the mean square of heights, by the ties that tell it best."""
+    if not len(ties.stds_m):
+        return 0.0
+    return float(np.average(ties.standing_m**2, weights=(ties.stds_m.min() / ties.stds_m) ** 4))
 
 
 def leaning_m(

@@ -16,6 +16,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.adjustment.equations import Equations, Unknowns
 from rocsafe_mapping.alignment.adjustment.fix_noise import fix_errors_m
+from rocsafe_mapping.alignment.adjustment.height_error import TieHeights
 from rocsafe_mapping.alignment.adjustment.projection import POSE_SIZE, TieResiduals
 from rocsafe_mapping.alignment.adjustment.sightings import sightings_of
 from rocsafe_mapping.alignment.adjustment.ties import ties_of
@@ -148,22 +149,24 @@ def residuals_px(
     return ties.residuals(state).residuals_px if len(ties) else np.zeros((0, 2))
 
 
-def standing_m(
+def tie_heights(
     photos: Mapping[str, Photo], pairs: Sequence[Pair], state: State, most: int
-) -> tuple[FloatArray, FloatArray]:
-    """Return the places of ties (n, 2) and the heights of their points above the surface (n,)."""
+) -> TieHeights:
+    """Return how high the points of ties stand: what explains each residual best."""
     ties = ties_of(pairs, photos, held_out=False, most=most)
     if not len(ties):
-        return np.zeros((0, 2)), np.zeros(0)
-    moved = ties.residuals(state)
-    return moved.ground_m, _rise(moved)
+        return TieHeights(places_m=np.zeros((0, 2)), standing_m=np.zeros(0), stds_m=np.zeros(0))
+    return _heights(ties.residuals(state), state)
 
 
-def _rise(moved: TieResiduals) -> FloatArray:
-    """Return the height above the surface that explains each residual best, metres."""
-    sway = np.maximum(np.sum(moved.height**2, axis=1), 1e-9)
-    rise: FloatArray = -np.sum(moved.height * moved.residuals_px, axis=1) / sway
-    return rise
+def _heights(moved: TieResiduals, state: State) -> TieHeights:
+    # Pixels that a metre of height moves a point: few where both cameras stood at one place.
+    sway = np.sqrt(np.maximum(np.sum(moved.height**2, axis=1), 1e-9))
+    return TieHeights(
+        places_m=moved.ground_m,
+        standing_m=-np.sum(moved.height * moved.residuals_px, axis=1) / sway**2,
+        stds_m=state.noise.tie_std_px / sway,
+    )
 
 
 def _settled(equations: Equations, state: State, most_steps: int) -> State:
@@ -264,9 +267,8 @@ def _with_surface(equations: Equations, state: State, options: GroundOptions) ->
         surface = level_grid(
             moved.ground_m, float(height_m) / options.cells_per_height, options.most_nodes
         )
-    sway = np.maximum(np.sum(moved.height**2, axis=1), 1e-9)
-    std_m = state.noise.tie_std_px / np.sqrt(sway)
-    heights = state.surface.at(moved.ground_m) + _rise(moved)
+    found = _heights(moved, state)
+    heights = state.surface.at(moved.ground_m) + found.standing_m
     return dataclasses.replace(
-        state, surface=surface.fitted(moved.ground_m, heights, std_m, options)
+        state, surface=surface.fitted(moved.ground_m, heights, found.stds_m, options)
     )
