@@ -31,6 +31,11 @@ class Fall:
         """Duration of the fall, seconds."""
         return math.sqrt(2.0 * self._height_m / GRAVITY_MPS2)
 
+    @property
+    def stands_from_s(self) -> float:
+        """Begin of a stand without end: none."""
+        return math.inf
+
     def pose(self, elapsed_s: float) -> FlightPose:
         """Return the pose at a time."""
         east, north, up = self._start.position_enu
