@@ -18,6 +18,7 @@ from rocsafe_mapping.alignment.structure.epipolar import Key, Link, Tracks
 from rocsafe_mapping.alignment_options import StructureOptions
 
 NOWHERE = -1
+HELD = np.zeros(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,12 +84,13 @@ class Growth:
         self._lens: FloatArray = np.zeros(3)
         self._bundled_count = 0
 
-    def grow(self, links: Mapping[Key, Link]) -> Grown | None:
-        """Return the largest scene that grows from the best seed; None without any."""
-        for key in _seeds(links, self._options):
-            if self._begin(key, links[key]):
-                break
-        else:
+    def grow(self, key: Key, link: Link) -> Grown | None:
+        """Return the largest scene that grows from two photographs; None if they are no seed.
+
+        The lens is held until the end: a scene of few photographs makes up a lens that hides what
+        is wrong with it.
+        """
+        if not self._begin(key, link):
             return None
         failed: dict[int, int] = {}
         while True:
@@ -103,8 +105,8 @@ class Growth:
             else:
                 # It is tried again when there are more points.
                 failed[name] = self._known(name)
-        self._bundle()
-        self._bundle()
+        for _ in range(2):
+            self._bundle(self._lens_std)
         return self._grown()
 
     def _begin(self, key: Key, link: Link) -> bool:
@@ -245,7 +247,7 @@ class Growth:
         rows = np.flatnonzero(used)
         return rows, self._observed(rows, slot[self._photo[rows]], points), tracks
 
-    def _bundle(self) -> None:
+    def _bundle(self, lens_std: FloatArray = HELD) -> None:
         """Adjust the scene, leave out sightings that disagree, and try points again."""
         rows, seen, tracks = self._in_scene()
         order = np.array(self._order)
@@ -255,8 +257,7 @@ class Growth:
             points=self._places[tracks],
             lens=self._lens,
         )
-        std = self._lens_std if len(order) >= self._options.least_for_lens else np.zeros(3)
-        scene = bundled(scene, seen, self._options, std)
+        scene = bundled(scene, seen, self._options, lens_std)
         self._centres[order], self._rotations[order] = scene.centres, scene.rotations
         self._lens = scene.lens
         self._places[tracks] = scene.points
@@ -280,7 +281,7 @@ class Growth:
         return Grown(names=tuple(self._order), scene=scene, seen=seen, tracks=tracks)
 
 
-def _seeds(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
+def seeds_of(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
     """Return pairs to begin with: many matches under a good angle first."""
 
     def worth(key: Key) -> float:
