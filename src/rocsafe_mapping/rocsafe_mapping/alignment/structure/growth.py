@@ -43,13 +43,12 @@ class Grown:
     tracks: NDArray[np.int64]
 
 
-class Growth:
-    """Grows a scene.
+@dataclass(frozen=True, slots=True)
+class Cameras:
+    """What saw the points.
 
-    Parameters
+    Attributes
     ----------
-    tracks
-        Points that several photographs show.
     offsets_px
         Pixels less the principal point of the features of each photograph, (n, 2).
     focal_px
@@ -58,16 +57,33 @@ class Growth:
         Prior of logarithm of the focal length, k1 and k2; zeros for a calibrated camera.
     """
 
-    def __init__(
-        self,
-        tracks: Tracks,
-        offsets_px: Sequence[FloatArray],
-        focal_px: FloatArray,
-        lens_std: FloatArray,
-        options: StructureOptions,
-    ) -> None:
+    offsets_px: Sequence[FloatArray]
+    focal_px: FloatArray
+    lens_std: FloatArray
+
+
+def best_grown(
+    links: Mapping[Key, Link], tracks: Tracks, cameras: Cameras, options: StructureOptions
+) -> Grown | None:
+    """Return the scene in which most sightings agree, of those of several seeds; None without any.
+
+    Two photographs may agree by a wrong geometry, of a plane above all: the scene that grows from
+    them takes in most photographs, but fewer of their sightings.
+    """
+    scenes = (
+        Growth(tracks, cameras, options).grow(key, links[key]) for key in _seeds(links, options)
+    )
+    found = [scene for scene in scenes if scene is not None]
+    return max(found, key=lambda scene: len(scene.seen.photos), default=None)
+
+
+class Growth:
+    """Grows a scene from two photographs."""
+
+    def __init__(self, tracks: Tracks, cameras: Cameras, options: StructureOptions) -> None:
         self._options = options
-        self._lens_std = lens_std
+        self._lens_std = cameras.lens_std
+        offsets_px, focal_px = cameras.offsets_px, cameras.focal_px
         self._focal = focal_px
         self._photo, self._point = tracks.photos, tracks.points
         self._px = np.array(
@@ -281,7 +297,7 @@ class Growth:
         return Grown(names=tuple(self._order), scene=scene, seen=seen, tracks=tracks)
 
 
-def seeds_of(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
+def _seeds(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
     """Return pairs to begin with: many matches under a good angle first."""
 
     def worth(key: Key) -> float:
