@@ -331,7 +331,9 @@ class Drone:
         if not any(one.order == RETURN_HOME for one in advice):
             asked.is_done = asked.is_done and self.is_in_air
             return
-        if asked.is_done or now_s - asked.asked_s < ASK_AGAIN_S:
+        # An order of a person is not cut short.
+        is_ordered = self.commands.outcome(self.commands.count) is None
+        if is_ordered or asked.is_done or now_s - asked.asked_s < ASK_AGAIN_S:
             return
         asked.asked_s = now_s
         with suppress(CommandRefusedError):
