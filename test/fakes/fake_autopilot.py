@@ -420,6 +420,15 @@ class FakeCopter:
     def _disarm(self):
         self.is_armed = False
 
+    def be_flown(self, mode):
+        """Let the pilot start the motors and hover in a mode."""
+        self._armed_s = self._station_s
+        self.is_armed, self.mode, self.height_m = True, mode, 5.0
+
+    def be_landed(self):
+        """Let the pilot land, and stop the motors."""
+        self.is_armed, self.height_m = False, 0.0
+
     # What it says.
 
     def _speak(self):

@@ -5,7 +5,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from test.fakes.fake_autopilot import AUTO, HOME, RTL
+from test.fakes.fake_autopilot import AUTO, HOME, LAND, RTL
 from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
@@ -182,6 +182,27 @@ def test_wind_over_its_limit_is_told_or_answered(returns, mode):
         air.drones[1].step(air.now_s)
         air.step()
     assert air.copters[1].mode == mode
+
+
+@pytest.mark.parametrize(('order', 'mode'), [('land', LAND), ('return_home', RTL)])
+@pytest.mark.parametrize('is_obeyed', [True, False])
+def test_wind_countermands_no_order_to_come_down(order, mode, is_obeyed):
+    """Whom a person told to land does not climb again to fly home, nor is that offered."""
+    air = flying(max_wind_mps=11.0, max_gust_mps=12.0, returns_in_wind=True)
+    commands, copter = air.drones[1].commands, air.copters[1]
+    getattr(commands, order)(air.now_s)
+    count, on_command = commands.count, copter._on_command
+    if is_obeyed:
+        air.until(lambda: copter.mode == mode)
+    else:
+        copter._on_command = lambda _message: None
+    for second in range(5):
+        blow(air, 13.0 + second)
+        air.drones[1].step(air.now_s)
+        air.wait(1.0)
+    copter._on_command = on_command
+    assert commands.count == count
+    assert (status(air).advice == '') is is_obeyed
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleEvent, VehicleState
 from rocsafe_interfaces.srv import Lease, Preflight, Resume, SetSpeed
-from rocsafe_mavlink.autopilots.ardupilot import GUIDED
+from rocsafe_mavlink.autopilots.ardupilot import GUIDED, LOITER
 from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_mavlink.knowledge import telemetry as vehicle
 from rocsafe_ros import topics
@@ -207,6 +207,28 @@ def test_goal_without_the_lease_ends_no_wait_of_another(ground):
         assert 'led by operator' in refused.error_msg
     assert not waiting.done()
     assert ground.seen().state == VehicleState.WAITING
+
+
+@pytest.mark.parametrize('delay_s', [0.0, 600.0])
+def test_start_that_waits_ends_when_a_pilot_uses_the_vehicle(ground, delay_s):
+    """He flies and lands: it does not take off when he walks up to it."""
+    copter = ground.air.copters[1]
+    ground.listen(topics.STATE)
+    ground.until(lambda: ground.seen().state == VehicleState.DISARMED)
+    if not delay_s:
+        copter.be_flown(LOITER)
+        ground.until(lambda: ground.seen().state != VehicleState.DISARMED)
+    route = survey()
+    route.delay_s = delay_s
+    waiting = ground.fly(route=route)
+    ground.listen_for(0.5)
+    if delay_s:
+        copter.be_flown(LOITER)
+    else:
+        copter.be_landed()
+    answer = ground.ended(waiting)
+    assert answer.outcome == FlyRoute.Result.REJECTED
+    assert 'withdrawn: somebody else switched its motors' in answer.error_msg
 
 
 @pytest.mark.parametrize('delay_s', [math.nan, math.inf, -1.0, 1e308])

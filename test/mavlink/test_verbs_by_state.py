@@ -8,7 +8,7 @@ from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_mavlink.autopilots.ardupilot import BRAKE
+from rocsafe_mavlink.autopilots.ardupilot import BRAKE, LOITER
 from rocsafe_mavlink.autopilots.autopilot import FlightState
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
@@ -193,3 +193,28 @@ def test_orders_that_end_a_flight_and_cancels_are_answered_in_time(state, order,
     air.until(lambda: commands.outcome(number) is not None, ANSWERED_S)
     if misfortune is None:
         assert commands.outcome(number) == ''
+
+
+@pytest.mark.parametrize('is_late', [True, False])
+def test_start_that_waits_is_withdrawn_when_somebody_else_uses_the_vehicle(is_late):
+    """The pilot starts the motors, flies and lands: it does not take off beside him then."""
+    air = air_in('waiting' if is_late else 'disarmed')
+    drone, copter = air.drones[1], air.copters[1]
+    before = drone.session.withdrawals
+    copter.be_flown(LOITER)
+    air.wait(2.0)
+    assert (drone.is_waiting, drone.session.withdrawals) == (False, before + 1)
+    assert 'somebody else' in drone.session.withdrawn_by
+    copter.be_landed()
+    air.wait(2.0)
+    assert drone.session.withdrawals == before + 2
+
+
+def test_own_motors_withdraw_no_start():
+    """Those that a flight of ours starts, and stops at its end."""
+    air = air_in('disarmed')
+    before = air.drones[1].session.withdrawals
+    air.fly(count=2)
+    air.until(lambda: air.flight().is_over)
+    assert air.flight().outcome is FlightOutcome.COMPLETED
+    assert air.drones[1].session.withdrawals == before

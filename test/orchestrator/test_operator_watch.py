@@ -3,15 +3,19 @@
 
 import os
 import pty
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_orchestrator.mission.status import FlightState
+from rocsafe_orchestrator.mission.status import FlightState, VehicleStatus
+from rocsafe_orchestrator.mission_commands.mission_loop import MissionLoop
 from rocsafe_orchestrator.mission_commands.progress import SteadyDisplay
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
 from rocsafe_orchestrator.watches.operator_watch import (
@@ -115,6 +119,47 @@ def test_without_a_terminal_they_hold_and_then_return() -> None:
     # More signals change nothing.
     assert one.advance(HOLD_S + REPEAT_S + 1.0, GONE, [RETURNING]) is None
     assert one.may_end(HOLD_S + 100.0, [LANDED])
+
+
+class Told:
+    """Keeps what vehicles are told."""
+
+    def __init__(self) -> None:
+        self.plans = self.drives = None
+        self.orders: list[tuple[Verb, list[str]]] = []
+
+    def command_fleet(self, verb: Verb, vehicles: list[str]) -> None:
+        """Keep an order."""
+        self.orders.append((verb, vehicles))
+
+
+def test_who_returns_or_lands_already_is_not_told_to_hold_or_return() -> None:
+    """Nor when the order is repeated for another: it would stop over people, or climb again."""
+    states = {'rav1': FLYING, 'rav2': RETURNING, 'rav3': FlightState.LANDING, 'rav4': HOLDING}
+    seen = [SimpleNamespace(name=name, state=state) for name, state in states.items()]
+    told = Told()
+    parts: Any = SimpleNamespace(
+        node=SimpleNamespace(requests=told),
+        terminal=SimpleNamespace(is_there=False, typed=lambda: ''),
+        interrupt=SimpleNamespace(count=1, first=signal.SIGHUP, withdraw=lambda: None),
+        monitor=SimpleNamespace(vehicles=seen),
+        operator=watch(),
+        display=SimpleNamespace(say=lambda _text: None),
+        table=(),
+    )
+    loop = MissionLoop(parts, 1.0, 0.0)
+    loop._tell = lambda _decisions: None  # type: ignore[method-assign]
+    for now_s in (0.0, REPEAT_S, HOLD_S):
+        loop._watch_operator(now_s)
+        parts.interrupt.count = 0
+    assert [verb for verb, _names in told.orders] == [Verb.HOLD, Verb.HOLD, Verb.RETURN]
+    assert {tuple(names) for _verb, names in told.orders} == {('rav1', 'rav4')}
+
+
+def test_who_lands_is_not_called_home_by_a_dose() -> None:
+    """It was told to land, or is at home."""
+    for state, may in ((FLYING, True), (FlightState.WAITING, True), (FlightState.LANDING, False)):
+        assert VehicleStatus(name='rav1', state=state).may_turn_back is may
 
 
 def test_other_policies() -> None:

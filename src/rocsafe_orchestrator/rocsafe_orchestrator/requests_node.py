@@ -157,10 +157,10 @@ class Requests(GoalRequests):
         client = self._vehicles.get(endpoint.vehicle, self.plans.client)
         return bool(client.server_is_ready())
 
-    def command_fleet(self, verb: Verb) -> None:
-        """Command all vehicles, and report their refusals."""
+    def command_fleet(self, verb: Verb, vehicles: list[str]) -> None:
+        """Command some vehicles, and report their refusals."""
         spec = calls.FLEET_HOLD if verb is Verb.HOLD else calls.FLEET_RETURN_HOME
-        answer = self._services[spec.name].call_async(FleetCommand.Request())
+        answer = self._services[spec.name].call_async(FleetCommand.Request(vehicles=vehicles))
         answer.add_done_callback(self._on_fleet)
 
     def _on_fleet(self, future: Any) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.way_checks import fence_check
 from rocsafe_mavlink.checks.wind_checks import wind_fault
@@ -42,8 +43,19 @@ def advice_of(session: VehicleSession, limits: FlightLimits, now_s: float) -> tu
     home = _home_fault(session)
     found += [Advice(HOLD, home)] if home else []
     found += [Advice(HOLD, OTHER_MISSION)] if session.flies_another() else []
-    wind = wind_fault(vehicle.wind, limits, now_s)
+    # Who returns or lands already does so by an order that counts for more.
+    wind = '' if _comes_down(session) else wind_fault(vehicle.wind, limits, now_s)
     return (*found, *([Advice(RETURN_HOME, wind)] if wind else []))
+
+
+def _comes_down(session: VehicleSession) -> bool:
+    """Return whether a vehicle returns or lands, by its mode or by a mission home."""
+    kind, vehicle, flight = session.known_autopilot(), session.telemetry, session.flight
+    if kind is None:
+        return False
+    is_homeward = flight is not None and not flight.is_over and not flight.mission.waypoint_items
+    verbs = (Verb.RETURN, Verb.LAND, *((Verb.MISSION,) if is_homeward else ()))
+    return any(kind.is_in(vehicle, verb) for verb in verbs)
 
 
 def _fence_fault(session: VehicleSession) -> str:

@@ -151,7 +151,9 @@ class Drone:
 
     def take(self, message: Message, now_s: float) -> None:
         """Take a message of the vehicle."""
+        before = self.vehicle
         events = self.session.take(message, now_s)
+        self._watch_motors(before)
         if message.name == 'GLOBAL_POSITION_INT':
             self._record.on_position(self.vehicle)
         for on_message, on_event in self._listeners:
@@ -305,6 +307,20 @@ class Drone:
             homeward = None if sequence is None else sequence.verified_mission
             session.flight = session.flight.stopped(homeward)
 
+    def _watch_motors(self, before: VehicleTelemetry) -> None:
+        """Withdraw a start that waits once somebody else has switched the motors on, or off.
+
+        He may stand beside the vehicle when the start is due.
+        """
+        after, entry = self.vehicle, self._record.entry
+        is_switched = before.autopilot is not None and after.is_armed is not before.is_armed
+        if not is_switched or self.session.is_flying:
+            return
+        # The end of a flight of ours that an earlier bridge began.
+        is_our_landing = before.is_armed and entry is not None and entry.outcome is None
+        if not is_our_landing:
+            self.session.withdraw_start('somebody else switched its motors')
+
     def _return_in_wind(self, now_s: float) -> None:
         """Call the vehicle home in too strong a wind, once a while until it obeys."""
         asked = self._wind_return
@@ -315,7 +331,9 @@ class Drone:
         if not any(one.order == RETURN_HOME for one in advice):
             asked.is_done = asked.is_done and self.is_in_air
             return
-        if asked.is_done or now_s - asked.asked_s < ASK_AGAIN_S:
+        # An order of a person is not cut short.
+        is_ordered = self.commands.outcome(self.commands.count) is None
+        if is_ordered or asked.is_done or now_s - asked.asked_s < ASK_AGAIN_S:
             return
         asked.asked_s = now_s
         with suppress(CommandRefusedError):

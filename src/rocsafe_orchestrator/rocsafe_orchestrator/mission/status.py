@@ -94,6 +94,11 @@ class VehicleStatus:
         return self.state in _ALOFT
 
     @property
+    def may_turn_back(self) -> bool:
+        """Whether it can be called home: who lands already was told to, or is at home."""
+        return self.is_waiting or (self.is_aloft and self.state is not FlightState.LANDING)
+
+    @property
     def is_waiting(self) -> bool:
         """Whether it stands on the ground and will take off by itself."""
         return self.state is FlightState.WAITING

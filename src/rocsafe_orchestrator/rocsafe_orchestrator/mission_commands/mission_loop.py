@@ -29,7 +29,7 @@ from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.watches.decisions import ERROR, WARN, Decision, Decisions
-from rocsafe_orchestrator.watches.operator_watch import OperatorNews, OperatorWatch
+from rocsafe_orchestrator.watches.operator_watch import OperatorNews, OperatorWatch, addressees
 
 if TYPE_CHECKING:  # the loop is tested without ROS
     from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
@@ -148,7 +148,7 @@ class MissionLoop:
         self._hear_hosts(now_s)
         for vehicle, why in parts.monitor.turned_back.items():
             seen = parts.monitor.vehicle(vehicle)
-            if seen.is_aloft or seen.is_waiting:
+            if seen.may_turn_back:
                 parts.mission.takeover.turn_back(vehicle, why, is_waiting=seen.is_waiting)
         parts.mission.remarks += parts.crew_watch.advance()
         self._mark_contaminated()
@@ -167,7 +167,8 @@ class MissionLoop:
         watch, interrupt = self._parts.operator, self._parts.interrupt
         if watch is None:
             return True
-        states = [vehicle.state for vehicle in self._parts.monitor.vehicles]
+        found = {vehicle.name: vehicle.state for vehicle in self._parts.monitor.vehicles}
+        states = found.values()
         interrupt.is_guarded = not watch.may_end(now_s, states)
         if not interrupt.is_guarded:
             if watch.ends and self._interrupted_by is not None:
@@ -183,7 +184,7 @@ class MissionLoop:
             interrupt.withdraw()
         verb = watch.advance(now_s, news, states)
         if verb is not None:
-            self._parts.node.requests.command_fleet(verb)
+            self._parts.node.requests.command_fleet(verb, addressees(found))
         while watch.remarks:
             self._say(watch.remarks.pop(0))
         return not watch.ends

@@ -5,7 +5,7 @@ The processes that watch a flight never just end: with a terminal the operator i
 one the run goes on without him, and does what the scenario says. Time is an argument.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -31,6 +31,7 @@ AIRBORNE = ON_ROUTE | {
     FlightState.LOST,
 }
 TO_CALL_HOME = ON_ROUTE | {FlightState.HOLDING}
+COMING_DOWN = frozenset({FlightState.RETURNING, FlightState.LANDING})
 
 
 class OnOperatorLost(Enum):
@@ -42,7 +43,7 @@ class OnOperatorLost(Enum):
 
 
 class Verb(Enum):
-    """A command to all vehicles."""
+    """A command to all vehicles but those that come down already, see `addressees`."""
 
     HOLD = 'hold'
     RETURN = 'return'
@@ -157,3 +158,11 @@ class OperatorWatch:
             return None
         self._told_s = now_s
         return self._aim
+
+
+def addressees(states: Mapping[str, FlightState]) -> list[str]:
+    """Return who is told to hold or return: not who returns or lands already.
+
+    He does so by an order, or by himself for a reason that nobody here knows.
+    """
+    return [name for name, state in states.items() if state not in COMING_DOWN]
