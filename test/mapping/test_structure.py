@@ -3,6 +3,7 @@
 
 import dataclasses
 import importlib.util
+import itertools
 import math
 import pathlib
 
@@ -13,6 +14,8 @@ import pytest
 from rocsafe_geo.pinhole import rotation_enu_from_optical
 from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
+from rocsafe_mapping.alignment.structure.epipolar import Link, Tracks
+from rocsafe_mapping.alignment.structure.growth import Cameras, best_grown
 from rocsafe_mapping.alignment.structure.levelled import levelled
 from rocsafe_mapping.alignment_options import StructureOptions
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
@@ -70,6 +73,54 @@ def test_bundle_adjustment_finds_the_scene_again():
     )
     back = (found.centres - found.centres[0]) / scale + scene.centres[0]
     assert np.abs(back - scene.centres).max() < 0.2
+
+
+def test_a_point_behind_a_camera_moves_no_lens():
+    """Almost infinitely wrong, it outweighed all others: the focal length went to half."""
+    rng = np.random.default_rng(3)
+    scene = scene_of(rng)
+    seen = seen_in(scene, rng)
+    behind = scene.centres[3] - 5.0 * scene.rotations[3][:, 2]
+    scene = dataclasses.replace(scene, points=np.vstack([scene.points, behind]))
+    far = [(photo, 10.0 * photo) for photo in (2, 3)]
+    seen = Observations(
+        photos=np.append(seen.photos, [photo for photo, _ in far]),
+        points=np.append(seen.points, [len(scene.points) - 1] * 2),
+        offsets_px=np.vstack([seen.offsets_px, [[x, 5.0] for _, x in far]]),
+        focal_px=np.append(seen.focal_px, [400.0, 400.0]),
+    )
+    found = bundled(scene, seen, StructureOptions(), np.array([0.03, 0.05, 0.05]))
+    assert np.abs(found.lens).max() < 0.01
+
+
+def test_the_scene_of_most_sightings_counts():
+    """The best pair shows what no other photograph does: its scene is not the largest."""
+    rng = np.random.default_rng(5)
+    scene = scene_of(rng, count=9, points=300)
+    seen = seen_in(scene, rng)
+    # The first two photographs show the first hundred points alone, the others all others.
+    is_shown = (seen.photos < 2) == (seen.points < 100)
+    seen = seen.subset(is_shown)
+    links = {}
+    for one, other in itertools.combinations(range(9), 2):
+        if (one < 2) == (other < 2):
+            shared = np.arange(100 if one < 2 else 60)
+            way = scene.rotations[other].T @ (scene.centres[one] - scene.centres[other])
+            links[one, other] = Link(
+                matches=np.column_stack([shared, shared]),
+                rotation=scene.rotations[other].T @ scene.rotations[one],
+                direction=way / np.linalg.norm(way),
+                angle_rad=0.3,
+            )
+    first = np.where(seen.photos < 2, 0, 100)
+    tracks = Tracks(
+        photos=seen.photos, features=seen.points - first, points=seen.points, count=300
+    )
+    offsets = [seen.offsets_px[seen.photos == photo] for photo in range(9)]
+    cameras = Cameras(offsets, np.full(9, 400.0), np.zeros(3))
+    found = best_grown(links, tracks, cameras, StructureOptions())
+    assert sorted(found.names) == list(range(2, 9))
+    assert np.median(found.seen.errors_px(found.scene)) < 1.0
 
 
 def test_ground_is_the_plane_of_most_points():

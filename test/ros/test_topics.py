@@ -35,6 +35,12 @@ def test_state_is_latched(spec):
     assert spec.is_state
 
 
+@pytest.mark.parametrize('spec', [topics.CMD_VEL, topics.GIMBAL_COMMAND, topics.AGENT_REPORTS])
+def test_what_people_publish_by_hand_is_heard(spec):
+    """`ros2 topic pub` keeps no messages: a subscriber that asks for kept ones never hears it."""
+    assert spec.qos.durability is DurabilityPolicy.VOLATILE
+
+
 def test_of_velocities_only_the_newest_is_followed():
     """A vehicle that is busy for a while does not follow a queue of old ones."""
     assert topics.CMD_VEL.is_state

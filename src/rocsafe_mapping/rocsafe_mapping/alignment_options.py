@@ -327,11 +327,10 @@ class StructureOptions:
     least_angle_rad
         Between two rays, for a point to be used.
     good_angle_rad, widest_rad, seeds, least_seed_points
-        Of the pair that the scene begins with; pairs tried, and points that it must give.
+        Of the pair that a scene begins with; pairs tried, of whose scenes the one with most
+        sightings counts, and points that a pair must give.
     growth
         The scene is adjusted when it has grown by this factor.
-    least_for_lens
-        Photographs from which the lens is adjusted, too.
     bundle_steps, first_damping, largest_damping, least_gain
         Of Levenberg-Marquardt.
     plane_trials, plane_share, below_share
@@ -366,10 +365,9 @@ class StructureOptions:
     least_angle_rad: float = math.radians(1.5)
     good_angle_rad: float = math.radians(12.0)
     widest_rad: float = math.radians(45.0)
-    seeds: int = 10
+    seeds: int = 5
     least_seed_points: int = 40
     growth: float = 1.15
-    least_for_lens: int = 6
     bundle_steps: int = 12
     first_damping: float = 1e-4
     largest_damping: float = 1e8

@@ -226,8 +226,9 @@ GROUND_PATH = _fleet('ground/path', Path, latched(), 'on change', 'the same, pos
 GROUND_COSTS = _fleet(
     'ground/costs', OccupancyGrid, latched(), 'on change', 'where it can drive; dose rate, log'
 )
+# Kept messages would be heard only from publishers that keep theirs: `ros2 topic pub` does not.
 AGENT_REPORTS = _fleet(
-    'hazard/reports', AgentReport, kept(), 'as told', 'what people say of the agent'
+    'hazard/reports', AgentReport, stream(), 'as told', 'what people say of the agent'
 )
 AGENT = _fleet(
     'hazard/agent', AgentAdvice, latched(), 'on change', 'which agent, procedures that fit'

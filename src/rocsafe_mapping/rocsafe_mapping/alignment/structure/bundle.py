@@ -108,8 +108,10 @@ def bundled(
 ) -> Scene:
     """Return the scene that fits best; the first camera is held.
 
-    `lens_std` (3,) is the prior of the lens; 0 holds it.
+    `lens_std` (3,) is the prior of the lens; 0 holds it. Points that lie behind a camera are not
+    seen by it: one such sighting, almost infinitely wrong, would outweigh all others.
     """
+    seen = seen.subset(np.isfinite(seen.errors_px(scene)))
     damping = options.first_damping
     cost = _cost(scene, seen, options, lens_std)
     for _ in range(options.bundle_steps):

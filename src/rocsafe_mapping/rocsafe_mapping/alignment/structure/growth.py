@@ -18,6 +18,7 @@ from rocsafe_mapping.alignment.structure.epipolar import Key, Link, Tracks
 from rocsafe_mapping.alignment_options import StructureOptions
 
 NOWHERE = -1
+HELD = np.zeros(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,13 +43,12 @@ class Grown:
     tracks: NDArray[np.int64]
 
 
-class Growth:
-    """Grows a scene.
+@dataclass(frozen=True, slots=True)
+class Cameras:
+    """What saw the points.
 
-    Parameters
+    Attributes
     ----------
-    tracks
-        Points that several photographs show.
     offsets_px
         Pixels less the principal point of the features of each photograph, (n, 2).
     focal_px
@@ -57,16 +57,33 @@ class Growth:
         Prior of logarithm of the focal length, k1 and k2; zeros for a calibrated camera.
     """
 
-    def __init__(
-        self,
-        tracks: Tracks,
-        offsets_px: Sequence[FloatArray],
-        focal_px: FloatArray,
-        lens_std: FloatArray,
-        options: StructureOptions,
-    ) -> None:
+    offsets_px: Sequence[FloatArray]
+    focal_px: FloatArray
+    lens_std: FloatArray
+
+
+def best_grown(
+    links: Mapping[Key, Link], tracks: Tracks, cameras: Cameras, options: StructureOptions
+) -> Grown | None:
+    """Return the scene in which most sightings agree, of those of several seeds; None without any.
+
+    Two photographs may agree by a wrong geometry, of a plane above all: the scene that grows from
+    them takes in most photographs, but fewer of their sightings.
+    """
+    scenes = (
+        Growth(tracks, cameras, options).grow(key, links[key]) for key in _seeds(links, options)
+    )
+    found = [scene for scene in scenes if scene is not None]
+    return max(found, key=lambda scene: len(scene.seen.photos), default=None)
+
+
+class Growth:
+    """Grows a scene from two photographs."""
+
+    def __init__(self, tracks: Tracks, cameras: Cameras, options: StructureOptions) -> None:
         self._options = options
-        self._lens_std = lens_std
+        self._lens_std = cameras.lens_std
+        offsets_px, focal_px = cameras.offsets_px, cameras.focal_px
         self._focal = focal_px
         self._photo, self._point = tracks.photos, tracks.points
         self._px = np.array(
@@ -83,12 +100,13 @@ class Growth:
         self._lens: FloatArray = np.zeros(3)
         self._bundled_count = 0
 
-    def grow(self, links: Mapping[Key, Link]) -> Grown | None:
-        """Return the largest scene that grows from the best seed; None without any."""
-        for key in _seeds(links, self._options):
-            if self._begin(key, links[key]):
-                break
-        else:
+    def grow(self, key: Key, link: Link) -> Grown | None:
+        """Return the largest scene that grows from two photographs; None if they are no seed.
+
+        The lens is held until the end: a scene of few photographs makes up a lens that hides what
+        is wrong with it.
+        """
+        if not self._begin(key, link):
             return None
         failed: dict[int, int] = {}
         while True:
@@ -103,8 +121,8 @@ class Growth:
             else:
                 # It is tried again when there are more points.
                 failed[name] = self._known(name)
-        self._bundle()
-        self._bundle()
+        for _ in range(2):
+            self._bundle(self._lens_std)
         return self._grown()
 
     def _begin(self, key: Key, link: Link) -> bool:
@@ -245,7 +263,7 @@ class Growth:
         rows = np.flatnonzero(used)
         return rows, self._observed(rows, slot[self._photo[rows]], points), tracks
 
-    def _bundle(self) -> None:
+    def _bundle(self, lens_std: FloatArray = HELD) -> None:
         """Adjust the scene, leave out sightings that disagree, and try points again."""
         rows, seen, tracks = self._in_scene()
         order = np.array(self._order)
@@ -255,8 +273,7 @@ class Growth:
             points=self._places[tracks],
             lens=self._lens,
         )
-        std = self._lens_std if len(order) >= self._options.least_for_lens else np.zeros(3)
-        scene = bundled(scene, seen, self._options, std)
+        scene = bundled(scene, seen, self._options, lens_std)
         self._centres[order], self._rotations[order] = scene.centres, scene.rotations
         self._lens = scene.lens
         self._places[tracks] = scene.points

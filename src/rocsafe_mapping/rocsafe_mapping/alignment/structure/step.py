@@ -19,7 +19,7 @@ from rocsafe_mapping.alignment.matching.features import Features, Gray, sift_fea
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.structure.epipolar import Key, Link, linked, tracks_of
-from rocsafe_mapping.alignment.structure.growth import Grown, Growth
+from rocsafe_mapping.alignment.structure.growth import Cameras, Grown, best_grown
 from rocsafe_mapping.alignment.structure.levelled import levelled
 from rocsafe_mapping.alignment_options import AlignmentOptions, StructureOptions
 
@@ -62,7 +62,7 @@ def find_structure(
     focal = np.array([photo.camera.fx_px for photo in chosen])
     share = max(photo.focal_std_share for photo in chosen)
     lens_std = np.array([share, *options.adjustment.radial_std]) if share else np.zeros(3)
-    grown = Growth(tracks, offsets, focal, lens_std, structure).grow(links)
+    grown = best_grown(links, tracks, Cameras(offsets, focal, lens_std), structure)
     scene = levelled(grown.scene, structure) if grown is not None else None
     if grown is None or scene is None:
         return None
