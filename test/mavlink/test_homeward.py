@@ -14,6 +14,7 @@ from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
+from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
@@ -117,9 +118,12 @@ def test_autopilot_that_returns_around_exclusions_passes(autopilot, found, fence
     assert check.verdict is verdict
 
 
-def flying_around():
+def flying_around(journal=None):
     """Return an air whose copter is behind the square; the check is left out."""
     air = Air()
+    if journal is not None:
+        air.drones[1] = Drone(air.drones[1].spec, air.drones[1].session, journal)
+        air.station.add(air.drones[1])
     air.copters[1].parameters |= {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0}
     air.wait(46.0)
     commands = air.drones[1].commands

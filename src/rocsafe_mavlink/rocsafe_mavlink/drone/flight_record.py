@@ -82,8 +82,15 @@ class FlightRecord:
             self.distance_m += step_m if step_m < LARGEST_STEP_M else 0.0
         self._last = vehicle.motion.position
 
-    def note(self, flight: MissionFlight, now_s: float, *, is_in_air: bool) -> None:
-        """Note how far a flight is."""
+    def note(
+        self,
+        flight: MissionFlight,
+        now_s: float,
+        *,
+        is_in_air: bool,
+        failsafe: FlightOutcome | None = None,
+    ) -> None:
+        """Note how far a flight is, and which failsafe was announced in it."""
         entry = self.entry
         if entry is None or entry.outcome is not None:
             return
@@ -95,6 +102,8 @@ class FlightRecord:
             visited=max(entry.visited, flight.visited),
             outcome=flight.outcome,
             reason=flight.reason,
+            cause=flight.cause,
+            failsafe=entry.failsafe or failsafe,
         )
         if changed != entry:
             began_s = now_s if self._began_s is None else self._began_s

@@ -186,7 +186,14 @@ class MissionFlight:
     def replanned(self, plan: FlightPlan) -> 'MissionFlight':
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
         mission = mission_of(plan, self.autopilot)
-        return replace(self, plan=plan, mission=mission, visited=0)
+        going = replace(self, plan=plan, mission=mission, visited=0)
+        # An order to return or land was for the plan before.
+        is_given_up = self.cause is FlightOutcome.ABORTED_BY_OPERATOR
+        return replace(going, cause=None, reason='') if is_given_up else going
+
+    def remembering(self, cause: FlightOutcome | None, reason: str) -> 'MissionFlight':
+        """Return a flight that was found, with what an earlier bridge noted of it."""
+        return replace(self, cause=self.cause or cause, reason=self.reason or reason)
 
     def _has_arrived(self, vehicle: VehicleTelemetry) -> bool:
         """Whether a ground vehicle stands at the end of its way, or back at home, switched on."""
@@ -217,8 +224,9 @@ class MissionFlight:
             # Somebody else has it now: its flight is only watched.
             cause = failsafe_of(sequence.error) or FlightOutcome.ABORTED_BY_OPERATOR
             return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
-        if self.stage is FlightStage.DISARMING and vehicle.is_armed:
-            # The vehicle cannot be stopped: its flight is watched to the end.
+        is_flying = vehicle.is_armed and vehicle.is_airborne and not self.autopilot.drives
+        if is_flying or (self.stage is FlightStage.DISARMING and vehicle.is_armed):
+            # It flies, or cannot be stopped: its flight is watched to the end.
             cause = FlightOutcome.REJECTED
             return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
         if self.stage is FlightStage.DISARMING or not _may_be_armed(sequence, vehicle):

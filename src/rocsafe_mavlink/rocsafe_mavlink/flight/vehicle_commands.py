@@ -86,7 +86,7 @@ class VehicleCommands:
             ),
             replace(
                 self._do(calls.start_mission(self.target)),
-                is_shown_unanswered=_is_airborne,
+                is_shown_unanswered=_takes_off,
                 modes=frozenset({autopilot.modes[Verb.MISSION]}),
             ),
         )
@@ -94,14 +94,12 @@ class VehicleCommands:
         return self._sequence('flight', self._upload(mission), *start)
 
     def disarm(self) -> CommandSequence:
-        """Return the sequence that stops the motors, which autopilots refuse in flight."""
-        step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
-        return self._sequence('disarm', step)
+        """Return the sequence that stops the motors, on the ground only."""
+        return self._sequence('disarm', self._stop())
 
     def stay_down(self, name: str, verb: Verb) -> CommandSequence:
         """Return the sequence that stops the motors; in the air the mode for `verb` is set."""
-        stop = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
-        return self._urgent(name, replace(stop, otherwise=self._mode(verb)))
+        return self._urgent(name, replace(self._stop(), otherwise=self._mode(verb)))
 
     def nothing(self, name: str) -> CommandSequence:
         """Return the sequence of an order that is fulfilled already."""
@@ -201,6 +199,19 @@ class VehicleCommands:
 
     def _do(self, command: Message, is_shown: Shown | None = None) -> CommandStep:
         return CommandStep(call=CommandCall(command=command, us=self.us), is_shown=is_shown)
+
+    def _stop(self) -> CommandStep:
+        """Return the step that stops the motors; in the air it is neither begun nor repeated.
+
+        Autopilots refuse it there, unless they take themselves for landed.
+        """
+
+        def refusal(vehicle: VehicleTelemetry, _now_s: float) -> str:
+            is_flying = vehicle.is_airborne and not self.autopilot.drives
+            return 'it is in the air' if is_flying else ''
+
+        step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
+        return replace(step, refusal=refusal)
 
     def _upload(self, mission: Mission, *, clears_after_failure: bool = True) -> TransferStep:
         moving = transfer(
@@ -319,8 +330,8 @@ def _unless_armed(may_not_arm: Refusal | None) -> Refusal:
     return obstacle
 
 
-def _is_airborne(vehicle: VehicleTelemetry) -> bool:
-    return vehicle.landed in (Landed.TAKEOFF, Landed.IN_AIR)
+def _takes_off(vehicle: VehicleTelemetry) -> bool:
+    return vehicle.landed is Landed.TAKEOFF or vehicle.is_airborne
 
 
 def _is_paused(vehicle: VehicleTelemetry) -> bool:

@@ -9,6 +9,7 @@ return.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 from shapely.geometry import MultiPoint, Polygon
@@ -46,6 +47,7 @@ class ReturnPlaces:
     includes_home: bool = True
 
 
+@lru_cache(maxsize=64)
 def return_fault(plan: FlightPlan, places: ReturnPlaces) -> str:
     """Return which exclusion lies on a straight way home, and from which leg; empty if none."""
     plane = _Plane(places.home)
