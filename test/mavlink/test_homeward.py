@@ -136,6 +136,18 @@ def flying_around(journal=None):
 
 
 @pytest.mark.slow
+def test_return_to_a_home_that_was_set_into_an_exclusion_is_refused():
+    """By another station, in flight: no way leads there; it may land, or go elsewhere."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.home = (HOME_PLACE.latitude_deg + 100.0 / 111_195.0, HOME_PLACE.longitude_deg)
+    air.wait(2.0)
+    with pytest.raises(CommandRefusedError, match='its home lies in exclusion 1'):
+        commands.return_home(air.now_s)
+    commands.land(air.now_s)
+
+
+@pytest.mark.slow
 def test_commanded_return_flies_around():
     """A straight one would cross the square; nothing is left behind, and the flight has ended."""
     air = flying_around()

@@ -69,6 +69,15 @@ def test_route_that_was_given_up_before_is_not_resumed(tmp_path):
     assert 'was given up' in is_refused(air, 'resume')
 
 
+def test_route_that_was_given_up_after_a_restart_of_the_autopilot_is_not_resumed():
+    """The restart was the first reason why it left its mission; the order counts all the same."""
+    air = flying()
+    air.drones[1].session.flight = air.flight().restarted()
+    assert obeyed(air, 'return_home') == ''
+    assert obeyed(air, 'hold') == ''
+    assert 'was given up' in is_refused(air, 'resume')
+
+
 def test_new_route_after_one_that_was_given_up_may_be_resumed():
     """Its end is its own, too: the order to return was for the one before."""
     air = flying()

@@ -28,7 +28,7 @@ from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Contact, Home, Ve
 from rocsafe_mavlink.plan.fence import Fence, rally_items
 from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault
+from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault, zone_at
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -338,7 +338,10 @@ class DroneCommands:
         return way_fault(flight.plan, [vehicle.motion.position, ahead])
 
     def _way_home(self) -> FlightPlan | None:
-        """Return the way around exclusions; None if the vehicle may return straight."""
+        """Return the way around exclusions; None if the vehicle may return straight.
+
+        Refused if its home was set into one: no way leads there.
+        """
         plan, vehicle = self._plan, self._session.telemetry
         if plan is None or vehicle.home is None or vehicle.motion is None:
             return None
@@ -346,7 +349,10 @@ class DroneCommands:
             position=vehicle.motion.position,
             height_m=max(vehicle.motion.height_above_home_m, self._limits.lowest_m),
         )
-        home = GeoPosition(vehicle.home.latitude_deg, vehicle.home.longitude_deg)
+        home = vehicle.home.place
+        if zone := zone_at(plan, home):
+            words = 'another station has set it: let it land, or go to a place'
+            raise CommandRefusedError(f'its home lies in exclusion {zone}, {words}')
         return homeward_plan(plan, here, home)
 
     def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:

@@ -387,10 +387,12 @@ class Drone:
         flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
         if flight is None or entry is None:
             return False
-        # An order to return or land was for the plan before its successor.
-        is_same = plan == entry.assignment.plan
-        cause = entry.cause if is_same else None
-        self.session.flight = flight.remembering(cause, entry.reason if is_same else '')
+        if plan == entry.assignment.plan:
+            flight = flight.remembering(
+                entry.cause, entry.reason, was_called_down=entry.was_called_down
+            )
+        # Of its successor nothing is noted yet: an order to return was for the plan before.
+        self.session.flight = flight
         return True
 
 

@@ -103,6 +103,7 @@ class FlightRecord:
             outcome=flight.outcome,
             reason=flight.reason,
             cause=flight.cause,
+            was_called_down=flight.was_called_down,
             failsafe=entry.failsafe or failsafe,
         )
         if changed != entry:
