@@ -127,6 +127,20 @@ def test_exclusions_hold_where_no_flight_is_found(tmp_path):
 
 
 @pytest.mark.slow
+def test_failsafe_that_is_announced_where_no_flight_is_found_is_kept(tmp_path):
+    """Its mission cannot be read, a failsafe is announced, and the bridge is started once more."""
+    path = tmp_path / 'flight.json'
+    air = flying_around(FlightJournal(path))
+    air.copters[1].mode = BRAKE
+    unfound(air, path)
+    air.copters[1]._text(2, 'Battery Failsafe')
+    air.wait(2.0)
+    unfound(air, path)
+    air.drones[1].step(air.now_s)
+    assert air.drones[1].session.custody.failsafe is FlightOutcome.FAILSAFE_BATTERY
+
+
+@pytest.mark.slow
 def test_exclusions_hold_for_a_vehicle_that_was_given_up_as_lost():
     """It is heard again after eleven minutes, where it was."""
     air = flying_around()

@@ -168,7 +168,8 @@ class Watch:
         is_resumed = sequence is not None and not sequence.is_over and sequence.name == 'resume'
         if modes['mission'] in self._leads_to(message):
             assert not (is_resumed and self.is_given_up), f'{what}: its route was given up'
-            is_low = self.height_m < 1.0 and not run.vehicle.is_flying
+            # In the mission already it goes on by itself, whatever is sent.
+            is_low = self.height_m < 1.0 and self.mode != modes['mission']
             is_first = run.vehicle.kind.starts_anywhere or self.current <= run.first + 1
             assert is_first or not is_low, f'{what}: it would begin at item {self.current}'
 

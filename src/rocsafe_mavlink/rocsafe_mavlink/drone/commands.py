@@ -112,9 +112,11 @@ class DroneCommands:
         if self._stays_down('return home', Verb.RETURN, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
-        way = self._way_home()
+        way = self._way_home(self._session.telemetry)
         if way is None:
-            self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
+            self._begin(
+                lambda commands: commands.return_home(self._way_bends), now_s, preempts=True
+            )
         else:
             self._begin(
                 lambda commands: commands.fly_home(mission_of(way, commands.autopilot)),
@@ -337,12 +339,22 @@ class DroneCommands:
             return 'where it is, or its home, is not known'
         return way_fault(flight.plan, [vehicle.motion.position, ahead])
 
-    def _way_home(self) -> FlightPlan | None:
+    def _way_bends(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
+        """Return why a straight return must not be sent: the vehicle has flown on meanwhile."""
+        try:
+            is_straight = self._way_home(vehicle) is None
+        except CommandRefusedError as refusal:
+            return str(refusal)
+        return (
+            '' if is_straight else 'an exclusion lies on the straight way by now: order it again'
+        )
+
+    def _way_home(self, vehicle: VehicleTelemetry) -> FlightPlan | None:
         """Return the way around exclusions; None if the vehicle may return straight.
 
         Refused if its home was set into one: no way leads there.
         """
-        plan, vehicle = self._plan, self._session.telemetry
+        plan = self._plan
         if plan is None or vehicle.home is None or vehicle.motion is None:
             return None
         here = FlightWaypoint(

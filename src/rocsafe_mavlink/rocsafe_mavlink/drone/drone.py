@@ -365,8 +365,9 @@ class Drone:
         """Take up the flight of a bridge that ended; nothing is sent for it."""
         if entry.outcome not in (None, FlightOutcome.LOST) or not self.is_in_air:
             return
-        # What was announced to the bridge before is not announced again.
+        # What was announced to the bridge before is not announced again, nor to the one after.
         self.session.custody = self.session.custody.remembering(entry.failsafe)
+        self._record.note_failsafe(self.session.custody.failsafe)
         if entry.outcome is not None:
             return
         stored = self.session.readout.mission.items

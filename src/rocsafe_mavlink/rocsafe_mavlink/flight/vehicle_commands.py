@@ -133,9 +133,9 @@ class VehicleCommands:
         go_on = self._unless_changed(mission, _unless(may_not_go, step))
         return self._sequence('resume', TransferStep(moving=reading), go_on)
 
-    def return_home(self) -> CommandSequence:
-        """Return the sequence that flies home and lands there."""
-        return self._urgent('return home', self._mode(Verb.RETURN))
+    def return_home(self, may_not_go: Refusal) -> CommandSequence:
+        """Return the sequence that flies home and lands there, unless there is a reason not to."""
+        return self._urgent('return home', _unless(may_not_go, self._mode(Verb.RETURN)))
 
     def fly_home(self, mission: Mission) -> CommandSequence:
         """Return the sequence that flies home by a mission, where the straight way is not free."""
