@@ -409,7 +409,7 @@ class HostileVehicle:
 
     def _land(self, now_s):
         self.is_armed = self.is_flying = False
-        self.place_e7 = HOME_E7
+        self.place_e7, self.current = HOME_E7, 0
         self.owner, self.status, self.since_s = OURS, 3, now_s
 
     def _tell(self, now_s):

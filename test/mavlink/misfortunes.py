@@ -49,6 +49,11 @@ def _bridge_restarts(run):
     run.restart()
 
 
+def _current_moves(run):
+    """Another station lets it go on with another item of its mission."""
+    run.vehicle.current = run.rng.randrange(max(1, len(run.vehicle.stored[0])))
+
+
 def _rally_moves(run):
     """Another station writes a rally point, anywhere."""
     place = (HOME_E7[0] + run.rng.choice((0, 20_000)), HOME_E7[1])
@@ -171,5 +176,12 @@ MISFORTUNES = (
     *(_cut, _cut, _stuck, _noise, _noise, _noise, _odd_heartbeat, _odd_heartbeat),
     *(_component_beats, _component_beats, _odd_clock, _clock_wraps, _obeys_another),
     *(_home_moves, _home_rises, _estimate_jumps, _bridge_restarts, _bridge_restarts),
-    *(_rally_moves, _pilot_flies_a_round, _pilot_flies_a_round, _wind_blows),
+    *(
+        _rally_moves,
+        _current_moves,
+        _current_moves,
+        _pilot_flies_a_round,
+        _pilot_flies_a_round,
+        _wind_blows,
+    ),
 )

@@ -136,6 +136,36 @@ def flying_around(journal=None):
 
 
 @pytest.mark.slow
+def test_return_to_a_home_that_was_set_into_an_exclusion_is_refused():
+    """By another station, in flight: no way leads there; it may land, or go elsewhere."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.home = (HOME_PLACE.latitude_deg + 100.0 / 111_195.0, HOME_PLACE.longitude_deg)
+    air.wait(2.0)
+    with pytest.raises(CommandRefusedError, match='its home lies in exclusion 1'):
+        commands.return_home(air.now_s)
+    commands.land(air.now_s)
+
+
+@pytest.mark.slow
+def test_straight_return_is_not_repeated_from_where_it_would_cross():
+    """The order is lost on the link while it flies on: from behind the square it is no more so."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.mode, copter.place = BRAKE, (60.0, 60.0)
+    air.wait(2.0)
+    copter._on_command = lambda _message: None
+    commands.return_home(air.now_s)
+    air.wait(0.5)
+    assert len(air.drones[1].session.sequence.steps) == 1
+    copter.place = (0.0, 150.0)
+    before = len(air.sent)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    assert 'an exclusion lies on the straight way by now' in commands.outcome(commands.count)
+    assert [m for m in air.sent[before:] if m.fields.get('command') == 176] == []
+
+
+@pytest.mark.slow
 def test_commanded_return_flies_around():
     """A straight one would cross the square; nothing is left behind, and the flight has ended."""
     air = flying_around()

@@ -69,6 +69,15 @@ def test_route_that_was_given_up_before_is_not_resumed(tmp_path):
     assert 'was given up' in is_refused(air, 'resume')
 
 
+def test_route_that_was_given_up_after_a_restart_of_the_autopilot_is_not_resumed():
+    """The restart was the first reason why it left its mission; the order counts all the same."""
+    air = flying()
+    air.drones[1].session.flight = air.flight().restarted()
+    assert obeyed(air, 'return_home') == ''
+    assert obeyed(air, 'hold') == ''
+    assert 'was given up' in is_refused(air, 'resume')
+
+
 def test_new_route_after_one_that_was_given_up_may_be_resumed():
     """Its end is its own, too: the order to return was for the one before."""
     air = flying()
@@ -115,6 +124,20 @@ def test_exclusions_hold_where_no_flight_is_found(tmp_path):
     assert air.drones[1].session.sequence.name == 'return home'
     air.wait(5.0)
     assert copter.mode != RTL
+
+
+@pytest.mark.slow
+def test_failsafe_that_is_announced_where_no_flight_is_found_is_kept(tmp_path):
+    """Its mission cannot be read, a failsafe is announced, and the bridge is started once more."""
+    path = tmp_path / 'flight.json'
+    air = flying_around(FlightJournal(path))
+    air.copters[1].mode = BRAKE
+    unfound(air, path)
+    air.copters[1]._text(2, 'Battery Failsafe')
+    air.wait(2.0)
+    unfound(air, path)
+    air.drones[1].step(air.now_s)
+    assert air.drones[1].session.custody.failsafe is FlightOutcome.FAILSAFE_BATTERY
 
 
 @pytest.mark.slow

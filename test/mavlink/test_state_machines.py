@@ -69,8 +69,8 @@ class Run:
         )
         self.spec = DroneSpec(name='rav1', target=(1, 1), frame=frame, limits=limits)
         self.journal = FlightJournal()
-        self.flown = PLANS
-        if rng.random() < 0.3:
+        self.flown, self.has_zone = PLANS, rng.random() < 0.3
+        if self.has_zone:
             self.flown = {5: around()}
             self.vehicle.settings |= AROUND[kind.number]
             self.vehicle.fence_off(SQUARE)
@@ -236,12 +236,21 @@ class Run:
     def _come_down(self, give):
         """Give an order to return or land, which ends the flight once it is obeyed."""
         give(self.now_s)
-        self.answers.append((self.drone.commands.count, self.drone.gave_up))
+        self.answers.append((self.drone.commands.count, self._gave_up))
+
+    def _gave_up(self):
+        self.drone.gave_up()
+        self.watch.is_given_up = True
 
     def _replace(self):
         assignment = self._assignment()
         self.drone.replace_route(assignment, self.now_s)
-        self.answers.append((self.drone.commands.count, lambda: self.drone.switch_to(assignment)))
+
+        def obeyed():
+            self.drone.switch_to(assignment)
+            self.watch.is_given_up = False
+
+        self.answers.append((self.drone.commands.count, obeyed))
 
     def _watch_answers(self):
         """As the servers do it once an order is obeyed."""

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Judges what the bridge sends to a hostile vehicle; it shares no code with the bridge."""
 
+from shapely.geometry import LineString, Polygon
 from test.mavlink.hostile_vehicle import FAILSAFE, OURS, PILOT, is_finite
+from test.mavlink.test_homeward import SQUARE
 
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.reducer import NO_AUTOPILOT
 from rocsafe_mavlink.wire.authority import COMMANDS
 
@@ -17,6 +20,18 @@ READING = frozenset(
 FAILSAFE_WORDS = ('failsafe', 'breached')
 
 
+# The square of `around`, a metre smaller, in 1e-7 degrees of latitude and longitude.
+INNER = Polygon(
+    [(round(one.latitude_deg * 1e7), round(one.longitude_deg * 1e7)) for one in SQUARE]
+)
+INNER = INNER.buffer(-90.0)
+
+
+def crosses(here, there):
+    """Whether a straight way leads over the square."""
+    return LineString([here, there]).intersects(INNER)
+
+
 class Watch:
     """Judges what is sent, by what the bridge has received."""
 
@@ -28,11 +43,14 @@ class Watch:
         self.tainted = None
         self.total = 0
         self.height_m, self.offered = 0.0, []
+        self.place = self.home = None
+        self.current, self.is_given_up = 0, False
         self.is_goal_spoilt = self.is_coming_down = False
 
     def forget(self):
         """Take note that the bridge was started again: it has heard nothing yet."""
         self.is_heard, self.tainted = False, None
+        self.place = self.home = None
 
     def goal_came(self):
         """Take note of a goal: a start follows, unless somebody else uses the vehicle."""
@@ -45,8 +63,12 @@ class Watch:
         self.has_failed |= self.is_armed and any(word in said for word in FAILSAFE_WORDS)
         if message.name == 'MISSION_CURRENT':
             self.total = message.fields.get('total', 0)
+            self.current = message['seq']
+        if message.name == 'HOME_POSITION':
+            self.home = (message['latitude'], message['longitude'])
         if message.name == 'GLOBAL_POSITION_INT':
             self.height_m = message['relative_alt'] / 1000.0
+            self.place = (message['lat'], message['lon'])
         is_beat = message.name == 'HEARTBEAT' and id(message) in run.vehicle.owners
         if not is_beat or message['autopilot'] == NO_AUTOPILOT:
             return
@@ -66,6 +88,7 @@ class Watch:
             self.has_failed = True
         if not is_armed:
             self.has_failed, self.tainted, self.is_coming_down = False, None, False
+            self.is_given_up = False
         session = run.drone.session
         if is_new and not self._was_asked(mode):
             self.tainted = (session.sequence_count, session.flight)
@@ -87,6 +110,7 @@ class Watch:
         self._judge_mission(message, what)
         self._judge_motors(message, what)
         self._judge_order(message, what)
+        self._judge_way(message, what)
         for mode in self._leads_to(message):
             self.asked_s[mode] = self.run.now_s
 
@@ -128,6 +152,26 @@ class Watch:
             self.is_coming_down = False
         is_down = self.is_coming_down and self.mode == modes['land'] and self.owner == OURS
         assert by_person or not is_down, f'{what}: a person has it land'
+
+    def _judge_way(self, message, what):
+        """No straight way crosses an exclusion, and a route begins at its first item."""
+        run, modes = self.run, self.run.vehicle.modes
+        number, sequence = message.fields.get('command'), run.drone.session.sequence
+        is_known = self.is_armed and None not in (self.place, self.home)
+        goal = (message['x'], message['y']) if number == 192 else None
+        if number == 176 and modes['return'] in self._leads_to(message):
+            goal = self.home
+        entry = run.journal.entry
+        is_open = entry is not None and entry.outcome in (None, FlightOutcome.LOST)
+        if run.has_zone and goal is not None and is_known and is_open:
+            assert not crosses(self.place, goal), f'{what}: across an exclusion'
+        is_resumed = sequence is not None and not sequence.is_over and sequence.name == 'resume'
+        if modes['mission'] in self._leads_to(message):
+            assert not (is_resumed and self.is_given_up), f'{what}: its route was given up'
+            # In the mission already it goes on by itself, whatever is sent.
+            is_low = self.height_m < 1.0 and self.mode != modes['mission']
+            is_first = run.vehicle.kind.starts_anywhere or self.current <= run.first + 1
+            assert is_first or not is_low, f'{what}: it would begin at item {self.current}'
 
     def _judge_mission(self, message, what):
         """Nothing is started or resumed but a mission of a plan."""

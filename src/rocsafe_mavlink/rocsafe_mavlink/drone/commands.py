@@ -28,7 +28,7 @@ from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Contact, Home, Ve
 from rocsafe_mavlink.plan.fence import Fence, rally_items
 from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault
+from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault, zone_at
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -112,9 +112,11 @@ class DroneCommands:
         if self._stays_down('return home', Verb.RETURN, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
-        way = self._way_home()
+        way = self._way_home(self._session.telemetry)
         if way is None:
-            self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
+            self._begin(
+                lambda commands: commands.return_home(self._way_bends), now_s, preempts=True
+            )
         else:
             self._begin(
                 lambda commands: commands.fly_home(mission_of(way, commands.autopilot)),
@@ -337,16 +339,32 @@ class DroneCommands:
             return 'where it is, or its home, is not known'
         return way_fault(flight.plan, [vehicle.motion.position, ahead])
 
-    def _way_home(self) -> FlightPlan | None:
-        """Return the way around exclusions; None if the vehicle may return straight."""
-        plan, vehicle = self._plan, self._session.telemetry
+    def _way_bends(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
+        """Return why a straight return must not be sent: the vehicle has flown on meanwhile."""
+        try:
+            is_straight = self._way_home(vehicle) is None
+        except CommandRefusedError as refusal:
+            return str(refusal)
+        return (
+            '' if is_straight else 'an exclusion lies on the straight way by now: order it again'
+        )
+
+    def _way_home(self, vehicle: VehicleTelemetry) -> FlightPlan | None:
+        """Return the way around exclusions; None if the vehicle may return straight.
+
+        Refused if its home was set into one: no way leads there.
+        """
+        plan = self._plan
         if plan is None or vehicle.home is None or vehicle.motion is None:
             return None
         here = FlightWaypoint(
             position=vehicle.motion.position,
             height_m=max(vehicle.motion.height_above_home_m, self._limits.lowest_m),
         )
-        home = GeoPosition(vehicle.home.latitude_deg, vehicle.home.longitude_deg)
+        home = vehicle.home.place
+        if zone := zone_at(plan, home):
+            words = 'another station has set it: let it land, or go to a place'
+            raise CommandRefusedError(f'its home lies in exclusion {zone}, {words}')
         return homeward_plan(plan, here, home)
 
     def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:

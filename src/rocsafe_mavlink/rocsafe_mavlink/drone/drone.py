@@ -365,8 +365,9 @@ class Drone:
         """Take up the flight of a bridge that ended; nothing is sent for it."""
         if entry.outcome not in (None, FlightOutcome.LOST) or not self.is_in_air:
             return
-        # What was announced to the bridge before is not announced again.
+        # What was announced to the bridge before is not announced again, nor to the one after.
         self.session.custody = self.session.custody.remembering(entry.failsafe)
+        self._record.note_failsafe(self.session.custody.failsafe)
         if entry.outcome is not None:
             return
         stored = self.session.readout.mission.items
@@ -387,10 +388,12 @@ class Drone:
         flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
         if flight is None or entry is None:
             return False
-        # An order to return or land was for the plan before its successor.
-        is_same = plan == entry.assignment.plan
-        cause = entry.cause if is_same else None
-        self.session.flight = flight.remembering(cause, entry.reason if is_same else '')
+        if plan == entry.assignment.plan:
+            flight = flight.remembering(
+                entry.cause, entry.reason, was_called_down=entry.was_called_down
+            )
+        # Of its successor nothing is noted yet: an order to return was for the plan before.
+        self.session.flight = flight
         return True
 
 

@@ -103,6 +103,7 @@ class FlightRecord:
             outcome=flight.outcome,
             reason=flight.reason,
             cause=flight.cause,
+            was_called_down=flight.was_called_down,
             failsafe=entry.failsafe or failsafe,
         )
         if changed != entry:
@@ -111,6 +112,12 @@ class FlightRecord:
             self._journal.write(
                 replace(changed, distance_m=self.distance_m, duration_s=duration_s)
             )
+
+    def note_failsafe(self, failsafe: FlightOutcome | None) -> None:
+        """Note a failsafe of a flight that may be in the air, though it was not found."""
+        entry = self._journal.open_entry
+        if entry is not None and entry.failsafe is None and failsafe is not None:
+            self._journal.write(replace(entry, failsafe=failsafe))
 
     def settle(self, vehicle: VehicleTelemetry) -> None:
         """Note how a flight ended that was not watched to its end.

@@ -62,6 +62,8 @@ class JournalEntry:
         How it ended; None before.
     cause
         Why it left its mission: a failsafe, or an order; None: it has not.
+    was_called_down
+        Whether an operator had it return or land.
     failsafe
         First failsafe that the vehicle announced or showed in the air, also after `cause`.
     successor
@@ -78,6 +80,7 @@ class JournalEntry:
     outcome: FlightOutcome | None = None
     reason: str = ''
     cause: FlightOutcome | None = None
+    was_called_down: bool = False
     failsafe: FlightOutcome | None = None
     successor: Assignment | None = None
 

@@ -90,8 +90,12 @@ class VehicleCommands:
                 modes=frozenset({autopilot.modes[Verb.MISSION]}),
             ),
         )
-        start = (self._unless_changed(mission, step) for step in steps)
-        return self._sequence('flight', self._upload(mission), *start)
+        *before, last = (self._unless_changed(mission, step) for step in steps)
+        # A PX4 is told the first item with the start. A rover keeps the last one of a drive that
+        # is complete, and begins anew all the same.
+        if not (autopilot.starts_anywhere or autopilot.drives):
+            before = [_unless_past(mission.first_item, step) for step in before]
+        return self._sequence('flight', self._upload(mission), *before, last)
 
     def disarm(self) -> CommandSequence:
         """Return the sequence that stops the motors, on the ground only."""
@@ -129,9 +133,9 @@ class VehicleCommands:
         go_on = self._unless_changed(mission, _unless(may_not_go, step))
         return self._sequence('resume', TransferStep(moving=reading), go_on)
 
-    def return_home(self) -> CommandSequence:
-        """Return the sequence that flies home and lands there."""
-        return self._urgent('return home', self._mode(Verb.RETURN))
+    def return_home(self, may_not_go: Refusal) -> CommandSequence:
+        """Return the sequence that flies home and lands there, unless there is a reason not to."""
+        return self._urgent('return home', _unless(may_not_go, self._mode(Verb.RETURN)))
 
     def fly_home(self, mission: Mission) -> CommandSequence:
         """Return the sequence that flies home by a mission, where the straight way is not free."""
@@ -312,6 +316,21 @@ def require_reachable(
     away_m = distance_m(GeoPosition(home.latitude_deg, home.longitude_deg), place)
     require_between('distance from home', away_m, 0.0, limits.furthest_m, 'm')
     return home
+
+
+def _unless_past(first: int, step: CommandStep) -> CommandStep:
+    """Return a step of a start that waits while the mission would begin past item `first`.
+
+    Another station has chosen that item, or it is one of an earlier flight: the legs before it
+    would be left out, and nobody has checked the way to it.
+    """
+
+    def obstacle(vehicle: VehicleTelemetry, now_s: float) -> str:
+        item = vehicle.mission.current
+        words = f'it would begin with item {item}: another station has chosen that'
+        return words if item > first else step.obstacle(vehicle, now_s)
+
+    return replace(step, obstacle=obstacle)
 
 
 def _unless(may_not_go: Refusal, step: CommandStep) -> CommandStep:
