@@ -141,7 +141,7 @@ def test_pipes_and_other_encodings_are_refused(tmp_path: Path):
         (HEAD + '\n1,2,3,x,5,6\n', "line 2: value_g_m3 is 'x'"),
         (HEAD + '\n1,2,3,inf,5,6\n', 'must be finite'),
         (HEAD + '\n1,2,3,4,5,999\n', 'from_deg is 999'),
-        (HEAD + '\n1,2,3,4,0,270\n9,9,3,4,0,270\n', 'speed_mps'),
+        (HEAD + '\n1,2,3,4,0,270\n9,9,3,4,0,270\n', 'the wind is below 0.3 m/s in most readings'),
         (HEAD + '\n1,2,3,4,5,270\n1,2,3,4,5,270\n1e9,2,3,4,5,270\n', 'line 4: is 1e+09 m'),
         ('\x00\xff', 'neither UTF-8 nor'),
         (HEAD.replace(',', ';') + '\n1;2;3;4;5;6\n', 'semicolons'),
@@ -161,7 +161,7 @@ def test_pipes_and_other_encodings_are_refused(tmp_path: Path):
         (HEAD + '\n1,2,"3,5",4,5,270\n', 'with a decimal point'),
         (HEAD + '\n1,2,3,4,5,270\n\n' + HEAD + '\n', "line 4: height_m is 'height_m'"),
         (HEAD + '\n' + '1' * 20_000 + '\n', 'line 2: is longer than 10000 characters'),
-        (HEAD + '\n1,2,3,4,1e300,270\n', 'line 2: towards_east_mps'),
+        (HEAD + '\n1,2,3,4,1e300,270\n', 'line 2: speed_mps is 1e+300 m/s: must be 0 to 100'),
         (HEAD + '\n' + '1,2,3,4,5,270\n' * 20_001, 'has more than 20000 rows'),
     ],
 )
@@ -182,3 +182,13 @@ def test_missing_file_and_unknown_agent_are_refused(tmp_path: Path, capsys):
     assert 'none.csv' in capsys.readouterr().err
     assert main([str(tmp_path / 'none.csv'), '--agent', 'water']) == 2
     assert 'water' in capsys.readouterr().err
+
+
+def test_a_table_is_told_to_be_enough_or_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """Two readings say once that a release may be anywhere."""
+    path = tmp_path / 'a.csv'
+    path.write_text(HEAD + ',std_g_m3\n1,2,3,0,5,270,1e-5\n9,2,3,0,5,270,1e-5\n')
+    assert main([str(path), '--most', '1']) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.startswith('no release')
+    assert second.startswith('not enough: a release of 0.5 g/s may be in ')

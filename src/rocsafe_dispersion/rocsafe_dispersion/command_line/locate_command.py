@@ -15,7 +15,11 @@ from rocsafe_dispersion.agents.agent_table import agent
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.gas_survey import averaged
-from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
+from rocsafe_dispersion.estimation.locate import (
+    LocatedReleases,
+    locate_releases,
+    usual_speed_mps,
+)
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.estimator_options import estimator_options
 from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading
@@ -204,7 +208,7 @@ def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, A
 
 
 def _located(gas: GasFile, area: SearchArea, options: argparse.Namespace) -> LocatedReleases:
-    speed = float(np.median(gas.survey.speeds_mps))
+    speed = usual_speed_mps(gas.survey)
     layer = layer_of_class(options.stability, speed, options.anemometer, options.roughness)
     return locate_releases(
         gas.survey,
@@ -240,7 +244,9 @@ def _text(document: dict[str, Any]) -> str:
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
         rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
-    lines.append(f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground')
+    where = f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground'
+    if where not in document['verdict']:
+        lines.append(where)
     enough = 'enough' if document['is_enough'] else 'not enough'
     lines.append(f'{enough}: {document["verdict"]}')
     return '\n'.join(lines) + '\n'
