@@ -94,6 +94,9 @@ class Run:
         self.drone = Drone(self.spec, session, self.journal)
         self.begun, self.goal, self.answers, self.by_person = {}, None, [], 0
         self.watch.forget()
+        # The newest order, a route that was being sent, is found again and may be resumed.
+        if self.journal.entry is not None and self.journal.entry.successor is not None:
+            self.watch.is_given_up = False
 
     @property
     def was_just_changed(self):
