@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import lfilter
 
 from rocsafe_dispersion.estimation.evidence import independent_share, plume_share
-from rocsafe_dispersion.estimation.gas_survey import GasSurvey, point_survey
+from rocsafe_dispersion.estimation.gas_survey import GasSurvey, averaged, point_survey
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.plume_kernel import (
     PlumeShape,
@@ -242,3 +242,25 @@ def test_bad_values_are_refused(make):
     """With one error type."""
     with pytest.raises(ValueError, match='must'):
         make()
+
+
+def test_many_readings_are_averaged_where_they_were_taken():
+    """Blocks of four: those that stand gain by the mean, of others the middle counts."""
+    count = 400
+    spots = np.zeros((count, 3))
+    spots[200:, 0] = 10.0 * np.arange(200)
+    below = np.arange(count) == 399
+    values = np.arange(count, dtype=float)
+    survey = point_survey(
+        spots, np.tile([3.0, 0.0], (count, 1)), values, np.full(count, 2.0),
+        is_below=below,
+    )  # fmt: skip
+    few = averaged(survey, 100)
+    assert len(few.values_g_m3) == 101
+    assert few.values_g_m3[:2].tolist() == [1.5, 5.5]
+    assert few.std_g_m3[:2].tolist() == [1.0, 1.0]
+    moving = np.flatnonzero(few.places_m[:, 0, 0] > 0.0)
+    assert few.values_g_m3[moving].tolist() == (200.0 + few.places_m[moving, 0, 0] / 10.0).tolist()
+    assert set(few.std_g_m3[moving]) == {2.0}
+    assert few.is_below.sum() == 1
+    assert averaged(survey, 400) is survey

@@ -2,6 +2,7 @@
 """The command `locate-release`: anybody's readings, and what is refused."""
 
 import json
+import os
 from pathlib import Path
 
 import numpy as np
@@ -99,12 +100,40 @@ def test_beams_are_means_along_their_way(tmp_path: Path):
     assert found.holds(-20.0, 5.0)
 
 
+@pytest.mark.parametrize('encoding', ['utf-8-sig', 'utf-16'])
+@pytest.mark.parametrize('unit', ['g_m3', 'mg_m3'])
+def test_encodings_with_marks_and_milligrams_are_read(tmp_path: Path, encoding: str, unit: str):
+    """One reading of 5 mg/m^3; names may have blanks about them."""
+    value = {'g_m3': '0.005', 'mg_m3': '5'}[unit]
+    head = HEAD.replace('g_m3', unit).replace(',', ' , ')
+    path = tmp_path / 'a.csv'
+    path.write_text(f'{head},std_{unit}\n1,2,3,{value},5,270,{value}\n', encoding=encoding)
+    survey = read_gas(path).survey
+    assert survey.values_g_m3 == pytest.approx([0.005])
+    assert survey.std_g_m3 == pytest.approx([0.005])
+
+
+def test_pipes_and_other_encodings_are_refused(tmp_path: Path):
+    """A pipe would wait for a writer that never comes."""
+    pipe, text = tmp_path / 'pipe', tmp_path / 'a.csv'
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match='is no file'):
+        read_gas(pipe)
+    text.write_bytes(b'caf\xe9\n1\n')
+    with pytest.raises(ValueError, match='neither UTF-8 nor UTF-16'):
+        read_gas(text)
+
+
 @pytest.mark.parametrize(
     ('text', 'named'),
     [
-        ('', '0 readings'),
-        (HEAD + '\n', '0 readings'),
-        (HEAD.replace('value_g_m3', 'value') + '\n1,2,3,4,5,6\n', 'value_g_m3 and value_ppm'),
+        ('', '0 rows'),
+        (HEAD + '\n', '0 rows'),
+        (
+            HEAD.replace('value_g_m3', 'value') + '\n1,2,3,4,5,6\n',
+            'has 0 of the columns value_g_m3',
+        ),
+        (HEAD + ',value_ppm\n1,2,3,4,5,6,7\n', 'has 2 of the columns value_g_m3'),
         (HEAD.replace('value_g_m3', 'value_ppm') + '\n1,2,3,4,5,6\n', 'name the agent'),
         (HEAD.replace('wind_from_deg', 'wind_direction') + '\n1,2,3,4,5,6\n', 'does not say'),
         (HEAD.replace('height_m', 'h') + '\n1,2,3,4,5,6\n', 'height_m is missing'),
@@ -112,9 +141,9 @@ def test_beams_are_means_along_their_way(tmp_path: Path):
         (HEAD + '\n1,2,3,x,5,6\n', "line 2: value_g_m3 is 'x'"),
         (HEAD + '\n1,2,3,inf,5,6\n', 'must be finite'),
         (HEAD + '\n1,2,3,4,5,999\n', 'from_deg is 999'),
-        (HEAD + '\n1,2,3,4,0,270\n9,9,3,4,0,270\n', 'speed_mps'),
-        (HEAD + '\n1,2,3,4,5,270\n1e9,2,3,4,5,270\n', 'apart'),
-        ('\x00\xff', 'column'),
+        (HEAD + '\n1,2,3,4,0,270\n9,9,3,4,0,270\n', 'the wind is below 0.3 m/s in most readings'),
+        (HEAD + '\n1,2,3,4,5,270\n1,2,3,4,5,270\n1e9,2,3,4,5,270\n', 'line 4: is 1e+09 m'),
+        ('\x00\xff', 'neither UTF-8 nor'),
         (HEAD.replace(',', ';') + '\n1;2;3;4;5;6\n', 'semicolons'),
         (HEAD + ',value_g_m3\n1,2,3,4,5,6,7\n', "'value_g_m3' is there 2 times"),
         (HEAD + ',latitude_deg,longitude_deg\n1,2,3,4,5,6,53,-9\n', 'needs either'),
@@ -123,7 +152,17 @@ def test_beams_are_means_along_their_way(tmp_path: Path):
         (HEAD + ',std_g_m3\n1,2,3,4,5,270,0\n', 'line 2: std_g_m3 is 0'),
         (HEAD + ',std_g_m3\n1,2,3,4,5,270,1e-300\n', 'line 2: std_g_m3'),
         (HEAD + ',to_east_m,to_north_m\n1,2,3,4,5,270,9,9\n', 'to_height_m is missing'),
-        (HEAD + ',to_east_m,to_north_m,to_height_m\n1,2,3,4,5,270,900,9,2\n', 'longest beam'),
+        (
+            HEAD + ',to_east_m,to_north_m,to_height_m\n1,2,3,4,5,270,900,9,2\n',
+            'line 2: length of the beam',
+        ),
+        (HEAD + '\n1,2,3,4,5\n', 'line 2: has 5 values: must be 6'),
+        (HEAD + '\n1,2,3,0,004,5,270\n', 'line 2: has 7 values: must be 6'),
+        (HEAD + '\n1,2,"3,5",4,5,270\n', 'with a decimal point'),
+        (HEAD + '\n1,2,3,4,5,270\n\n' + HEAD + '\n', "line 4: height_m is 'height_m'"),
+        (HEAD + '\n' + '1' * 20_000 + '\n', 'line 2: is longer than 10000 characters'),
+        (HEAD + '\n1,2,3,4,1e300,270\n', 'line 2: speed_mps is 1e+300 m/s: must be 0 to 100'),
+        (HEAD + '\n' + '1,2,3,4,5,270\n' * 20_001, 'has more than 20000 rows'),
     ],
 )
 def test_bad_files_are_refused_in_one_line(tmp_path: Path, capsys, text: str, named: str):
@@ -143,3 +182,13 @@ def test_missing_file_and_unknown_agent_are_refused(tmp_path: Path, capsys):
     assert 'none.csv' in capsys.readouterr().err
     assert main([str(tmp_path / 'none.csv'), '--agent', 'water']) == 2
     assert 'water' in capsys.readouterr().err
+
+
+def test_a_table_is_told_to_be_enough_or_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """Two readings say once that a release may be anywhere."""
+    path = tmp_path / 'a.csv'
+    path.write_text(HEAD + ',std_g_m3\n1,2,3,0,5,270,1e-5\n9,2,3,0,5,270,1e-5\n')
+    assert main([str(path), '--most', '1']) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert first.startswith('no release')
+    assert second.startswith('not enough: a release of 0.5 g/s may be in ')

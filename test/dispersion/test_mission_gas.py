@@ -17,6 +17,7 @@ from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places, predicted
 from rocsafe_dispersion.estimation.plume_kernel import PlumeShape
 from rocsafe_dispersion.estimation.release_options import LocateOptions
+from rocsafe_dispersion.mission_gas.gas_figure import nice_length_m
 from rocsafe_dispersion.mission_gas.gas_log import (
     GasFlightReading,
     GasLog,
@@ -300,10 +301,21 @@ def test_files_of_a_flight_are_written(tmp_path, capsys):
     ElementTree.parse(out / 'threat_zones.kml')  # noqa: S314 - our own file
     figure = ElementTree.parse(out / 'gas.svg').getroot()  # noqa: S314 - our own file
     assert sum(one.tag.endswith('animate') for one in figure.iter()) == document['reading_count']
+    texts = [one.text or '' for one in figure.iter() if one.tag.endswith('}text')]
+    assert any(text.startswith('wind ') for text in texts)
+    assert {'AEGL-1', 'AEGL-2', 'AEGL-3'} <= set(texts)
     with rasterio.open(out / 'plume.tif') as raster:
         mean, upper, arrival = raster.read()
     assert (upper >= mean).all()
     assert np.nanmin(arrival) >= 0.0
+
+
+@pytest.mark.parametrize(
+    ('most_m', 'length_m'), [(1.0, 1.0), (4.9, 2.0), (87.0, 50.0), (0.3, 0.2)]
+)
+def test_scale_bars_have_round_lengths(most_m: float, length_m: float):
+    """And are as long as there is room for."""
+    assert nice_length_m(most_m) == pytest.approx(length_m)
 
 
 @pytest.mark.parametrize('text', ['[]', 'a: 1', '/estimator: {ros__parameters: {water: 1}}', '{'])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Settings of nodes in YAML files: what is read, and how mistakes are named."""
 
+import os
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from enum import Enum
@@ -11,7 +12,7 @@ import pytest
 
 from rocsafe_geo.limits import require_positive
 from rocsafe_geo.storage.value_file import ValueFileError, read_values, values_of
-from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml
+from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml, read_yaml
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,3 +123,10 @@ def test_enumerations_are_written_by_their_values():
     assert values_of({'light': 'green'}, Signal, 'signal.yaml').light is Light.GREEN
     with pytest.raises(ValueFileError, match=r"light = 'blue': must be one of: red, green"):
         values_of({'light': 'blue'}, Signal, 'signal.yaml')
+
+
+def test_a_pipe_is_refused(tmp_path: Path):
+    """It would wait for a writer that never comes."""
+    os.mkfifo(tmp_path / 'pipe')
+    with pytest.raises(YamlError, match='is no file'):
+        read_yaml(tmp_path / 'pipe')

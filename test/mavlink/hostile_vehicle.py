@@ -26,6 +26,7 @@ TEXTS = (
 # Positions and the like come this often, as on a slow radio.
 FAST_S = 1.0
 PIECE = 50
+WAYPOINT = 16
 READING = ('PARAM_REQUEST_READ', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT')
 REAL32 = 9
 # Settings with which a flight may begin.
@@ -65,6 +66,13 @@ SETTINGS = {
         'GF_MAX_HOR_DIST': 0.0,
         'GF_MAX_VER_DIST': 0.0,
     },
+}
+
+
+# With these the pre-flight lets exclusions pass: it flies home around them by itself.
+AROUND = {
+    ARDUPILOT: {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0},
+    PX4: {'RTL_TYPE': 2.0},
 }
 
 
@@ -123,6 +131,7 @@ class HostileVehicle:
         self.home, self.home_mm = HOME_E7, 488_000
         self.is_stuck = self.obeys_another = self.fails_in_upload = False
         self.shift_e7, self.is_lost_until_s = 0, -1.0
+        self.place_e7 = HOME_E7
         self._late = []
         self._taking = None
         self._beat_s = self._fast_s = now_s
@@ -161,6 +170,11 @@ class HostileVehicle:
         for number, piece in enumerate((whole[:PIECE], whole[PIECE:])):
             if number != lost:
                 self.say('STATUSTEXT', severity=2, text=piece, id=7, chunk_seq=number)
+
+    def fence_off(self, ring):
+        """Let a polygon that it must not fly over be in its fence."""
+        corners = ((round(one.latitude_deg * 1e7), round(one.longitude_deg * 1e7)) for one in ring)
+        self.stored[1] = [(0, 5002, float(len(ring)), 0.0, 0.0, 0.0, *at, 0.0) for at in corners]
 
     def reboot(self, now_s):
         """Start again, on the ground or in the air."""
@@ -235,6 +249,7 @@ class HostileVehicle:
         elif number == 224:
             self.current = int(first)
         elif number == 192:
+            self.place_e7 = (message['x'], message['y'])
             self._switch(self.modes['hold' if self.kind.repositions_itself else 'guided'], now_s)
         return 0
 
@@ -378,15 +393,23 @@ class HostileVehicle:
             if self.is_flying and not self.is_paused and now_s >= self.next_s:
                 self.next_s = now_s + ITEM_S
                 self.say('MISSION_ITEM_REACHED', seq=self.current)
-                self.current += 1
+                self._move_on()
                 if self.current >= len(self.stored[0]):
                     self.current = 0
                     self._land(now_s)
         elif not self.is_flying and for_s > ON_GROUND_S:
             self._land(now_s)
 
+    def _move_on(self):
+        """Be where the item led, and go on with the next one."""
+        for _, command, *_turns, x_e7, y_e7, _z in self.stored[0][self.current :][:1]:
+            if command == WAYPOINT:
+                self.place_e7 = (x_e7, y_e7)
+        self.current += 1
+
     def _land(self, now_s):
         self.is_armed = self.is_flying = False
+        self.place_e7, self.current = HOME_E7, 0
         self.owner, self.status, self.since_s = OURS, 3, now_s
 
     def _tell(self, now_s):
@@ -396,8 +419,8 @@ class HostileVehicle:
         self.say(
             'GLOBAL_POSITION_INT',
             time_boot_ms=up_ms % 2**32,
-            lat=HOME_E7[0] + self.shift_e7,
-            lon=HOME_E7[1],
+            lat=self.place_e7[0] + self.shift_e7,
+            lon=self.place_e7[1],
             alt=488_000 + height,
             relative_alt=height,
             vx=0,
@@ -423,7 +446,10 @@ class HostileVehicle:
             voltage_battery=12_600,
             current_battery=100,
         )
-        self.say('EXTENDED_SYS_STATE', landed_state=2 if self.is_flying else 1)
+        landed = 2 if self.is_flying else 1
+        if self.spite['landed'] is not None:
+            landed = self.spite['landed']
+        self.say('EXTENDED_SYS_STATE', landed_state=landed)
         phase = 4 if self.is_paused else 3 if self.is_flying else 2
         total = max(0, len(self.stored[0]) - self.kind.first_own_item)
         told = {'seq': self.current, 'mission_state': phase, 'total': total}
@@ -446,6 +472,8 @@ KIND = {
     **dict.fromkeys(('rebooting', 'rehomes', 'late', 'untold'), 0.0),
     'endless': False,
     'stuck': 0,
+    # What it tells of its landing whatever it does; None: the truth.
+    'landed': None,
 }
 
 
@@ -459,6 +487,7 @@ def spite_of(rng):
         amount[name] = rng.choice((0.05, 0.3)) if rng.random() < 0.1 else 0.0
     amount['endless'] = rng.random() < 0.05
     amount['stuck'] = rng.randrange(1, 4) if rng.random() < 0.05 else 0
+    amount['landed'] = rng.choice((0, 1, 1, 2)) if rng.random() < 0.15 else None
     return amount
 
 

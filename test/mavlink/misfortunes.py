@@ -44,6 +44,36 @@ def _swap_before_resume(run):
     run.resume_s = run.now_s + run.rng.choice((1.0, 3.0, 8.0))
 
 
+def _bridge_restarts(run):
+    """It is killed and started again; the vehicle tells nothing twice."""
+    run.restart()
+
+
+def _current_moves(run):
+    """Another station lets it go on with another item of its mission."""
+    run.vehicle.current = run.rng.randrange(max(1, len(run.vehicle.stored[0])))
+
+
+def _rally_moves(run):
+    """Another station writes a rally point, anywhere."""
+    place = (HOME_E7[0] + run.rng.choice((0, 20_000)), HOME_E7[1])
+    run.vehicle.stored[2] = [(3, 5100, 0.0, 0.0, 0.0, 0.0, *place, 30.0)]
+
+
+def _pilot_flies_a_round(run):
+    """On the ground he starts the motors; two seconds later it has landed again."""
+    vehicle = run.vehicle
+    if not vehicle.is_armed:
+        vehicle.is_armed = vehicle.is_flying = True
+        vehicle.take(PILOT, run.rng.choice(vehicle.modes['pilot']), run.now_s)
+        run.lands_s = run.now_s + 2.5
+
+
+def _wind_blows(run):
+    """For half a minute."""
+    run.wind_until_s = run.now_s + 30.0
+
+
 def _motors_stop(run):
     run.vehicle._land(run.now_s)
 
@@ -145,5 +175,13 @@ MISFORTUNES = (
     *(_overwrite, _overwrite, _swap_before_resume, _swap_before_resume, _old_count, _reboot),
     *(_cut, _cut, _stuck, _noise, _noise, _noise, _odd_heartbeat, _odd_heartbeat),
     *(_component_beats, _component_beats, _odd_clock, _clock_wraps, _obeys_another),
-    *(_home_moves, _home_rises, _estimate_jumps),
+    *(_home_moves, _home_rises, _estimate_jumps, _bridge_restarts, _bridge_restarts),
+    *(
+        _rally_moves,
+        _current_moves,
+        _current_moves,
+        _pilot_flies_a_round,
+        _pilot_flies_a_round,
+        _wind_blows,
+    ),
 )

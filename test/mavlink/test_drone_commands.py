@@ -21,6 +21,7 @@ from rocsafe_mavlink.checks.check import CheckVerdict, failures
 from rocsafe_mavlink.checks.preflight import preflight
 from rocsafe_mavlink.drone.commands import DroneCommands
 from rocsafe_mavlink.errors import CommandRefusedError
+from rocsafe_mavlink.flight.flight_journal import FlightJournal
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.prediction import predict
@@ -353,7 +354,9 @@ def test_route_that_leaves_the_fence_takes_the_place_of_none():
     for count, word in ((9, 'fence'), (60, 'dist')):
         with pytest.raises(CommandRefusedError, match=word):
             commands.replace_route(plan(count), air.now_s)
-    low = DroneCommands(air.drones[1].session, FlightLimits(max_height_agl_m=20.0))
+    low = DroneCommands(
+        air.drones[1].session, FlightLimits(max_height_agl_m=20.0), FlightJournal()
+    )
     with pytest.raises(CommandRefusedError, match='heights'):
         low.replace_route(plan(3), air.now_s)
     commands.replace_route(plan(4), air.now_s)

@@ -14,6 +14,7 @@ from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
+from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
@@ -117,9 +118,12 @@ def test_autopilot_that_returns_around_exclusions_passes(autopilot, found, fence
     assert check.verdict is verdict
 
 
-def flying_around():
+def flying_around(journal=None):
     """Return an air whose copter is behind the square; the check is left out."""
     air = Air()
+    if journal is not None:
+        air.drones[1] = Drone(air.drones[1].spec, air.drones[1].session, journal)
+        air.station.add(air.drones[1])
     air.copters[1].parameters |= {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0}
     air.wait(46.0)
     commands = air.drones[1].commands
@@ -129,6 +133,36 @@ def flying_around():
     air.drones[1].fly(Assignment(plan_id='around', plan=around(), viewpoint_ids=(0,)), air.now_s)
     air.until(lambda: air.copters[1].place[1] > 142.0)
     return air
+
+
+@pytest.mark.slow
+def test_return_to_a_home_that_was_set_into_an_exclusion_is_refused():
+    """By another station, in flight: no way leads there; it may land, or go elsewhere."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.home = (HOME_PLACE.latitude_deg + 100.0 / 111_195.0, HOME_PLACE.longitude_deg)
+    air.wait(2.0)
+    with pytest.raises(CommandRefusedError, match='its home lies in exclusion 1'):
+        commands.return_home(air.now_s)
+    commands.land(air.now_s)
+
+
+@pytest.mark.slow
+def test_straight_return_is_not_repeated_from_where_it_would_cross():
+    """The order is lost on the link while it flies on: from behind the square it is no more so."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.mode, copter.place = BRAKE, (60.0, 60.0)
+    air.wait(2.0)
+    copter._on_command = lambda _message: None
+    commands.return_home(air.now_s)
+    air.wait(0.5)
+    assert len(air.drones[1].session.sequence.steps) == 1
+    copter.place = (0.0, 150.0)
+    before = len(air.sent)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    assert 'an exclusion lies on the straight way by now' in commands.outcome(commands.count)
+    assert [m for m in air.sent[before:] if m.fields.get('command') == 176] == []
 
 
 @pytest.mark.slow

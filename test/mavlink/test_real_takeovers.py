@@ -273,3 +273,14 @@ def test_commanded_return_flies_around(rig):
     one.until(lambda: not one.vehicle.is_armed, 300.0)
     zone = Polygon(CORNERS)
     assert min(zone.distance(Point(place)) for place in one.track) > 5.0
+
+
+def test_flight_after_one_that_was_broken_off_begins_at_its_first_item(rig):
+    """The autopilot forgets the item of before as soon as its motors stand still."""
+    one = rig()
+    one.fly(plan(4), 4)
+    one.until(lambda: one.drone.flight.visited >= 2)
+    one.commands.return_home(one.now_s)
+    one.until(lambda: one.drone.flight.is_over)
+    one.fly(plan(2), 2)
+    assert len(one.drone.flight.plan.waypoints) == 2

@@ -14,21 +14,23 @@ from itertools import count
 import pytest
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.hostile_vehicle import (
+    AROUND,
     FAILSAFE,
     KIND,
     OURS,
     PILOT,
     Channel,
     HostileVehicle,
-    is_finite,
     modes_of,
     spite_of,
 )
 from test.mavlink.misfortunes import MISFORTUNES
 from test.mavlink.test_flight import plan
+from test.mavlink.test_homeward import SQUARE, around
+from test.mavlink.watch import Watch
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import COPTER
 from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
@@ -36,133 +38,22 @@ from rocsafe_mavlink.drone.drone import Drone, DroneSpec
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal
-from rocsafe_mavlink.knowledge.reducer import NO_AUTOPILOT
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import mission_of
-from rocsafe_mavlink.wire.authority import COMMANDS
 
 RUNS = int(os.environ.get('ROCSAFE_STATE_RUNS', '100'))
 SHARDS = 10
 STEP_S, FLIGHT_S, CALM_S = 0.25, 100.0, 45.0
 # No operation may take longer: a start with 13 items, with every answer at the last moment.
 DEADLINE_S = 420.0
-# A mode that the bridge asked for so recently may be its own doing.
-ASKED_S, LATE_S = 30.0, 5.0
-READING = frozenset(
-    {
-        *('HEARTBEAT', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT', 'MISSION_ACK'),
-        'PARAM_REQUEST_READ',
-    }
-)
+# As the action server: a goal waits so long.
+GOAL_WAITS_S = 45.0
 PLANS = {size: plan(size) for size in (2, 4, 6)}
 HERE = GeoPosition(*HOME)
+BEHIND = offset(HERE, 0.0, 150.0)
 # Return, speed, heading, photograph, trigger: their height means nothing.
 WITHOUT_HEIGHT = (20, 178, 115, 203, 206)
-FAILSAFE_WORDS = ('failsafe', 'breached')
-
-
-class Watch:
-    """Judges what is sent, by what the bridge has received."""
-
-    def __init__(self, run):
-        self.run = run
-        self.owner, self.mode, self.is_armed = OURS, -1, False
-        self.is_heard = self.has_failed = self.is_critical = self.is_expected = False
-        self.asked_s = {}
-        self.tainted = None
-        self.total = 0
-
-    def hear(self, message):
-        """Note a message that reaches the bridge."""
-        run = self.run
-        said = message['text'].lower() if message.name == 'STATUSTEXT' else ''
-        self.has_failed |= self.is_armed and any(word in said for word in FAILSAFE_WORDS)
-        if message.name == 'MISSION_CURRENT':
-            self.total = message.fields.get('total', 0)
-        is_beat = message.name == 'HEARTBEAT' and id(message) in run.vehicle.owners
-        if not is_beat or message['autopilot'] == NO_AUTOPILOT:
-            return
-        _, owner = run.vehicle.owners[id(message)]
-        mode, is_armed = message['custom_mode'], bool(message['base_mode'] & 0x80)
-        is_new = mode != self.mode and owner != OURS and is_armed and self.is_armed
-        if mode != self.mode:
-            self.is_expected = self._was_asked(mode, LATE_S)
-        self.is_heard, self.owner, self.mode, self.is_armed = True, owner, mode, is_armed
-        self.is_critical = message['system_status'] >= 5
-        # One odd status in flight is no failsafe: nothing has switched it.
-        if message['system_status'] >= 5 and is_armed and owner == FAILSAFE:
-            self.has_failed = True
-        if not is_armed:
-            self.has_failed, self.tainted = False, None
-        session = run.drone.session
-        if is_new and not self._was_asked(mode):
-            self.tainted = (session.sequence_count, session.flight)
-
-    def judge(self, message):
-        """Fail if a message must not be sent now."""
-        if message.name in READING or message.fields.get('command') == 511:
-            return
-        what = f'{message.name} {dict(message.fields)}'
-        assert is_finite(message) or message['command'] == 192, f'{what}: not finite'
-        if message.name.startswith('COMMAND'):
-            assert message['command'] in COMMANDS, what
-        assert self.is_heard, f'{what}: to a vehicle never heard'
-        self._judge_owner(message, what)
-        self._judge_mission(message, what)
-        for mode in self._leads_to(message):
-            self.asked_s[mode] = self.run.now_s
-
-    def _judge_owner(self, message, what):
-        run, modes = self.run, self.run.vehicle.modes
-        if not self.is_armed:
-            return
-        commanded = (modes['mission'], modes['hold'], modes['guided'])
-        is_theirs = self.owner in (PILOT, FAILSAFE) and self.mode not in commanded
-        is_urgent = self._is_urgent(message)
-        # An order to return or land may show after a failsafe that was over before.
-        is_late = is_urgent and not self.is_critical and self.is_expected
-        may_be_ours = is_late or (self._was_asked(self.mode) and not self.has_failed)
-        name = run.vehicle.kind.mode_name(self.mode)
-        assert not is_theirs or may_be_ours, f'{what}: {self.owner} has it, in {name}'
-        assert not self.has_failed or is_urgent, f'{what}: a failsafe was announced, in {name}'
-        is_old = self.tainted is not None and self.tainted[0] == run.drone.session.sequence_count
-        is_flight = run.drone.session.flight is not None and run.drone.session.flight.is_beginning
-        assert not is_old or is_flight, f'{what}: begun before {self.owner} took it, in {name}'
-
-    def _judge_mission(self, message, what):
-        """Nothing is started or resumed but a mission of a plan."""
-        modes = self.run.vehicle.modes
-        number = message.fields.get('command')
-        starts = modes['mission'] in self._leads_to(message) or number in (224, 300)
-        run = self.run
-        if not starts:
-            return
-        counts = {len(items) - run.first for items in run.plans}
-        assert self.total in {0, *counts}, f'{what}: {self.total} items were told'
-        if not run.was_just_changed:
-            stored = run.vehicle.stored[0]
-            assert run.is_planned(stored), f'{what}: not verified, {len(stored)} items'
-
-    def _was_asked(self, mode, ago_s=ASKED_S):
-        return self.run.now_s - self.asked_s.get(mode, -1e9) < ago_s
-
-    def _leads_to(self, message):
-        modes, kind = self.run.vehicle.modes, self.run.vehicle.kind
-        number = message.fields.get('command')
-        if number == 176:
-            main, sub = int(message['param2']), int(message.fields.get('param3', 0.0))
-            return (sub << 24 | main << 16 if kind.is_mode_packed else main,)
-        if number == 300 or (number == 193 and message['param1'] == 1.0):
-            return (modes['mission'],)
-        return (modes['guided'], modes['hold']) if number == 192 else ()
-
-    def _is_urgent(self, message):
-        modes = self.run.vehicle.modes
-        safe = {modes['hold'], modes['return'], modes['land']}
-        number = message.fields.get('command')
-        is_pause = number == 193 and message['param1'] == 0.0
-        return is_pause or (number == 176 and set(self._leads_to(message)) <= safe)
 
 
 class Run:
@@ -172,25 +63,40 @@ class Run:
         rng = self.rng = random.Random(seed)
         kind = rng.choice((COPTER, MULTICOPTER))
         self.vehicle = HostileVehicle(kind, modes_of(kind, Verb), rng, spite_of(rng))
-        session = VehicleSession.of((1, 1), (255, 190))
         frame = LocalFrame(GeoPosition(*HOME, 535.0))
         limits = FlightLimits(
             max_wind_mps=rng.choice((0.0, 12.0)), returns_in_wind=rng.random() < 0.3
         )
-        spec = DroneSpec(name='rav1', target=(1, 1), frame=frame, limits=limits)
-        self.drone = Drone(spec, session, FlightJournal())
+        self.spec = DroneSpec(name='rav1', target=(1, 1), frame=frame, limits=limits)
+        self.journal = FlightJournal()
+        self.flown, self.has_zone = PLANS, rng.random() < 0.3
+        if self.has_zone:
+            self.flown = {5: around()}
+            self.vehicle.settings |= AROUND[kind.number]
+            self.vehicle.fence_off(SQUARE)
         bad = rng.choice((0.0, 0.0, 0.1, 0.4))
         late_s = rng.choice((0.0, 0.0, 0.4, 2.5))
         self.down, self.up = (Channel(rng, bad, bad / 2.0, late_s) for _ in range(2))
         self.now_s = 0.0
         self.ordered_s, self.cut_until_s, self.resume_s = 0.0, -1.0, math.inf
+        self.lands_s, self.wind_until_s = math.inf, -1.0
         self.watch = Watch(self)
-        self.begun = {}
-        self.plans = [mission_of(flown, kind).items for flown in PLANS.values()]
+        self.plans = [mission_of(flown, kind).items for flown in self.flown.values()]
         self.first = kind.first_own_item
         self.ids = count()
         self.busy, self.wild = rng.choice((0.02, 0.1)), rng.choice((0.01, 0.03, 0.08))
         self.is_calm_on_ground = rng.random() < 0.7
+        self.restart()
+
+    def restart(self):
+        """Start the bridge, again if it runs: it knows what its journal says, and nothing else."""
+        session = VehicleSession.of((1, 1), (255, 190))
+        self.drone = Drone(self.spec, session, self.journal)
+        self.begun, self.goal, self.answers, self.by_person = {}, None, [], 0
+        self.watch.forget()
+        # The newest order, a route that was being sent, is found again and may be resumed.
+        if self.journal.entry is not None and self.journal.entry.successor is not None:
+            self.watch.is_given_up = False
 
     @property
     def was_just_changed(self):
@@ -218,8 +124,9 @@ class Run:
             if is_calm and self._is_calm_over():
                 self.down._loss, self.up._loss, is_calm = *calm, False
                 self.vehicle.spite = spite
-            if self.now_s > 8.0 and not session.is_flying and self.rng.random() < 0.1:
-                self.order(self._start)
+            is_idle = not session.is_flying and self.goal is None
+            if self.now_s > 8.0 and is_idle and self.rng.random() < 0.1:
+                self.send_goal()
             if not is_calm:
                 self.meddle()
             self.step()
@@ -236,6 +143,11 @@ class Run:
         now_s, session = self.now_s, self.drone.session
         if now_s > self.cut_until_s:
             self.down.is_cut = self.up.is_cut = False
+        if now_s > self.lands_s:
+            self.lands_s = math.inf
+            self.vehicle._land(now_s)
+        if now_s < self.wind_until_s:
+            self.vehicle.say('WIND', speed=20.0)
         for message in self.vehicle.step(now_s):
             self.down.put(now_s, message)
         for message in self.down.due(now_s):
@@ -243,6 +155,8 @@ class Run:
             self.drone.take(message, now_s)
             self.send()
         self.drone.step(now_s)
+        self._watch_goal()
+        self._watch_answers()
         session.tick(now_s)
         if self.rng.random() < 0.1:
             self.drone.status(now_s)
@@ -284,15 +198,72 @@ class Run:
         with contextlib.suppress(CommandRefusedError, WaitError, ValueError):
             give()
             self.ordered_s = self.now_s
+            self.by_person = self.drone.commands.count
         self.send()
 
-    def _start(self):
-        size = self.rng.choice(list(PLANS))
-        ids = tuple(range(size))
-        self.drone.fly(
-            Assignment(plan_id=f'p{next(self.ids)}', plan=PLANS[size], viewpoint_ids=ids),
-            self.now_s,
-        )
+    @property
+    def is_by_person(self):
+        """Whether what is sent now belongs to an order of a person."""
+        return self.drone.commands.count == self.by_person
+
+    def send_goal(self):
+        """Send a goal, which waits as in the action server until it can be judged."""
+        due_s = self.now_s + self.rng.choice((0.0, 0.0, 10.0))
+        session = self.drone.session
+        self.goal = (self._assignment(), due_s, session.withdrawals)
+        self.watch.goal_came()
+
+    def _watch_goal(self):
+        if self.goal is None or self.now_s < self.goal[1]:
+            return
+        assignment, due_s, withdrawals = self.goal
+        if withdrawals != self.drone.session.withdrawals:
+            self.goal = None
+            return
+        try:
+            self.drone.fly(assignment, self.now_s)
+            self.ordered_s = self.now_s
+        except WaitError:
+            if self.now_s - due_s < GOAL_WAITS_S:
+                return
+        except (CommandRefusedError, ValueError):
+            pass
+        self.goal = None
+
+    def _assignment(self):
+        size = self.rng.choice(list(self.flown))
+        flown = self.flown[size]
+        ids = tuple(range(len(flown.stops)))
+        return Assignment(plan_id=f'p{next(self.ids)}', plan=flown, viewpoint_ids=ids)
+
+    def _come_down(self, give):
+        """Give an order to return or land, which ends the flight once it is obeyed."""
+        give(self.now_s)
+        self.answers.append((self.drone.commands.count, self._gave_up))
+
+    def _gave_up(self):
+        self.drone.gave_up()
+        self.watch.is_given_up = True
+
+    def _replace(self):
+        assignment = self._assignment()
+        self.drone.replace_route(assignment, self.now_s)
+
+        def obeyed():
+            self.drone.switch_to(assignment)
+            self.watch.is_given_up = False
+
+        self.answers.append((self.drone.commands.count, obeyed))
+
+    def _watch_answers(self):
+        """As the servers do it once an order is obeyed."""
+        waiting, self.answers = self.answers, []
+        for number, obeyed in waiting:
+            error = self.drone.commands.outcome(number)
+            if error is None:
+                self.answers.append((number, obeyed))
+            elif not error:
+                obeyed()
 
     def meddle(self):
         """Give an order, or let something happen; mostly neither."""
@@ -304,18 +275,18 @@ class Run:
             self.order(
                 rng.choice(
                     (
-                        self._start,
+                        self.send_goal,
                         lambda: commands.hold(now_s),
                         lambda: commands.hold(now_s),
                         lambda: commands.resume(now_s),
                         lambda: commands.resume(now_s),
                         lambda: commands.resume(now_s),
-                        lambda: commands.return_home(now_s),
-                        lambda: commands.land(now_s),
+                        lambda: self._come_down(commands.return_home),
+                        lambda: self._come_down(commands.land),
                         lambda: commands.change_speed(4.0, now_s),
-                        lambda: commands.go_to(HERE, 30.0, now_s),
-                        lambda: commands.replace_route(PLANS[rng.choice(list(PLANS))], now_s),
-                        lambda: commands.replace_route(PLANS[rng.choice(list(PLANS))], now_s),
+                        lambda: commands.go_to(rng.choice((HERE, BEHIND)), 30.0, now_s),
+                        self._replace,
+                        self._replace,
                         lambda: commands.push_fence(Fence(), now_s),
                         lambda: commands.push_rally([HERE], 30.0, now_s),
                     )

@@ -321,6 +321,23 @@ def test_mission_that_is_changed_before_its_start_starts_no_motors():
     assert 400 not in air.copters[1].commands
 
 
+def test_flight_that_would_begin_in_the_middle_starts_no_motors():
+    """Another station chooses an item between verification and arming; a moment does not count."""
+    air = Air()
+    air.wait(46.0)
+    air.fly()
+    air.until(lambda: air.flight().sequence.verified_mission is not None)
+    air.copters[1].current = 4
+    air.until(lambda: air.flight().is_over, 120.0)
+    assert 'it would begin with item 4' in air.flight().reason
+    assert 400 not in air.copters[1].commands
+    air.fly(count=4)
+    air.wait(3.0)
+    air.copters[1].current = 0
+    air.until(lambda: air.flight().is_over, 400.0)
+    assert air.flight().outcome is FlightOutcome.COMPLETED
+
+
 @pytest.mark.parametrize('is_shorter', [True, False])
 def test_mission_that_another_station_changes_in_flight_is_told(is_shorter):
     """At once where its length changes, else with the next reading; a hold is offered."""

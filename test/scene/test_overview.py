@@ -6,11 +6,14 @@ import math
 
 import numpy as np
 import pytest
+import rasterio
 import yaml
+from rasterio.transform import from_origin
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
+from rocsafe_scene.command_line.plume_overview import RunPlume, draw_plume, read_plume
 from rocsafe_scene.command_line.routes_overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.errors import SceneError
 
@@ -65,3 +68,35 @@ def test_what_is_no_run_is_told_in_one_line(tmp_path):
     """The line names the file that is missing."""
     with pytest.raises(SceneError, match=r'--overview = .*scenario.yaml: No such file'):
         read_run(tmp_path)
+
+
+def test_a_plume_is_laid_over_what_stands_in_it():
+    """Strong 40 to 60 m east of the camera's foot, seen from 100 m up; the sky stays clear."""
+    ppm = np.zeros((20, 20))
+    ppm[:, 14:16] = 50.0
+    plume = RunPlume(ppm, -100.0, 100.0, 10.0)
+    image = np.full((201, 201, 3), 100, np.uint8)
+    depth = np.full((201, 201), 100.0)
+    depth[:20] = np.inf
+    drawn = draw_plume(image, depth, LENS, POSE, plume).astype(int)
+    assert drawn[100, 150, 2] > 130
+    assert (drawn[100, :110] == 100).all()
+    assert (drawn[:20] == 100).all()
+
+
+def test_the_plume_of_a_run_lies_about_its_origin(tmp_path):
+    """Its file may have another origin, here 100 m to the north of that of the run."""
+    assert read_plume(tmp_path, ORIGIN) is None
+    north = LocalFrame(ORIGIN).position_of((0.0, 100.0, 0.0))
+    crs = f'+proj=tmerc +lat_0={north.latitude_deg} +lon_0={north.longitude_deg} +datum=WGS84'
+    with rasterio.open(
+        tmp_path / 'plume.tif', 'w', driver='GTiff', width=4, height=3, count=1,
+        dtype='float32', crs=crs, transform=from_origin(-20.0, 15.0, 10.0, 10.0),
+    ) as file:  # fmt: skip
+        file.write(np.ones((3, 4), np.float32), 1)
+    plume = read_plume(tmp_path, ORIGIN)
+    assert plume is not None
+    assert (plume.west_m, plume.north_m) == pytest.approx((-20.0, 115.0), abs=0.01)
+    (tmp_path / 'plume.tif').write_bytes(b'no picture')
+    with pytest.raises(SceneError, match='cannot be read'):
+        read_plume(tmp_path, ORIGIN)

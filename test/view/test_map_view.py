@@ -27,8 +27,9 @@ SQUARE = ((0.0, 0.0), (100.0, 0.0), (100.0, 50.0), (0.0, 50.0))
 EMPTY = MapView(
     origin_deg=(53.28, -9.06), metres_per_degree=(111_000.0, 66_000.0), vehicles=('rav1', 'rav2'),
     colours={'rav1': '#111111', 'rav2': '#222222'}, region=(SQUARE,), exclusions=(), routes={},
-    planned={}, viewpoints={}, tracks={}, replay={}, readings=(), readings_per_point=1, photos=(),
-    homes={}, sources=(), estimates=(), cordons=(), zones=(), releases=(),
+    planned={}, viewpoints={}, tracks={}, replay={}, readings=(), readings_per_point=1,
+    has_radiation=True, photos=(),
+    homes={}, sources=(), estimates=(), cordons=(), zones=(), releases=(), true_releases=(),
     replanned={}, picture=None,
 )  # fmt: skip
 
@@ -46,6 +47,20 @@ def with_readings(*readings):
 def drawn(view):
     """Return the map as HTML."""
     return render('map.html', map=view, scale=SCALE)
+
+
+def test_map_of_gas_alone_shows_nothing_of_dose_rates():
+    """And the true releases of the scenario, as others the true sources."""
+    gas = dataclasses.replace(
+        EMPTY, has_radiation=False, true_releases=(SourcePoint(50.0, 25.0, 'tanker'),)
+    )
+    page = drawn(gas)
+    assert 'tanker (truth)' in page
+    assert 'True releases (scenario)' in page
+    for text in ('Dose', '>Radiation<', 'Cordons', 'True sources', 'Estimated sources'):
+        assert text not in page, text
+    assert 'True releases' not in drawn(EMPTY)
+    assert 'Dose rate' in drawn(EMPTY)
 
 
 def test_region_lies_in_view_with_a_margin():

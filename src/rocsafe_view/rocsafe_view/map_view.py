@@ -59,7 +59,7 @@ class PhotoPoint:
 
 @dataclass(frozen=True, slots=True)
 class SourcePoint:
-    """A true source of the scenario."""
+    """A true source or release of the scenario."""
 
     x: float
     y: float
@@ -219,6 +219,10 @@ class MapView:
         Routes of the plans that followed the first.
     readings_per_point
         Each `DosePoint` is the highest of so many readings.
+    has_radiation
+        Whether there may be dose rates: a mission for gas alone shows nothing of them.
+    true_releases
+        Releases of the scenario, where they start.
     """
 
     origin_deg: tuple[float, float]
@@ -234,6 +238,7 @@ class MapView:
     replay: Mapping[str, ReplayTrack]
     readings: tuple[DosePoint, ...]
     readings_per_point: int
+    has_radiation: bool
     photos: tuple[PhotoPoint, ...]
     homes: Mapping[str, Point]
     sources: tuple[SourcePoint, ...]
@@ -241,6 +246,7 @@ class MapView:
     cordons: tuple[Cordon, ...]
     zones: tuple[GasZone, ...]
     releases: tuple[ReleasePoint, ...]
+    true_releases: tuple[SourcePoint, ...]
     replanned: Mapping[str, tuple[tuple[Point, ...], ...]]
     picture: GroundPicture | None
 

@@ -15,7 +15,8 @@ from rocsafe_orchestrator.products import release_estimates
 from rocsafe_orchestrator.products.release_estimates import estimate_releases
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.summary import summarise
-from rocsafe_orchestrator.report.gas_zones import ZONES, read_zones, release_points
+from rocsafe_orchestrator.report.gas_zones import ZONES, read_zones, release_points, true_releases
+from rocsafe_orchestrator.report.run_facts import release_facts
 from rocsafe_orchestrator.report.run_texts import lead, verdict
 from rocsafe_orchestrator.report.sections.gas_view import gas_view
 from rocsafe_scenario.scenario_file import read_scenario
@@ -32,6 +33,7 @@ CONTENT: dict[str, Any] = {
         }
     ],
     'agent': 'ammonia',
+    'wind_towards_mps': [-3.0, -4.0],
     'sensor': 'pid_10_6_ev',
     'reading_count': 80,
     'is_enough': True,
@@ -95,8 +97,9 @@ def test_releases_and_zones_are_rows(estimated: Path) -> None:
     view = gas_view(estimate_releases(estimated / 'estimator.yaml', estimated), ())
     assert view is not None
     assert not view.leave
-    assert view.sentence == (
-        'ammonia, read by pid_10_6_ev: 1 release, placed within 9 m (95 %) (enough).'
+    assert view.sentence.replace('\u00a0', ' ') == (
+        'ammonia, read by PID 10.6 eV: 1 release, placed within 9 m (95 %) (enough). '
+        'Wind as measured in flight, on average: 5.0 m/s from 37°.'
     )
     assert view.figure == FIGURE
     assert view.release_rows[0][3] == '61.2 g/s (40 to 90)'
@@ -155,7 +158,7 @@ def test_a_mission_for_gas_is_told_by_its_gas(estimated: Path, tmp_path: Path) -
     )  # fmt: skip
     summary = summarise(record)
     text = lead(summary).replace('\u00a0', ' ')
-    assert 'highest reading of pid 10 6 ev was over 4.42 ppm, measured 12 m above' in text
+    assert 'highest reading of PID 10.6 eV was over 4.42 ppm, measured 12 m above' in text
     assert 'Ammonia: 1 release, placed within 9 m (95 %).' in text
     assert verdict(summary).kind == 'complete'
     doubtful = dataclasses.replace(record, releases=dataclasses.replace(found, is_enough=False))
@@ -163,6 +166,41 @@ def test_a_mission_for_gas_is_told_by_its_gas(estimated: Path, tmp_path: Path) -
     plain = summary.to_plain()['releases']
     assert plain['highest_reading']['ppm'] == 4.42
     assert 'figure' not in plain
+
+
+def test_true_releases_stand_beside_what_was_found(estimated: Path, tmp_path: Path) -> None:
+    """54.5 m north and 23.2 m west of the truth; the wind of the scenario blows to the NNW."""
+    scenario = read_scenario(Path(__file__).parents[3] / 'config/scenarios/tanker_ammonia.yaml')
+    found = estimate_releases(estimated / 'estimator.yaml', estimated)
+    place = dataclasses.replace(
+        found.releases[0], latitude_deg=53.34973 + 54.5 / 111_300.0,
+        longitude_deg=-6.26001 - 23.2 / 66_580.0,
+    )  # fmt: skip
+    record = RunRecord(
+        path=tmp_path, info={}, scenario=scenario, plan=None, log=None, photographs=(),
+        missing=(), releases=dataclasses.replace(found, releases=(place,)),
+    )  # fmt: skip
+    facts = {name: text.replace('\u00a0', ' ') for name, text in release_facts(record)}
+    assert facts['Wind'] == '2.8 m/s from 154° at 10 m; stability B'
+    assert facts['tanker'] == (
+        'ammonia, 60 g/s; 53.34973° N, 6.26001° W, 1 m above ground; '
+        'the nearest found is 59 m away'
+    )
+    (point,) = true_releases(scenario, LocalFrame(GeoPosition(53.34973, -6.26001, 20.0)))
+    assert (point.x, point.y) == pytest.approx((0.0, 0.0), abs=0.01)
+    assert not record.has_radiation
+    assert release_facts(dataclasses.replace(record, scenario=None)) == []
+
+
+def test_particles_that_move_for_a_while_are_told_as_such(tmp_path: Path) -> None:
+    """A lorry drives from the first minute on, for two."""
+    scenario = read_scenario(Path(__file__).parents[3] / 'config/scenarios/particles.yaml')
+    record = RunRecord(
+        path=tmp_path, info={}, scenario=scenario, plan=None, log=None, photographs=(), missing=(),
+    )  # fmt: skip
+    facts = {name: text.replace('\u00a0', ' ') for name, text in release_facts(record)}
+    assert facts['lorry'].startswith('particles, 5e+09 particles/s; ')
+    assert facts['lorry'].endswith(', 1.5 m above ground, from 01:00, for 2 min 00 s, moves')
 
 
 def test_detectors_with_nothing_to_read_say_nothing() -> None:

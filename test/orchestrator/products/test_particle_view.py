@@ -30,6 +30,8 @@ def test_triggers_are_told_with_vehicle_time_and_place():
     assert view.sentence == (
         '1 of 3 windows triggered; most fluorescent particles in one: 40, a at 01:05.'
     )
+    assert (view.triggers, view.windows) == (1, 3)
+    assert view.highest in view.sentence
     assert view.rows == (
         ('a', '2', '1', '40', '01:05', '53.280000, -9.000000'),
         ('b', '1', '0', '3', '00:01', 'unknown'),

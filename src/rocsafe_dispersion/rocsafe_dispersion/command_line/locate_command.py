@@ -14,7 +14,12 @@ import numpy as np
 from rocsafe_dispersion.agents.agent_table import agent
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
-from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
+from rocsafe_dispersion.estimation.gas_survey import averaged
+from rocsafe_dispersion.estimation.locate import (
+    LocatedReleases,
+    locate_releases,
+    usual_speed_mps,
+)
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.estimator_options import estimator_options
 from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading
@@ -25,10 +30,13 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
     search_area,
 )
 from rocsafe_dispersion.mission_gas.release_files import write_release_files
+from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.wind.stability import CLASSES, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
+# More readings of a table are averaged: time and memory grow with their number.
+MOST_FITTED = 1000
 EXIT_OK, EXIT_REFUSED = 0, 2
 PARAMETER_FILES = ('.yaml', '.yml')
 # Assumptions about a table of readings that says nothing of them.
@@ -63,8 +71,14 @@ def _of_table(options: argparse.Namespace) -> dict[str, Any]:
         if getattr(options, name) is None:
             setattr(options, name, value)
     gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
+    gas = replace(gas, survey=averaged(gas.survey, MOST_FITTED))
     area = search_area(gas.survey.places_m, options.margin, options.release_height)
-    return document_of(_located(gas, area, options), gas.frame)
+    found = _located(gas, area, options)
+    verdict = ReleaseRule().verdict(found)
+    return document_of(found, gas.frame) | {
+        'is_enough': verdict.is_enough,
+        'verdict': verdict.reason,
+    }
 
 
 def _of_flight(given: argparse.Namespace) -> dict[str, Any]:
@@ -194,7 +208,7 @@ def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, A
 
 
 def _located(gas: GasFile, area: SearchArea, options: argparse.Namespace) -> LocatedReleases:
-    speed = float(np.median(gas.survey.speeds_mps))
+    speed = usual_speed_mps(gas.survey)
     layer = layer_of_class(options.stability, speed, options.anemometer, options.roughness)
     return locate_releases(
         gas.survey,
@@ -230,5 +244,9 @@ def _text(document: dict[str, Any]) -> str:
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
         rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
-    lines.append(f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground')
+    where = f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground'
+    if where not in document['verdict']:
+        lines.append(where)
+    enough = 'enough' if document['is_enough'] else 'not enough'
+    lines.append(f'{enough}: {document["verdict"]}')
     return '\n'.join(lines) + '\n'

@@ -2,15 +2,16 @@
 """Readings of gas with the wind from a CSV file, whose header names units and conventions.
 
 Columns: a place (``latitude_deg`` and ``longitude_deg``, or ``east_m`` and ``north_m``),
-``height_m`` above the ground, a concentration (``value_g_m3``, or ``value_ppm`` of a named agent),
-and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or ``wind_speed_mps`` and
-``wind_from_deg``). If given: ``time_s``, ``std_g_m3`` or ``std_ppm``, ``limit`` (``below`` or
-``above``: the value is only a bound) and ``instrument``, whose readings share a background.
-Readings that are means along beams have the other end of each, as well: ``to_height_m`` and
-``to_latitude_deg`` and ``to_longitude_deg``, or ``to_east_m`` and ``to_north_m``. Other columns
-are not read.
+``height_m`` above the ground, a concentration (``value_g_m3``, ``value_mg_m3``, or ``value_ppm``
+of a named agent), and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or
+``wind_speed_mps`` and ``wind_from_deg``). If given: ``time_s``, the noise in the unit of the
+values (``std_g_m3``, ``std_mg_m3`` or ``std_ppm``), ``limit`` (``below`` or ``above``: the value
+is only a bound) and ``instrument``, whose readings share a background. Readings that are means
+along beams have the other end of each, as well: ``to_height_m``, and ``to_latitude_deg`` and
+``to_longitude_deg``, or ``to_east_m`` and ``to_north_m``. Other columns are not read.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,8 +24,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.csv_rows import Row, column, read_table
-from rocsafe_geo.wind.anemometer_file import FROM, VECTOR, is_vector_record
-from rocsafe_geo.wind.wind_vector import wind_from
+from rocsafe_geo.wind.anemometer_file import is_vector_record, wind_of
 
 GEODETIC, LOCAL = ('latitude_deg', 'longitude_deg'), ('east_m', 'north_m')
 # Columns of the other end of a beam begin with it.
@@ -32,6 +32,8 @@ TO = 'to_'
 # A beam is a sum over so many places along it, those of Gauss.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 LIMITS = ('', 'below', 'above')
+# Units of readings, g/m^3; what ppm are depends on the gas.
+UNITS = {'g_m3': 1.0, 'mg_m3': 1e-3, 'ppm': math.nan}
 # Without a column: noise as this share of the largest reading.
 DEFAULT_NOISE_SHARE = 0.01
 LARGEST_EXTENT_M = 20_000.0
@@ -63,17 +65,14 @@ def read_gas(path: Path, g_m3_of_ppm: Callable[[float], float] | None = None) ->
     ValueError
         In one line, naming file, line, column, value and limit.
     """
-    return read_table(path, lambda rows: _gas_file(rows, g_m3_of_ppm))
+    return read_table(path, lambda rows: _gas_file(rows, g_m3_of_ppm), LARGEST_READINGS)
 
 
 def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None) -> GasFile:
-    if not 1 <= len(rows) <= LARGEST_READINGS:
-        raise ValueError(f'has {len(rows)} readings: must be 1 to {LARGEST_READINGS}')
     names = set(rows[0])
-    factor = _factor(names, g_m3_of_ppm)
-    unit = 'g_m3' if 'value_g_m3' in names else 'ppm'
+    unit, factor = _unit(names, g_m3_of_ppm)
     places, weights, frame = _places(rows, names)
-    limits = [_limit(number, row) for number, row in enumerate(rows, 2)]
+    limits = [_limit(row) for row in rows]
     values = factor * _numbers(rows, f'value_{unit}', LARGEST_VALUE)
     return GasFile(
         survey=GasSurvey(
@@ -93,15 +92,17 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
     )
 
 
-def _factor(names: set[str], g_m3_of_ppm: Callable[[float], float] | None) -> float:
-    given = {'value_g_m3', 'value_ppm'} & names
+def _unit(names: set[str], g_m3_of_ppm: Callable[[float], float] | None) -> tuple[str, float]:
+    """Return the unit of the values and what one of it is, g/m^3."""
+    columns = [f'value_{unit}' for unit in UNITS]
+    given = [unit for unit in UNITS if f'value_{unit}' in names]
     if len(given) != 1:
-        raise ValueError('needs exactly one of the columns value_g_m3 and value_ppm')
-    if given == {'value_g_m3'}:
-        return 1.0
+        raise ValueError(f'has {len(given)} of the columns {", ".join(columns)}: must have one')
+    if given[0] != 'ppm':
+        return given[0], UNITS[given[0]]
     if g_m3_of_ppm is None:
         raise ValueError('has value_ppm: name the agent, whose molar mass converts it')
-    return g_m3_of_ppm(1.0)
+    return 'ppm', g_m3_of_ppm(1.0)
 
 
 def _places(
@@ -113,15 +114,25 @@ def _places(
         raise ValueError(f'needs either {" and ".join(GEODETIC)}, or {" and ".join(LOCAL)}')
     frame = None if is_local else LocalFrame(_middle(rows))
     starts = _ends(rows, frame, '')
-    if max(np.ptp(starts[:, 0]), np.ptp(starts[:, 1])) > LARGEST_EXTENT_M:
-        raise ValueError(f'the places are more than {LARGEST_EXTENT_M:g} m apart')
-    if not any(name.startswith(TO) for name in names if name):
+    _check_extent(rows, starts)
+    if not any(name.startswith(TO) for name in names):
         return starts[:, None], np.ones(1), frame
     along = _ends(rows, frame, TO) - starts
-    longest = float(np.hypot(along[:, 0], along[:, 1]).max())
-    require_between('the longest beam', longest, 0.0, LONGEST_BEAM_M, 'm')
+    for row, length in zip(rows, np.hypot(along[:, 0], along[:, 1]).tolist(), strict=True):
+        require_between(f'line {row.line}: length of the beam', length, 0.0, LONGEST_BEAM_M, 'm')
     shares = (_NODES + 1.0) / 2.0
     return starts[:, None] + shares[:, None] * along[:, None], _WEIGHTS / 2.0, frame
+
+
+def _check_extent(rows: Sequence[Row], places_m: FloatArray) -> None:
+    """Refuse places that are too far apart; name the row furthest from the middle ones."""
+    if np.ptp(places_m[:, :2], axis=0).max() > LARGEST_EXTENT_M:
+        away = np.abs(places_m[:, :2] - np.median(places_m[:, :2], axis=0)).max(axis=1)
+        line = rows[int(away.argmax())].line
+        raise ValueError(
+            f'line {line}: is {away.max():.6g} m from most other readings: '
+            f'all must be within {LARGEST_EXTENT_M:g} m'
+        )
 
 
 def _middle(rows: Sequence[Row]) -> GeoPosition:
@@ -137,8 +148,8 @@ def _middle(rows: Sequence[Row]) -> GeoPosition:
 def _ends(rows: Sequence[Row], frame: LocalFrame | None, which: str) -> FloatArray:
     """Return the places of readings, or of the other ends of their beams, (n, 3)."""
     heights = [
-        require_between(f'line {number}: {which}height_m', height, -5.0, 500.0, 'm')
-        for number, height in enumerate(column(rows, f'{which}height_m').tolist(), 2)
+        require_between(f'line {row.line}: {which}height_m', height, -5.0, 500.0, 'm')
+        for row, height in zip(rows, column(rows, f'{which}height_m').tolist(), strict=True)
     ]
     if frame is None:
         east, north = (column(rows, which + name) for name in LOCAL)
@@ -152,17 +163,14 @@ def _ends(rows: Sequence[Row], frame: LocalFrame | None, which: str) -> FloatArr
 def _numbers(rows: Sequence[Row], name: str, limit: float, unit: str = '') -> FloatArray:
     """Return a column whose numbers lie between minus `limit` and `limit`."""
     found = column(rows, name)
-    for number, value in enumerate(found.tolist(), 2):
-        require_between(f'line {number}: {name}', value, -limit, limit, unit)
+    for row, value in zip(rows, found.tolist(), strict=True):
+        require_between(f'line {row.line}: {name}', value, -limit, limit, unit)
     return found
 
 
 def _winds(rows: Sequence[Row], names: set[str]) -> FloatArray:
     is_vector = is_vector_record(names)
-    first, second = (column(rows, name) for name in (VECTOR if is_vector else FROM))
-    if is_vector:
-        return np.column_stack([first, second])
-    winds = [wind_from(speed, angle) for speed, angle in zip(first, second, strict=True)]
+    winds = [wind_of(row, is_vector=is_vector) for row in rows]
     return np.array([(wind.towards_east_mps, wind.towards_north_mps) for wind in winds])
 
 
@@ -175,8 +183,8 @@ def _stds(
             raise ValueError(f'all values are 0: a column {name} must tell the noise')
         return np.full(len(rows), DEFAULT_NOISE_SHARE * largest)
     found = column(rows, name)
-    for number, value in enumerate(found.tolist(), 2):
-        require_between(f'line {number}: {name}', value, LEAST_NOISE, LARGEST_VALUE)
+    for row, value in zip(rows, found.tolist(), strict=True):
+        require_between(f'line {row.line}: {name}', value, LEAST_NOISE, LARGEST_VALUE)
     return factor * found
 
 
@@ -188,8 +196,8 @@ def _instruments(rows: Sequence[Row], names: set[str]) -> np.ndarray:  # type: i
     return np.array([numbers[label] for label in labels])
 
 
-def _limit(number: int, row: Row) -> str:
-    text = (row.get('limit') or '').strip().lower()
+def _limit(row: Row) -> str:
+    text = row.get('limit', '').strip().lower()
     if text not in LIMITS:
-        raise ValueError(f'line {number}: limit is {text!r}: must be below, above or empty')
+        raise ValueError(f'line {row.line}: limit is {text!r}: must be below, above or empty')
     return text

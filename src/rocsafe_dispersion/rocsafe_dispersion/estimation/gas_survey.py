@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Readings of gas with the wind, as arrays that estimation works on."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 
 LARGEST_READINGS = 20_000
+# Readings of a mean are no further apart in any direction than this from the middle one, metres.
+NEAR_M = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -102,4 +105,42 @@ def point_survey(
         is_above=none if is_above is None else is_above,
         times_s=np.arange(count, dtype=float) if times_s is None else times_s,
         instruments=np.zeros(count, int),
+    )
+
+
+def averaged(survey: GasSurvey, most: int) -> GasSurvey:
+    """Return a survey of about `most` readings: means over readings that follow each other.
+
+    Readings of one instrument that say the same kind of thing (a value, or a bound) are taken in
+    blocks in the order of their times. The mean is that of the readings near the middle one of the
+    block, so that it has a place: a survey that is flown keeps readings of places, and one that
+    stands gains by the mean.
+    """
+    count = len(survey.values_g_m3)
+    if count <= most:
+        return survey
+    kinds = np.stack([survey.instruments, survey.is_below, survey.is_above])
+    order = np.lexsort((survey.times_s, *kinds))
+    ends = np.flatnonzero((np.diff(kinds[:, order]) != 0).any(axis=0)) + 1
+    size = math.ceil(count / most)
+    blocks = [
+        part[start : start + size]
+        for part in np.split(order, ends)
+        for start in range(0, len(part), size)
+    ]
+    middles = np.array([block[len(block) // 2] for block in blocks])
+    near = [
+        block[np.abs(survey.places_m[block] - survey.places_m[middle]).max(axis=(1, 2)) <= NEAR_M]
+        for block, middle in zip(blocks, middles.tolist(), strict=True)
+    ]
+    return replace(
+        survey,
+        places_m=survey.places_m[middles],
+        wind_towards_mps=np.array([survey.wind_towards_mps[own].mean(axis=0) for own in near]),
+        values_g_m3=np.array([survey.values_g_m3[own].mean() for own in near]),
+        std_g_m3=np.array([np.linalg.norm(survey.std_g_m3[own]) / len(own) for own in near]),
+        is_below=survey.is_below[middles],
+        is_above=survey.is_above[middles],
+        times_s=survey.times_s[middles],
+        instruments=survey.instruments[middles],
     )

@@ -128,11 +128,7 @@ def locate_releases(
         If there is no wind, or a value is out of range.
     """
     options = options or LocateOptions()
-    if float(np.median(survey.speeds_mps)) < LEAST_SPEED_MPS:
-        raise ValueError(
-            f'the wind is below {LEAST_SPEED_MPS:g} m/s in most readings: must be above; '
-            'without a wind no plume tells where it comes from'
-        )
+    usual_speed_mps(survey)
     places = _places(area)
     travel = similarity_travel(layer, area.height_m, sigma_theta_rad=sigma_theta_rad)
     reference = float(layer.speed_mps(anemometer_m))
@@ -164,6 +160,23 @@ def locate_releases(
         scatter=case.scatter,
         hidden=_hidden(survey, cases, chosen, places, options),
     )
+
+
+def usual_speed_mps(survey: GasSurvey) -> float:
+    """Return the median speed of the wind, m/s.
+
+    Raises
+    ------
+    ValueError
+        If it is too weak to carry a plume anywhere.
+    """
+    found = float(np.median(survey.speeds_mps))
+    if found < LEAST_SPEED_MPS:
+        raise ValueError(
+            f'the wind is below {LEAST_SPEED_MPS:g} m/s in most readings: must be above; '
+            'without a wind no plume tells where it comes from'
+        )
+    return found
 
 
 def _places(area: SearchArea) -> FloatArray:

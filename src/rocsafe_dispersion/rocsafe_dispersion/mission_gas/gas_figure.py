@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A figure of readings and plume over time: one SVG that moves by itself and needs no script."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
@@ -11,7 +12,7 @@ from rocsafe_dispersion.zones.threat_zones import lines_at
 
 # The figure shows the flight in so many seconds, then rests, then begins again.
 LASTS_S, RESTS_S = 12.0, 4.0
-WIDTH_PX = 720.0
+WIDTH_PX, HEAD_PX = 720.0, 50.0
 LEVEL_COLOURS = ('#e0b000', '#e07000', '#c00000')
 # The plume on its way: where the mean wind has carried the gas after these times, seconds.
 ISOCHRONES_S = (30.0, 60.0, 120.0, 300.0)
@@ -42,11 +43,43 @@ def gas_figure(assessment: ReleaseAssessment) -> str:
     words = f'{assessment.flight.agent.name}: {assessment.verdict.reason}'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="gas-figure" viewBox="0 0 {WIDTH_PX:.0f} '
-        f'{height * scale + 26.0:.0f}" role="img"><title>Readings of gas over time</title>'
-        f'<style>{STYLE}</style><svg y="26" width="{WIDTH_PX:.0f}" height="{height * scale:.0f}" '
+        f'{height * scale + HEAD_PX:.0f}" role="img"><title>Readings of gas over time</title>'
+        f'<style>{STYLE}</style><svg y="{HEAD_PX:.0f}" width="{WIDTH_PX:.0f}" '
+        f'height="{height * scale:.0f}" '
         f'viewBox="{area.west_m:.1f} {-area.north_m:.1f} {width:.1f} {height:.1f}">'
-        f'{"".join(shapes)}</svg><text x="4" y="17">{words}</text></svg>\n'
+        f'{"".join(shapes)}</svg><text x="4" y="17">{words}</text>'
+        f'{_key(assessment, scale)}</svg>\n'
     )
+
+
+def _key(assessment: ReleaseAssessment, scale_px: float) -> str:
+    """Return the line of wind, length and levels above the figure; `scale_px` is that of 1 m."""
+    east, north = assessment.flight.wind_towards_mps
+    length_m = nice_length_m(WIDTH_PX / 6.0 / scale_px)
+    bar_px = length_m * scale_px
+    turn = f'translate(16 38) rotate({_turn_deg(east, north):.0f})'
+    parts = [
+        f'<path class="source" transform="{turn}" d="M-10 0H10M4 -5L10 0L4 5"/>',
+        f'<text x="32" y="42">wind {math.hypot(east, north):.1f} m/s</text>',
+        f'<path class="source" d="M150 34V40H{150.0 + bar_px:.1f}V34"/>',
+        f'<text x="{156.0 + bar_px:.1f}" y="42">{length_m:g} m</text>',
+    ]
+    for number, zone in enumerate(assessment.zones):
+        x, colour = 360 + 120 * number, LEVEL_COLOURS[int(zone.level.name[-1]) - 1]
+        parts.append(f'<path class="zone" stroke="{colour}" stroke-width="3" d="M{x} 38h16"/>')
+        parts.append(f'<text x="{x + 21}" y="42">{zone.level.name}</text>')
+    return ''.join(parts)
+
+
+def _turn_deg(east: float, north: float) -> float:
+    """Return the angle clockwise from the right, degrees, of an arrow in a figure."""
+    return -math.degrees(math.atan2(north, east))
+
+
+def nice_length_m(most_m: float) -> float:
+    """Return the longest of 1, 2 or 5 times a power of ten, metres, that is not above `most_m`."""
+    power = 10.0 ** math.floor(math.log10(most_m))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= most_m * (1.0 + 1e-9))
 
 
 def _readings(assessment: ReleaseAssessment) -> Iterator[str]:

@@ -52,6 +52,9 @@ def read_yaml(path: Path) -> Any:
         One line with the file's name and, for a syntax error, the line's number.
     """
     try:
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            # Who opens a pipe waits for a writer.
+            raise YamlError(f'{path}: is no file')
         if path.stat().st_size > MAX_FILE_BYTES:
             raise YamlError(f'{path}: larger than {MAX_FILE_BYTES} bytes')
         text = path.read_text(encoding='utf-8')

@@ -84,15 +84,13 @@ def read_wind(
     ValueError
         In one line, if the file is not there, or a column or value is missing or wrong.
     """
-    return read_table(path, lambda rows: _recorded(rows, layer, height_m))
+    return read_table(path, lambda rows: _recorded(rows, layer, height_m), LARGEST_ROWS)
 
 
 def _recorded(rows: Sequence[Row], layer: SurfaceLayer | None, height_m: float) -> RecordedWind:
-    if not 1 <= len(rows) <= LARGEST_ROWS:
-        raise ValueError(f'has {len(rows)} rows: must be 1 to {LARGEST_ROWS}')
     times_s = column(rows, 'time_s')
     is_vector = is_vector_record(set(rows[0]))
-    winds = [_wind(number, row, is_vector) for number, row in enumerate(rows, 2)]
+    winds = [wind_of(row, is_vector=is_vector) for row in rows]
     return RecordedWind(
         times_s=times_s,
         towards_mps=np.array([(one.towards_east_mps, one.towards_north_mps) for one in winds]),
@@ -118,14 +116,24 @@ def is_vector_record(names: set[str]) -> bool:
             f'column {unclear[0]} does not say whether the wind comes from there or goes there: '
             'name it wind_from_deg, or give wind_towards_east_mps and wind_towards_north_mps'
         )
-    raise ValueError(f'needs either {" and ".join(VECTOR)} or {" and ".join(FROM)}')
+    raise ValueError(
+        f'needs either the columns {" and ".join(VECTOR)} or {" and ".join(FROM)}: '
+        f'has {"both" if all(has) else "neither"}'
+    )
 
 
-def _wind(number: int, row: Row, is_vector: bool) -> WindVector:
-    first, second = (number_in(number, row, name) for name in (VECTOR if is_vector else FROM))
+def wind_of(row: Row, *, is_vector: bool) -> WindVector:
+    """Return the wind of a row whose columns are as `is_vector_record` says.
+
+    Raises
+    ------
+    ValueError
+        If a value is not a number or out of range, with its line.
+    """
+    first, second = (number_in(row, name) for name in (VECTOR if is_vector else FROM))
     try:
         if not is_vector:
             return wind_from(first, second)
         return WindVector(towards_east_mps=first, towards_north_mps=second)
     except ValueError as error:
-        raise ValueError(f'line {number}: {error}') from error
+        raise ValueError(f'line {row.line}: {error}') from error

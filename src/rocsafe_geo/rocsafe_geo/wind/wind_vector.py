@@ -4,7 +4,7 @@
 import math
 from dataclasses import dataclass
 
-from rocsafe_geo.limits import require_between, require_not_negative
+from rocsafe_geo.limits import require_between
 
 LARGEST_WIND_MPS = 100.0
 
@@ -52,7 +52,7 @@ def wind_from(speed_mps: float, from_deg: float) -> WindVector:
     ValueError
         If a value is out of range.
     """
-    speed = require_not_negative('speed_mps', speed_mps, 'm/s')
+    speed = require_between('speed_mps', speed_mps, 0.0, LARGEST_WIND_MPS, 'm/s')
     angle = math.radians(require_between('from_deg', from_deg, -360.0, 360.0, 'degrees'))
     return WindVector(
         towards_east_mps=-speed * math.sin(angle), towards_north_mps=-speed * math.cos(angle)

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Verb
-from rocsafe_mavlink.checks.check import CheckVerdict
-from rocsafe_mavlink.checks.way_checks import fence_check
+from rocsafe_mavlink.checks.check import CheckVerdict, failures
+from rocsafe_mavlink.checks.way_checks import fence_check, homeward_checks
 from rocsafe_mavlink.checks.wind_checks import wind_fault
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.flight.flight_signs import home_moved
@@ -40,6 +40,8 @@ def advice_of(session: VehicleSession, limits: FlightLimits, now_s: float) -> tu
     found = [] if close is None else [Advice(HOLD, close.text)]
     fence = _fence_fault(session)
     found += [Advice(HOLD, fence)] if fence else []
+    homeward = '' if fence else _return_fault(session)
+    found += [Advice(HOLD, homeward)] if homeward else []
     home = _home_fault(session)
     found += [Advice(HOLD, home)] if home else []
     found += [Advice(HOLD, OTHER_MISSION)] if session.flies_another() else []
@@ -65,6 +67,17 @@ def _fence_fault(session: VehicleSession) -> str:
     if flight is None or flight.is_over or home is None or settings.fence is None:
         return ''
     return _outside(flight.plan, home.place, settings.fence)
+
+
+def _return_fault(session: VehicleSession) -> str:
+    """Return that a flight that gives up would cross an exclusion now; empty if it would not."""
+    flight, home = session.flight, session.telemetry.home
+    settings = session.readout.settings
+    is_read = settings.fence is not None and settings.rally is not None
+    if flight is None or flight.is_over or home is None or not is_read:
+        return ''
+    fault = failures(tuple(homeward_checks(flight.plan, home.place, settings)))
+    return f'its rally points or its fence were changed: {fault}' if fault else ''
 
 
 def _home_fault(session: VehicleSession) -> str:

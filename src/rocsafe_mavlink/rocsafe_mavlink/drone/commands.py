@@ -5,23 +5,30 @@ Nothing here is ever called by the suite itself, but by services and actions.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.checks.check import Check, failures
 from rocsafe_mavlink.checks.preflight import route_checks
-from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
+from rocsafe_mavlink.checks.way_checks import (
+    exclusion_checks,
+    fence_check,
+    homeward_checks,
+    start_of,
+)
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.flight_journal import FlightJournal
 from rocsafe_mavlink.flight.flight_signs import heights_moved
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
 from rocsafe_mavlink.knowledge.fix import fix_fault
-from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Contact, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Contact, Home, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, rally_items
-from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault
+from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault, zone_at
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -42,11 +49,16 @@ class DroneCommands:
         The exchange with the vehicle.
     limits
         Limits of its flights.
+    journal
+        Its flight as it was noted last: its exclusions hold also where no flight is found.
     """
 
-    def __init__(self, session: VehicleSession, limits: FlightLimits) -> None:
+    def __init__(
+        self, session: VehicleSession, limits: FlightLimits, journal: FlightJournal
+    ) -> None:
         self._session = session
         self._limits = limits
+        self._journal = journal
 
     @property
     def count(self) -> int:
@@ -100,9 +112,11 @@ class DroneCommands:
         if self._stays_down('return home', Verb.RETURN, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
-        way = self._way_home()
+        way = self._way_home(self._session.telemetry)
         if way is None:
-            self._begin(lambda commands: commands.return_home(), now_s, preempts=True)
+            self._begin(
+                lambda commands: commands.return_home(self._way_bends), now_s, preempts=True
+            )
         else:
             self._begin(
                 lambda commands: commands.fly_home(mission_of(way, commands.autopilot)),
@@ -135,21 +149,24 @@ class DroneCommands:
         self._begin(lambda commands: commands.go_to(place, height_m, home), now_s)
 
     def push_fence(self, fence: Fence, now_s: float) -> None:
-        """Replace the polygons of the fence."""
+        """Replace the polygons of the fence; in the air they must hold what is flown."""
         self._require_contact(now_s)
         self._require_not_others(now_s)
+        self._require_kept(fence)
         self._begin(lambda commands: commands.push_fence(fence), now_s)
         # It is read again as it lies there then: until that is done no flight begins.
         self._session.readout.overwritten(MissionType.FENCE)
 
     def push_rally(self, points: Sequence[GeoPosition], height_m: float, now_s: float) -> None:
-        """Replace the rally points."""
+        """Replace the rally points; in the air the way to them must be free of exclusions."""
         self._require_contact(now_s)
         self._require_not_others(now_s)
         try:
             items = rally_items(points, height_m)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
+        settings = replace(self._session.readout.settings, rally=tuple(points), rally_error='')
+        _refuse(self._stranded(settings))
         self._begin(lambda commands: commands.push(MissionType.RALLY, items), now_s)
 
     def replace_route(self, plan: FlightPlan, now_s: float) -> None:
@@ -252,27 +269,65 @@ class DroneCommands:
         if not settings.fence.holds(place):
             raise CommandRefusedError('the place is outside the fence')
 
-    def _require_clear(self, place: GeoPosition) -> None:
-        flight, motion = self._session.flight, self._session.telemetry.motion
-        if flight is None or flight.is_over or motion is None:
+    def _require_kept(self, fence: Fence) -> None:
+        """Refuse a fence that the vehicle, or what is left of its flight, would leave."""
+        session = self._session
+        vehicle, home = session.telemetry, session.telemetry.home
+        if vehicle.is_on_ground or vehicle.motion is None:
             return
-        _refuse(way_fault(flight.plan, [motion.position, place]))
+        if not fence.holds(vehicle.motion.position):
+            raise CommandRefusedError('the vehicle would be outside the fence at once')
+        settings = replace(session.readout.settings, fence=fence, fence_error='')
+        if session.is_flying and self._plan is not None and home is not None:
+            _refuse(failures((fence_check(self._plan, home.place, settings),)))
+        _refuse(self._stranded(settings))
+
+    def _stranded(self, settings: VehicleSettings) -> str:
+        """Return why a vehicle in the air could not give up with other settings; empty: it could.
+
+        Not judged where it could not before: there is nothing to lose.
+        """
+        session, plan, home = self._session, self._plan, self._session.telemetry.home
+        if session.telemetry.is_on_ground or plan is None or home is None:
+            return ''
+        before = failures(tuple(homeward_checks(plan, home.place, session.readout.settings)))
+        after = failures(tuple(homeward_checks(plan, home.place, settings)))
+        return '' if before else after
+
+    def _require_clear(self, place: GeoPosition) -> None:
+        plan, motion = self._plan, self._session.telemetry.motion
+        if plan is not None and motion is not None:
+            _refuse(way_fault(plan, [motion.position, place]))
+
+    @property
+    def _plan(self) -> FlightPlan | None:
+        """Plan whose exclusions hold: that of its flight, or one that an earlier bridge flew."""
+        flight, entry = self._session.flight, self._journal.open_entry
+        if flight is not None and not flight.is_over:
+            return flight.plan
+        return None if entry is None else entry.assignment.plan
+
+    @property
+    def _home(self) -> Home | None:
+        """Home above which its heights were planned; None: not known."""
+        flight, entry = self._session.flight, self._journal.open_entry
+        if flight is not None and not flight.is_over:
+            return flight.home
+        return None if entry is None else entry.home
 
     def _unknown_way(
         self, vehicle: VehicleTelemetry, now_s: float, plan: FlightPlan | None = None
     ) -> str:
         """Return why nobody can tell where a vehicle would fly; empty if that is known.
 
-        Heights are above home, and the way around the exclusions of `plan`, or of the flight
-        under way, begins where the vehicle is.
+        Heights are above home, and the way around the exclusions of `plan`, or of its own plan,
+        begins where the vehicle is.
         """
-        flight = self._session.flight
-        if flight is None or flight.is_over:
-            return ''
-        exclusions = (*flight.plan.exclusions, *(() if plan is None else plan.exclusions))
+        plans = (one for one in (self._plan, plan) if one is not None)
+        exclusions = [zone for one in plans for zone in one.exclusions]
         fault = fix_fault(vehicle, now_s, STALE_AFTER_S) if exclusions else ''
         where = f'where it is cannot be told: {fault}' if fault else ''
-        return heights_moved(flight.home, vehicle.home) or where
+        return heights_moved(self._home, vehicle.home) or where
 
     def _fault_ahead(self, vehicle: VehicleTelemetry, now_s: float) -> str:
         """Return which exclusion lies between a vehicle and the next place of its mission."""
@@ -284,17 +339,33 @@ class DroneCommands:
             return 'where it is, or its home, is not known'
         return way_fault(flight.plan, [vehicle.motion.position, ahead])
 
-    def _way_home(self) -> FlightPlan | None:
-        """Return the way around exclusions; None if the vehicle may return straight."""
-        flight, vehicle = self._session.flight, self._session.telemetry
-        if flight is None or flight.is_over or vehicle.home is None or vehicle.motion is None:
+    def _way_bends(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
+        """Return why a straight return must not be sent: the vehicle has flown on meanwhile."""
+        try:
+            is_straight = self._way_home(vehicle) is None
+        except CommandRefusedError as refusal:
+            return str(refusal)
+        return (
+            '' if is_straight else 'an exclusion lies on the straight way by now: order it again'
+        )
+
+    def _way_home(self, vehicle: VehicleTelemetry) -> FlightPlan | None:
+        """Return the way around exclusions; None if the vehicle may return straight.
+
+        Refused if its home was set into one: no way leads there.
+        """
+        plan = self._plan
+        if plan is None or vehicle.home is None or vehicle.motion is None:
             return None
         here = FlightWaypoint(
             position=vehicle.motion.position,
             height_m=max(vehicle.motion.height_above_home_m, self._limits.lowest_m),
         )
-        home = GeoPosition(vehicle.home.latitude_deg, vehicle.home.longitude_deg)
-        return homeward_plan(flight.plan, here, home)
+        home = vehicle.home.place
+        if zone := zone_at(plan, home):
+            words = 'another station has set it: let it land, or go to a place'
+            raise CommandRefusedError(f'its home lies in exclusion {zone}, {words}')
+        return homeward_plan(plan, here, home)
 
     def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:
         try:

@@ -26,6 +26,7 @@ from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight import MissionFlight, adopted, fly
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal, JournalEntry
+from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Landed, VehicleTelemetry
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
@@ -101,7 +102,7 @@ class Drone:
     def __init__(self, spec: DroneSpec, session: VehicleSession, journal: FlightJournal) -> None:
         self.spec = spec
         self.session = session
-        self.commands = DroneCommands(session, spec.limits)
+        self.commands = DroneCommands(session, spec.limits, journal)
         self._record = FlightRecord(journal)
         self._wind_return = _WindReturn()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
@@ -132,9 +133,10 @@ class Drone:
 
     @property
     def is_in_air(self) -> bool:
-        """Whether it says that it flies."""
-        in_air = (Landed.IN_AIR, Landed.TAKEOFF, Landed.LANDING)
-        return self.vehicle.is_armed and self.vehicle.landed in in_air
+        """Whether it says that it flies, or is far above its home."""
+        vehicle = self.vehicle
+        is_moving = vehicle.landed in (Landed.TAKEOFF, Landed.LANDING)
+        return vehicle.is_armed and (vehicle.is_airborne or is_moving)
 
     @property
     def is_waiting(self) -> bool:
@@ -173,10 +175,13 @@ class Drone:
         entry, flight = self._record.entry, self.flight
         if entry is None:
             return
-        if flight is None or (flight.is_over and self.is_in_air and entry.outcome is None):
+        # One that ended as lost is noted first, and is not found again in what was heard long ago.
+        is_heard_flying = self.is_in_air and self.vehicle.contact(now_s) is Contact.FRESH
+        if flight is None or (flight.is_over and is_heard_flying and entry.outcome is None):
             self._adopt(entry)
         else:
-            self._record.note(flight, now_s, is_in_air=self.is_in_air)
+            failsafe = self.session.custody.failsafe
+            self._record.note(flight, now_s, is_in_air=self.is_in_air, failsafe=failsafe)
 
     def news(self) -> tuple[object, ...]:
         """Return the part of its state that is published as soon as it changes."""
@@ -317,7 +322,8 @@ class Drone:
         if not is_switched or self.session.is_flying:
             return
         # The end of a flight of ours that an earlier bridge began.
-        is_our_landing = before.is_armed and entry is not None and entry.outcome is None
+        is_open = entry is not None and entry.outcome is None and entry.was_airborne
+        is_our_landing = before.is_armed and is_open
         if not is_our_landing:
             self.session.withdraw_start('somebody else switched its motors')
 
@@ -357,7 +363,12 @@ class Drone:
 
     def _adopt(self, entry: JournalEntry) -> None:
         """Take up the flight of a bridge that ended; nothing is sent for it."""
-        if entry.outcome is not None or not self.is_in_air:
+        if entry.outcome not in (None, FlightOutcome.LOST) or not self.is_in_air:
+            return
+        # What was announced to the bridge before is not announced again, nor to the one after.
+        self.session.custody = self.session.custody.remembering(entry.failsafe)
+        self._record.note_failsafe(self.session.custody.failsafe)
+        if entry.outcome is not None:
             return
         stored = self.session.readout.mission.items
         if self.session.known_autopilot() is None or stored is None:
@@ -375,8 +386,15 @@ class Drone:
         entry = self._record.entry
         home = None if entry is None else entry.home
         flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
-        self.session.flight = self.session.flight if flight is None else flight
-        return flight is not None
+        if flight is None or entry is None:
+            return False
+        if plan == entry.assignment.plan:
+            flight = flight.remembering(
+                entry.cause, entry.reason, was_called_down=entry.was_called_down
+            )
+        # Of its successor nothing is noted yet: an order to return was for the plan before.
+        self.session.flight = flight
+        return True
 
 
 def _require_passed(checks: tuple[Check, ...]) -> None:

@@ -82,8 +82,15 @@ class FlightRecord:
             self.distance_m += step_m if step_m < LARGEST_STEP_M else 0.0
         self._last = vehicle.motion.position
 
-    def note(self, flight: MissionFlight, now_s: float, *, is_in_air: bool) -> None:
-        """Note how far a flight is."""
+    def note(
+        self,
+        flight: MissionFlight,
+        now_s: float,
+        *,
+        is_in_air: bool,
+        failsafe: FlightOutcome | None = None,
+    ) -> None:
+        """Note how far a flight is, and which failsafe was announced in it."""
         entry = self.entry
         if entry is None or entry.outcome is not None:
             return
@@ -95,6 +102,9 @@ class FlightRecord:
             visited=max(entry.visited, flight.visited),
             outcome=flight.outcome,
             reason=flight.reason,
+            cause=flight.cause,
+            was_called_down=flight.was_called_down,
+            failsafe=entry.failsafe or failsafe,
         )
         if changed != entry:
             began_s = now_s if self._began_s is None else self._began_s
@@ -102,6 +112,12 @@ class FlightRecord:
             self._journal.write(
                 replace(changed, distance_m=self.distance_m, duration_s=duration_s)
             )
+
+    def note_failsafe(self, failsafe: FlightOutcome | None) -> None:
+        """Note a failsafe of a flight that may be in the air, though it was not found."""
+        entry = self._journal.open_entry
+        if entry is not None and entry.failsafe is None and failsafe is not None:
+            self._journal.write(replace(entry, failsafe=failsafe))
 
     def settle(self, vehicle: VehicleTelemetry) -> None:
         """Note how a flight ended that was not watched to its end.

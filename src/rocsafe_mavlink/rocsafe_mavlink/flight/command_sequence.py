@@ -54,6 +54,7 @@ class CommandStep:
         Whether the telemetry shows the effect although no answer came; None: as `is_shown`.
     refusal
         Returns why the command must not be sent or repeated at a steady time; empty if it may.
+        An alternative is judged by its own.
     obstacle
         Returns why the command must wait; if it lasts, the step fails with these words.
     modes
@@ -290,7 +291,8 @@ class CommandSequence:
             is_sending = is_new or step.sends_command(now_s)
             refusal = step.refusal(vehicle, now_s) if is_sending else ''
             if refusal and not step.is_done(vehicle):
-                return replace(going, error=refusal), sent
+                going = going._failed(step, refusal)
+                continue
             obstacle = step.obstacle(vehicle, now_s) if is_sending else ''
             going = going._obstructed(obstacle, now_s)
             if obstacle:
@@ -386,14 +388,18 @@ class CommandSequence:
             return f'a failsafe has the vehicle, in {mode}'
         return ''
 
+    def _failed(self, step: Step, error: str) -> 'CommandSequence':
+        """Return the sequence with the alternative of its first step, or ended if it has none."""
+        if step.otherwise is None:
+            return replace(self, error=error)
+        return replace(self, steps=(step.otherwise, *self.steps[1:]), is_begun=False)
+
     def _advanced(self, vehicle: VehicleTelemetry, now_s: float) -> 'CommandSequence':
         """Return the sequence after a look at its first step: failed, done, or still under way."""
         step, rest = self.steps[0], self.steps[1:]
         error = step.error(vehicle, now_s)
-        if error and step.otherwise is not None:
-            return replace(self, steps=(step.otherwise, *rest), is_begun=False)
         if error:
-            return replace(self, error=error)
+            return self._failed(step, error)
         if not step.is_done(vehicle):
             return self
         is_transfer = isinstance(step, TransferStep)

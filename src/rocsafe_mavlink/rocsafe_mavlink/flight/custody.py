@@ -46,6 +46,10 @@ class Custody:
         """Take a text of the vehicle."""
         return self._with_failsafe(failsafe_of(text), now_s)
 
+    def remembering(self, failsafe: FlightOutcome | None) -> 'Custody':
+        """Take the failsafe that an earlier bridge noted of the flight; None: none."""
+        return replace(self, failsafe=self.failsafe or failsafe)
+
     def obeyed(self, mode: int) -> 'Custody':
         """Note that a command of ours led to a mode."""
         return replace(self, own_mode=mode, mode=mode, takeover='')

@@ -59,6 +59,8 @@ class MissionFlight:
         Waypoints behind the vehicle; never decreases.
     cause
         Why it left its mission; the first reason counts.
+    was_called_down
+        Whether an operator had it return or land, whatever it did before.
     outcome
         How the flight ended; None before.
     reason
@@ -73,6 +75,7 @@ class MissionFlight:
     sequence: CommandSequence | None = None
     visited: int = 0
     cause: FlightOutcome | None = None
+    was_called_down: bool = False
     outcome: FlightOutcome | None = None
     reason: str = ''
 
@@ -94,7 +97,7 @@ class MissionFlight:
     @property
     def is_given_up(self) -> bool:
         """Whether an operator ended it, and its route lies on the vehicle yet."""
-        is_ended = self.cause is FlightOutcome.ABORTED_BY_OPERATOR
+        is_ended = self.was_called_down or self.cause is FlightOutcome.ABORTED_BY_OPERATOR
         return is_ended and bool(self.mission.waypoint_items)
 
     def next_place(self, vehicle: VehicleTelemetry) -> GeoPosition | None:
@@ -161,7 +164,8 @@ class MissionFlight:
 
         `homeward` is the mission by which it returns, if it returns by one.
         """
-        stopped = replace(self, cause=self.cause or FlightOutcome.ABORTED_BY_OPERATOR)
+        cause = self.cause or FlightOutcome.ABORTED_BY_OPERATOR
+        stopped = replace(self, cause=cause, was_called_down=True)
         if homeward is None:
             return stopped
         return replace(stopped, mission=Mission(items=homeward, first_item=0, waypoint_items=()))
@@ -186,7 +190,16 @@ class MissionFlight:
     def replanned(self, plan: FlightPlan) -> 'MissionFlight':
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
         mission = mission_of(plan, self.autopilot)
-        return replace(self, plan=plan, mission=mission, visited=0)
+        going = replace(self, plan=plan, mission=mission, visited=0, was_called_down=False)
+        # An order to return or land was for the plan before.
+        is_given_up = self.cause is FlightOutcome.ABORTED_BY_OPERATOR
+        return replace(going, cause=None, reason='') if is_given_up else going
+
+    def remembering(
+        self, cause: FlightOutcome | None, reason: str, *, was_called_down: bool
+    ) -> 'MissionFlight':
+        """Return a flight that was found, with what an earlier bridge noted of it."""
+        return replace(self, cause=cause, reason=reason, was_called_down=was_called_down)
 
     def _has_arrived(self, vehicle: VehicleTelemetry) -> bool:
         """Whether a ground vehicle stands at the end of its way, or back at home, switched on."""
@@ -217,8 +230,9 @@ class MissionFlight:
             # Somebody else has it now: its flight is only watched.
             cause = failsafe_of(sequence.error) or FlightOutcome.ABORTED_BY_OPERATOR
             return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
-        if self.stage is FlightStage.DISARMING and vehicle.is_armed:
-            # The vehicle cannot be stopped: its flight is watched to the end.
+        is_flying = vehicle.is_armed and vehicle.is_airborne and not self.autopilot.drives
+        if is_flying or (self.stage is FlightStage.DISARMING and vehicle.is_armed):
+            # It flies, or cannot be stopped: its flight is watched to the end.
             cause = FlightOutcome.REJECTED
             return replace(ended, stage=FlightStage.FLYING, sequence=None, cause=cause), []
         if self.stage is FlightStage.DISARMING or not _may_be_armed(sequence, vehicle):

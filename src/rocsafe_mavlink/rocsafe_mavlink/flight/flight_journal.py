@@ -60,6 +60,12 @@ class JournalEntry:
         Distance and time flown.
     outcome, reason
         How it ended; None before.
+    cause
+        Why it left its mission: a failsafe, or an order; None: it has not.
+    was_called_down
+        Whether an operator had it return or land.
+    failsafe
+        First failsafe that the vehicle announced or showed in the air, also after `cause`.
     successor
         Plan that was being sent to be flown in its place; None: none. Which of both is on the
         vehicle is asked of the vehicle.
@@ -73,6 +79,9 @@ class JournalEntry:
     duration_s: float = 0.0
     outcome: FlightOutcome | None = None
     reason: str = ''
+    cause: FlightOutcome | None = None
+    was_called_down: bool = False
+    failsafe: FlightOutcome | None = None
     successor: Assignment | None = None
 
 
@@ -87,6 +96,12 @@ class FlightJournal:
     def fault(self) -> str:
         """Why the entry is not on disk; empty: it is."""
         return self._file.fault
+
+    @property
+    def open_entry(self) -> JournalEntry | None:
+        """The entry of a flight that may be in the air yet; None: there is none."""
+        may_fly = self.entry is not None and self.entry.outcome in (None, FlightOutcome.LOST)
+        return self.entry if may_fly else None
 
     def begin(self, entry: JournalEntry) -> None:
         """Keep the entry of a flight that is to begin; once this returns, it survives a kill.
@@ -107,8 +122,12 @@ class FlightJournal:
         self._file.keep(_content(entry))
 
 
+_OUTCOMES = ('outcome', 'cause', 'failsafe')
+
+
 def _content(entry: JournalEntry) -> bytes:
-    record = {**asdict(entry), 'outcome': entry.outcome and entry.outcome.name}
+    names = {name: getattr(entry, name) for name in _OUTCOMES}
+    record = {**asdict(entry), **{name: one and one.name for name, one in names.items()}}
     return json.dumps(record).encode()
 
 
@@ -124,18 +143,23 @@ def _read(path: Path) -> JournalEntry | None:
         return None
     try:
         record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
-        outcome = record.pop('outcome')
+        # A bridge before 0.3 noted the outcome alone.
+        ends = {name: _outcome(record.pop(name, None)) for name in _OUTCOMES}
         assignment = _assignment(record.pop('assignment'))
         successor, home = record.pop('successor', None), record.pop('home', None)
         return JournalEntry(
             assignment=assignment,
             home=None if home is None else Home(**home),
-            outcome=None if outcome is None else FlightOutcome[outcome],
             successor=None if successor is None else _assignment(successor),
+            **ends,
             **record,
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f'{path} is damaged: {error}') from error
+
+
+def _outcome(name: str | None) -> Any:
+    return None if name is None else FlightOutcome[name]
 
 
 def _assignment(record: dict[str, Any]) -> Assignment:

@@ -86,22 +86,24 @@ class VehicleCommands:
             ),
             replace(
                 self._do(calls.start_mission(self.target)),
-                is_shown_unanswered=_is_airborne,
+                is_shown_unanswered=_takes_off,
                 modes=frozenset({autopilot.modes[Verb.MISSION]}),
             ),
         )
-        start = (self._unless_changed(mission, step) for step in steps)
-        return self._sequence('flight', self._upload(mission), *start)
+        *before, last = (self._unless_changed(mission, step) for step in steps)
+        # A PX4 is told the first item with the start. A rover keeps the last one of a drive that
+        # is complete, and begins anew all the same.
+        if not (autopilot.starts_anywhere or autopilot.drives):
+            before = [_unless_past(mission.first_item, step) for step in before]
+        return self._sequence('flight', self._upload(mission), *before, last)
 
     def disarm(self) -> CommandSequence:
-        """Return the sequence that stops the motors, which autopilots refuse in flight."""
-        step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
-        return self._sequence('disarm', step)
+        """Return the sequence that stops the motors, on the ground only."""
+        return self._sequence('disarm', self._stop())
 
     def stay_down(self, name: str, verb: Verb) -> CommandSequence:
         """Return the sequence that stops the motors; in the air the mode for `verb` is set."""
-        stop = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
-        return self._urgent(name, replace(stop, otherwise=self._mode(verb)))
+        return self._urgent(name, replace(self._stop(), otherwise=self._mode(verb)))
 
     def nothing(self, name: str) -> CommandSequence:
         """Return the sequence of an order that is fulfilled already."""
@@ -131,9 +133,9 @@ class VehicleCommands:
         go_on = self._unless_changed(mission, _unless(may_not_go, step))
         return self._sequence('resume', TransferStep(moving=reading), go_on)
 
-    def return_home(self) -> CommandSequence:
-        """Return the sequence that flies home and lands there."""
-        return self._urgent('return home', self._mode(Verb.RETURN))
+    def return_home(self, may_not_go: Refusal) -> CommandSequence:
+        """Return the sequence that flies home and lands there, unless there is a reason not to."""
+        return self._urgent('return home', _unless(may_not_go, self._mode(Verb.RETURN)))
 
     def fly_home(self, mission: Mission) -> CommandSequence:
         """Return the sequence that flies home by a mission, where the straight way is not free."""
@@ -201,6 +203,19 @@ class VehicleCommands:
 
     def _do(self, command: Message, is_shown: Shown | None = None) -> CommandStep:
         return CommandStep(call=CommandCall(command=command, us=self.us), is_shown=is_shown)
+
+    def _stop(self) -> CommandStep:
+        """Return the step that stops the motors; in the air it is neither begun nor repeated.
+
+        Autopilots refuse it there, unless they take themselves for landed.
+        """
+
+        def refusal(vehicle: VehicleTelemetry, _now_s: float) -> str:
+            is_flying = vehicle.is_airborne and not self.autopilot.drives
+            return 'it is in the air' if is_flying else ''
+
+        step = self._do(calls.disarm(self.target), lambda vehicle: not vehicle.is_armed)
+        return replace(step, refusal=refusal)
 
     def _upload(self, mission: Mission, *, clears_after_failure: bool = True) -> TransferStep:
         moving = transfer(
@@ -303,6 +318,21 @@ def require_reachable(
     return home
 
 
+def _unless_past(first: int, step: CommandStep) -> CommandStep:
+    """Return a step of a start that waits while the mission would begin past item `first`.
+
+    Another station has chosen that item, or it is one of an earlier flight: the legs before it
+    would be left out, and nobody has checked the way to it.
+    """
+
+    def obstacle(vehicle: VehicleTelemetry, now_s: float) -> str:
+        item = vehicle.mission.current
+        words = f'it would begin with item {item}: another station has chosen that'
+        return words if item > first else step.obstacle(vehicle, now_s)
+
+    return replace(step, obstacle=obstacle)
+
+
 def _unless(may_not_go: Refusal, step: CommandStep) -> CommandStep:
     """Return a step, and its alternative, that is refused for a further reason."""
     otherwise = None if step.otherwise is None else _unless(may_not_go, step.otherwise)
@@ -319,8 +349,8 @@ def _unless_armed(may_not_arm: Refusal | None) -> Refusal:
     return obstacle
 
 
-def _is_airborne(vehicle: VehicleTelemetry) -> bool:
-    return vehicle.landed in (Landed.TAKEOFF, Landed.IN_AIR)
+def _takes_off(vehicle: VehicleTelemetry) -> bool:
+    return vehicle.landed is Landed.TAKEOFF or vehicle.is_airborne
 
 
 def _is_paused(vehicle: VehicleTelemetry) -> bool:

@@ -66,7 +66,10 @@ def reduce(
         return vehicle, [Event(EventKind.TEXT, str(message['text']), int(message['severity']))]
     events = []
     if _has_rebooted(vehicle, message):
-        vehicle = VehicleTelemetry(system=vehicle.system, component=vehicle.component)
+        # It is not silent for longer than since its last heartbeat.
+        vehicle = VehicleTelemetry(
+            system=vehicle.system, component=vehicle.component, heartbeat_s=vehicle.heartbeat_s
+        )
         events.append(Event(EventKind.REBOOTED))
     reducer = _REDUCERS.get(message.name)
     after = vehicle if reducer is None else reducer(vehicle, message, now_s)

@@ -18,6 +18,9 @@ LOST_AFTER_S = 10.0
 WIND_KEPT_S = 60.0
 # MAV_TYPE of a ground vehicle.
 GROUND_ROVER = 10
+# Above its home by so much it does not stand on the ground, whatever its landed state says: more
+# than the error of a barometer, less than any flight.
+SURELY_UP_M = 8.0
 FIX_3D = 3
 FIX_NONE = 0
 
@@ -320,5 +323,20 @@ class VehicleTelemetry:
 
     @property
     def is_on_ground(self) -> bool:
-        """Whether the motors are off, or it reports that it stands on the ground."""
-        return not self.is_armed or self.landed is Landed.ON_GROUND
+        """Whether the motors are off, or it reports that it stands on the ground.
+
+        Its height counts for more than its landed state, which may be old or wrong.
+        """
+        return not self.is_armed or (self.landed is Landed.ON_GROUND and not self.is_surely_up)
+
+    @property
+    def is_airborne(self) -> bool:
+        """Whether it says that it flies, or is far above its home."""
+        return self.landed is Landed.IN_AIR or self.is_surely_up
+
+    @property
+    def is_surely_up(self) -> bool:
+        """Whether it is far above its home, and does not drive there."""
+        if self.motion is None or self.vehicle_type == GROUND_ROVER:
+            return False
+        return self.motion.height_above_home_m > SURELY_UP_M

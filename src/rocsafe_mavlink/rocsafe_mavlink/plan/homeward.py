@@ -9,9 +9,10 @@ return.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
-from shapely.geometry import MultiPoint, Polygon
+from shapely.geometry import MultiPoint, Point, Polygon
 
 from rocsafe_geo.detour import LEG_SLACK_M, WaysAround, zone_on_way
 from rocsafe_geo.frame import LocalFrame
@@ -46,6 +47,7 @@ class ReturnPlaces:
     includes_home: bool = True
 
 
+@lru_cache(maxsize=64)
 def return_fault(plan: FlightPlan, places: ReturnPlaces) -> str:
     """Return which exclusion lies on a straight way home, and from which leg; empty if none."""
     plane = _Plane(places.home)
@@ -86,6 +88,18 @@ def homeward_plan(plan: FlightPlan, here: FlightWaypoint, home: GeoPosition) -> 
         exclusions=plan.exclusions,
         clearance_m=plan.clearance_m,
     )
+
+
+def zone_at(plan: FlightPlan, place: GeoPosition) -> int:
+    """Return the number of the exclusion in which a place lies; 0: in none."""
+    plane = _Plane(place)
+    zones = enumerate(plan.exclusions, start=1)
+    found = (
+        number
+        for number, ring in zones
+        if Polygon([plane.of(corner) for corner in ring]).intersects(Point(0.0, 0.0))
+    )
+    return next(found, 0)
 
 
 def way_fault(plan: FlightPlan, way: Sequence[GeoPosition]) -> str:

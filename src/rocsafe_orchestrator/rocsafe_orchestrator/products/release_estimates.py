@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.wind.wind_vector import WindVector
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.products.estimator_process import run_estimator
 
@@ -52,6 +53,8 @@ class ReleaseEstimates:
 
     Attributes
     ----------
+    wind_towards_mps
+        Mean wind that was measured, towards east and north, m/s.
     figure
         Readings and zones over time, as SVG.
     """
@@ -64,12 +67,24 @@ class ReleaseEstimates:
     is_enough: bool
     verdict: str
     highest_reading: HighestGas
+    wind_towards_mps: tuple[float, float]
     figure: str
 
     @property
     def sensor_name(self) -> str:
         """Name of the sensor in words."""
-        return self.sensor.replace('_', ' ')
+        return sensor_name(self.sensor)
+
+    @property
+    def wind(self) -> WindVector:
+        """The mean wind that was measured."""
+        east, north = self.wind_towards_mps
+        return WindVector(towards_east_mps=east, towards_north_mps=north)
+
+
+def sensor_name(kind: str) -> str:
+    """Return the name of a kind of detector in words."""
+    return kind.replace('_', ' ').replace('pid 10 6 ev', 'PID 10.6 eV')
 
 
 def estimate_releases(parameters: Path, folder: Path) -> ReleaseEstimates:
@@ -91,6 +106,7 @@ def estimate_releases(parameters: Path, folder: Path) -> ReleaseEstimates:
 
 
 def _estimates(content: Mapping[str, Any], figure: str) -> ReleaseEstimates:
+    east, north = content['wind_towards_mps']
     return ReleaseEstimates(
         releases=tuple(map(_release, content['releases'])),
         zones=tuple(Zone(**zone) for zone in content['threat_zones']),
@@ -100,6 +116,7 @@ def _estimates(content: Mapping[str, Any], figure: str) -> ReleaseEstimates:
         is_enough=content['is_enough'],
         verdict=content['verdict'],
         highest_reading=HighestGas(**content['highest_reading']),
+        wind_towards_mps=(east, north),
         figure=figure,
     )
 

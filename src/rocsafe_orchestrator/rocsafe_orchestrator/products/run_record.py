@@ -269,6 +269,13 @@ class RunRecord:
         return ((self.plan,) if self.plan else ()) + self.further
 
     @property
+    def has_radiation(self) -> bool:
+        """Whether dose rates were read, or might have been."""
+        if self.log is not None and self.log.readings:
+            return True
+        return self.scenario is None or self.scenario.has_radiation
+
+    @property
     def driver(self) -> str:
         """Name of the ground vehicle, empty if there is none."""
         return self.scenario.driver_name if self.scenario is not None else ''

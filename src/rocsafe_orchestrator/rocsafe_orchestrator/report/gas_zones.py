@@ -10,7 +10,8 @@ from typing import Any
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.report.sections.cordons import ring_points
-from rocsafe_view.map_view import GasZone, ReleasePoint
+from rocsafe_scenario.scenario import Scenario
+from rocsafe_view.map_view import GasZone, ReleasePoint, SourcePoint
 from rocsafe_view.svg import Rings
 
 ZONES = 'threat_zones.geojson'
@@ -73,6 +74,15 @@ def _reach(outer: Rings, releases: Sequence[ReleasePoint]) -> tuple[float, float
 def _rings(feature: Mapping[str, Any], frame: LocalFrame) -> Rings:
     parts = feature['geometry']['coordinates']
     return tuple(ring_points(ring, frame) for part in parts for ring in part)
+
+
+def true_releases(scenario: Scenario | None, frame: LocalFrame) -> tuple[SourcePoint, ...]:
+    """Return the releases of a scenario in map coordinates, where they start."""
+    found = () if scenario is None else scenario.air.releases
+    if not found:
+        return ()
+    places = ring_points([[one.position[1], one.position[0]] for one in found], frame)
+    return tuple(SourcePoint(x, y, one.name) for (x, y), one in zip(places, found, strict=True))
 
 
 def release_points(

@@ -15,7 +15,7 @@ from rocsafe_geo.pinhole import ground_corners, rotation_of_quaternion
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_orchestrator.products.run_record import Photograph, Reading, RunRecord, Track
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
-from rocsafe_orchestrator.report.gas_zones import read_zones, release_points
+from rocsafe_orchestrator.report.gas_zones import read_zones, release_points, true_releases
 from rocsafe_orchestrator.report.pictures import ground_picture
 from rocsafe_orchestrator.report.plan_data import (
     exclusion_rings,
@@ -65,6 +65,7 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
         replay=_replay(tracks, frame, start_ns),
         readings=tuple(_dose_points(readings, frame, start_ns, stride)),
         readings_per_point=stride,
+        has_radiation=record.has_radiation,
         photos=_photos(record, frame, start_ns),
         homes=_homes(record, frame),
         sources=_sources(record, frame),
@@ -72,6 +73,7 @@ def map_view(record: RunRecord, frame: LocalFrame, start_ns: int) -> MapView:
         cordons=safe_cordons(record.path, frame),
         zones=read_zones(record.path, frame, releases),
         releases=releases,
+        true_releases=true_releases(record.scenario, frame),
         replanned=further_lines(record, frame),
         picture=ground_picture(record.path / MOSAIC, frame),
     )

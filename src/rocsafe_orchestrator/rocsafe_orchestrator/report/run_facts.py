@@ -6,18 +6,27 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.wind.wind_vector import WindVector
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report.map_facts import map_facts
 from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_scenario.air_blocks import ReleaseBlock
 from rocsafe_scenario.radiation_blocks import SourceBlock
-from rocsafe_scenario.scenario import Scenario
 from rocsafe_view import formats
 
 Facts = list[tuple[str, str]]
 _S_PER_H = 3600.0
+# What lasts longer lasts as long as the mission.
+_LONG_S = 86_400.0
+_UNITS = {
+    'rate_g_s': 'g/s', 'burst_g': 'g at once', 'rate_per_s': 'particles/s',
+    'burst_count': 'particles at once',
+}  # fmt: skip
 _CODE = Markup('<code>{}</code>')
 
 
@@ -25,7 +34,8 @@ def fact_columns(record: RunRecord, summary: RunSummary) -> dict[str, Facts]:
     """Return all facts by the heading of their column."""
     return {
         'Survey': survey_facts(record.plan, summary) if record.plan else [],
-        'Radiation, as simulated': field_facts(record.scenario) if record.scenario else [],
+        'Radiation, as simulated': field_facts(record) if record.has_radiation else [],
+        'Releases, as simulated': release_facts(record),
         'Sources, as estimated': estimate_facts(record.estimates) if record.estimates else [],
         'Map': map_facts(record.path),
         'Run': run_facts(record, summary),
@@ -88,8 +98,11 @@ def _hole(plan: SurveyPlan) -> str:
     return formats.area(plan.largest_hole_m2) if plan.largest_hole_m2 > 0.0 else 'none'
 
 
-def field_facts(scenario: Scenario) -> Facts:
-    """Return the model of the radiation field and its sources."""
+def field_facts(record: RunRecord) -> Facts:
+    """Return the model of the radiation field and its sources, as far as they are known."""
+    scenario = record.scenario
+    if scenario is None:
+        return []
     rows: Facts = [
         ('Model', scenario.radiation.model),
         ('Source radius', f'{scenario.radiation.source_radius_m:g}{formats.GAP}m'),
@@ -100,6 +113,48 @@ def field_facts(scenario: Scenario) -> Facts:
         shape = f', {source.shape_text}' if source.shape_text else ''
         rows.append((source.name, f'{_strength(source)}; {place}, {height}{shape}'))
     return rows
+
+
+def release_facts(record: RunRecord) -> Facts:
+    """Return the wind, and the releases of the scenario with the nearest one that was found."""
+    scenario = record.scenario
+    if scenario is None or not scenario.air.is_used:
+        return []
+    east, north = scenario.survey.airspace.wind_mps
+    wind = WindVector(towards_east_mps=east, towards_north_mps=north)
+    air = scenario.air.wind
+    blown = f'{wind.speed_mps:.1f}{formats.GAP}m/s from {wind.from_deg:.0f}°'
+    height = f'{air.height_m:g}{formats.GAP}m'
+    rows: Facts = [('Wind', f'{blown} at {height}; stability {air.stability}')]
+    for release in scenario.air.releases:
+        amounts = ', '.join(
+            f'{amount:g}{formats.GAP}{_UNITS[key]}' for key, amount in release.amounts.items()
+        )
+        place = formats.latitude_longitude(*release.position)
+        text = f'{release.agent}, {amounts}; {place}, {release.height_m:g}{formats.GAP}m above'
+        rows.append((release.name, f'{text} ground{_start(release)}{_found_off(record, release)}'))
+    return rows
+
+
+def _start(release: ReleaseBlock) -> str:
+    """Return when it starts and whether it moves, where that says anything."""
+    parts = [
+        f'from {formats.clock(release.start_s)}' if release.start_s > 0.0 else '',
+        f'for {formats.duration(release.duration_s)}' if release.duration_s < _LONG_S else '',
+        'moves' if release.track else '',
+    ]
+    return ''.join(f', {part}' for part in parts if part)
+
+
+def _found_off(record: RunRecord, release: ReleaseBlock) -> str:
+    """Return how far from it the nearest release was found, empty where none was."""
+    found = record.releases.releases if record.releases else ()
+    if not found or release.agent == 'particles':
+        return ''
+    frame = LocalFrame(GeoPosition(*release.position, 0.0))
+    places = [frame.enu_of(GeoPosition(r.latitude_deg, r.longitude_deg, 0.0)) for r in found]
+    off = min(math.hypot(place[0], place[1]) for place in places)
+    return f'; the nearest found is {formats.length(off)} away'
 
 
 def estimate_facts(found: SourceEstimates) -> Facts:

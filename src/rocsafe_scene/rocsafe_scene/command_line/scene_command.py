@@ -17,6 +17,7 @@ from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.solids_file import write_solids
 from rocsafe_scene.command_line.label_images import truth_sheet
+from rocsafe_scene.command_line.plume_overview import draw_plume, read_plume
 from rocsafe_scene.command_line.routes_overview import RunRoutes, draw_routes, read_run
 from rocsafe_scene.command_line.scene_arguments import exit_code_of
 from rocsafe_scene.errors import SceneError
@@ -227,6 +228,9 @@ def _drawn(description: SceneDescription, view: View, arguments: argparse.Namesp
     frame = OversampledCamera(renderer, lens, arguments.quality).expose(*pose)
     image = frame.image
     if routes:
+        plume = read_plume(arguments.overview, routes.origin)
+        if plume is not None:
+            image = draw_plume(image, frame.depth_m, lens, pose, plume)
         image = draw_routes(image, frame.depth_m, lens, pose, routes)
     written = [_written(arguments.out, image)]
     if arguments.truth:

@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from rocsafe_orchestrator.products.agent_advice import AgentAdvice, Detected, Observed, Procedure
+from rocsafe_orchestrator.products.release_estimates import sensor_name
 from rocsafe_view import formats
 
 # Agents and observations shown.
@@ -53,7 +54,7 @@ def _evidence_rows(found: AgentAdvice) -> tuple[tuple[str, ...], ...]:
 
 def _detected(one: Detected) -> tuple[str, ...]:
     shown = f'{one.reading:.3g} {one.unit.replace("_", "/")}' if one.is_seen else 'silent'
-    return _words(one.sensor), shown, 'detector', '-', '-'
+    return sensor_name(one.sensor), shown, 'detector', '-', '-'
 
 
 def _observed(one: Observed) -> tuple[str, ...]:

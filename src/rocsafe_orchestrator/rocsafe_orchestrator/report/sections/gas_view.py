@@ -30,13 +30,22 @@ def gas_view(found: ReleaseEstimates | None, zones: Sequence[GasZone]) -> GasVie
     if found is None:
         return None
     end = 'enough' if found.is_enough else 'not enough'
+    told = f'{found.agent}, read by {found.sensor_name}: {found.verdict} ({end}).'
     return GasView(
-        sentence=f'{found.agent}, read by {found.sensor}: {found.verdict} ({end}).',
+        sentence=f'{told} {_wind(found)}',
         leave=_leave(zones),
         # Made by our own process, which puts no text of others into it.
         figure=Markup(found.figure),  # noqa: S704
         release_rows=tuple(_release(number, one) for number, one in enumerate(found.releases, 1)),
         zone_rows=tuple(map(_zone, found.zones)),
+    )
+
+
+def _wind(found: ReleaseEstimates) -> str:
+    wind = found.wind
+    return (
+        f'Wind as measured in flight, on average: {wind.speed_mps:.1f}{formats.GAP}m/s from '
+        f'{wind.from_deg:.0f}°.'
     )
 
 

@@ -11,9 +11,12 @@ from rocsafe_view import formats
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ParticleView:
-    """A sentence, and a row for each vehicle."""
+    """A sentence, its figures, and a row for each vehicle."""
 
     sentence: str
+    triggers: int
+    windows: int
+    highest: str
     rows: tuple[tuple[str, ...], ...]
 
 
@@ -23,15 +26,22 @@ def particle_view(samples: Sequence[ParticleSample], begin_ns: int) -> ParticleV
         return None
     triggers = [one for one in samples if one.triggered]
     names = sorted({one.vehicle for one in samples})
-    sentence = f'{len(triggers)} of {len(samples)} windows triggered'
+    sentence, highest = f'{len(triggers)} of {len(samples)} windows triggered', ''
     if triggers:
         most = max(triggers, key=lambda one: one.fluorescent)
-        sentence += (
-            f'; most fluorescent particles in one: {most.fluorescent}, {most.vehicle} at '
+        highest = (
+            f'most fluorescent particles in one: {most.fluorescent}, {most.vehicle} at '
             f'{formats.clock((most.time_ns - begin_ns) / 1e9)}'
         )
+        sentence += f'; {highest}'
     rows = tuple(_row([one for one in samples if one.vehicle == name], begin_ns) for name in names)
-    return ParticleView(sentence=f'{sentence}.', rows=rows)
+    return ParticleView(
+        sentence=f'{sentence}.',
+        triggers=len(triggers),
+        windows=len(samples),
+        highest=highest,
+        rows=rows,
+    )
 
 
 def _row(samples: Sequence[ParticleSample], begin_ns: int) -> tuple[str, ...]:
