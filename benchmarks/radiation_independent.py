@@ -27,6 +27,11 @@ the mean processor time. The bound is that of Cramer and Rao with an unknown bac
 steel out. A second table tells how often the number is right by the probability stated.
 """
 
+import os
+
+# As `rocsafe localize` does.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+
 import argparse
 import contextlib
 import io
