@@ -59,6 +59,16 @@ def test_legs_are_of_one_vehicle_and_of_several_lengths():
     assert survey_of([readings[0], unknown]).legs is None
 
 
+def test_many_readings_keep_their_places_before_their_legs():
+    """Of an area flown over again and again, cells are not made larger for the sake of legs."""
+    survey = flown(1)
+    plain = dataclasses.replace(survey, legs=None)
+    assert survey.merged(1.0, 1000).legs is not None
+    most = plain.merged(1.0, 1000).size - 1
+    assert survey.merged(1.0, most).legs is None
+    assert survey.merged(1.0, most).size == plain.merged(1.0, most).size
+
+
 def test_derivatives_to_errors_of_legs():
     """Expected counts change as the slopes say."""
     survey = flown(1)

@@ -3,7 +3,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -116,9 +116,13 @@ class RadiationSurvey:
         """Return a survey with one reading for each cube of `cell_m`, at the mean place within.
 
         Counts and exposures add up. With cells much smaller than the height above the source, the
-        result of a fit is the same. Where there are more than `most` cells, they are larger.
+        result of a fit is the same. Each leg has cells of its own. Where there are more than
+        `most` cells, legs are forgotten: of so many readings, errors average out; then cells are
+        larger.
         """
         found = self._merged(cell_m)
+        if found.size > most and self.legs is not None:
+            return replace(self, legs=None).merged(cell_m, most)
         while found.size > most:
             cell_m *= CELL_GROWTH
             found = found._merged(cell_m)
