@@ -9,6 +9,7 @@ import pathlib
 import struct
 import zlib
 
+import cv2
 import numpy as np
 import pytest
 
@@ -78,8 +79,6 @@ def test_photograph_without_ties_is_as_large_as_its_neighbours():
     flown = texture.flight(4, rows=3, columns=4, fix_m=0.3)
     blank = texture.textured_ground(1)[:300, :400] // 255 + np.uint8(100)
     shots = [untold(shot) for shot in flown]
-    import cv2
-
     jpeg = bytes(cv2.imencode('.jpg', blank)[1])
     wrong = dataclasses.replace(shots[5].record, altitude_m=shots[5].record.altitude_m + 100.0)
     shots[5] = Shot(name=shots[5].name, record=wrong, read=lambda: jpeg)
@@ -89,6 +88,24 @@ def test_photograph_without_ties_is_as_large_as_its_neighbours():
     placement = alignment.placements[shots[5].name]
     assert placement.placed_by == 'gps'
     assert placement.pose.centre[2] == pytest.approx(texture.HEIGHT_M, rel=0.1)
+
+
+def test_photograph_without_ties_and_heading_is_left_out_by_name():
+    """Drawn with north up, it would lie wrong over its neighbours and spoil the stated error."""
+    unknown = (0.01, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, math.pi**2)
+    shots = [
+        untold(shot, orientation_covariance_rad2=unknown)
+        for shot in texture.flight(4, rows=3, columns=4, fix_m=0.3)
+    ]
+    blank = bytes(cv2.imencode('.jpg', np.full((300, 400, 3), 100, np.uint8))[1])
+    shots[5] = Shot(name=shots[5].name, record=shots[5].record, read=lambda: blank)
+    said = []
+    maker = Mapmaker(MapOptions(), said.append)
+    maker.add_all(shots)
+    alignment = maker.align()
+    assert alignment.placements.keys() == {shot.name for shot in shots} - {shots[5].name}
+    (line,) = said
+    assert line.startswith(f'not on the map: {shots[5].name}: nothing tells its heading')
 
 
 def test_heights_that_nothing_shows_are_not_guessed():
@@ -148,8 +165,6 @@ def test_fixes_that_are_all_alike_do_not_shrink_the_map():
 
 def test_two_cameras_of_unlike_pixels_are_tied():
     """The second shows the ground twice as large: what its focal length says."""
-    import cv2
-
     shots = []
     for number, shot in enumerate(texture.flight(5, rows=3, columns=3, spacing_m=(9.0, 8.0))):
         record, jpeg = shot.record, shot.jpeg

@@ -300,9 +300,22 @@ class Mapmaker:
             )
         step('match')
         self.block.place_all()
+        self._drop_unturned()
         alignment = self.alignment()
         step('adjust')
         return alignment
+
+    def _drop_unturned(self) -> None:
+        """Leave out photographs that nothing ties to the others nor tells which way they look."""
+        if not self.block.state.poses:
+            return
+        for name, placement in self.block.placements().items():
+            if placement.placed_by == BY_GPS and not self.block.photo(name).has_yaw:
+                self.block.remove(name)
+                self._notice(
+                    f'not on the map: {name}: nothing tells its heading, and nothing ties it to '
+                    'the others'
+                )
 
     def drop_unreadable(self) -> None:
         """Leave out photographs whose pixels cannot be had, and say so."""

@@ -20,6 +20,9 @@ class Setting:
         it.
     position_std_m
         Standard deviation of each coordinate of the fixes, metres.
+    drift_std_m
+        Standard deviation of what these errors have in common over each leg of the flight; 0:
+        nothing.
     background_std
         Prior standard deviation of each coefficient of the background's random field; 0: it has
         none.
@@ -37,6 +40,7 @@ class Setting:
     source_up_m: float = 0.0
     source_up_std_m: float = 0.0
     position_std_m: float = 0.0
+    drift_std_m: float = 0.0
     background_std: float = 0.0
     background_spacing_heights: float = 2.0
     rho: float = 0.0

@@ -92,7 +92,10 @@ class Likelihood:
         trend = (places - places.mean(axis=0)) / half_m
         field = basis if setting.background_std > 0.0 else basis[:, :0]
         self.basis = np.column_stack([np.ones(survey.size), below, trend, field])
-        self.head_size = self.basis.shape[1]
+        self.background_size = self.head_size = self.basis.shape[1]
+        self._legs = survey.legs if setting.drift_std_m > 0.0 else None
+        if self._legs is not None:
+            self.head_size += 3 * (int(self._legs.max()) + 1)
         self.source_size = SOURCE_PARAMETERS
         if setting.has_shades:
             self.source_size += SHADE_PARAMETERS
@@ -125,7 +128,7 @@ class Likelihood:
 
     def background_usvh(self, parameters: FloatArray) -> FloatArray:
         """Return the background at each reading, shape (n,)."""
-        logs = self.basis @ parameters[: self.head_size]
+        logs = self.basis @ parameters[: self.background_size]
         return np.asarray(np.exp(np.clip(logs, -30.0, 30.0)) * self._shape)
 
     def expected(self, parameters: FloatArray) -> FloatArray:
@@ -133,7 +136,7 @@ class Likelihood:
         rates = self.background_usvh(parameters)
         sources = self.sources(parameters)
         if len(sources):
-            offsets = self.offsets(sources)
+            offsets = self.offsets(sources, parameters)
             squares = self._squares(offsets)
             values = self.setting.kernel.values(squares)
             if self.setting.has_shades:
@@ -272,11 +275,17 @@ class Likelihood:
         exposures = self.survey.exposures
         rates = self.background_usvh(parameters)
         slopes = np.empty((self.survey.size, len(parameters)))
-        slopes[:, : self.head_size] = self.basis * rates[:, None]
+        slopes[:, : self.background_size] = self.basis * rates[:, None]
+        slopes[:, self.background_size : self.head_size] = 0.0
         sources = self.sources(parameters)
         if len(sources):
             parts = self._source_slopes(parameters)
             rates = rates + parts[:, STRENGTH].sum(axis=0)
+            if self._legs is not None:
+                rows = np.arange(self.survey.size)[:, None]
+                for axis in range(3):
+                    columns = self.background_size + 3 * self._legs + axis
+                    slopes[rows, columns] = -parts[:, axis].sum(axis=0)[:, None]
             self.survey.ground.follow(parts, sources)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
         expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
@@ -288,7 +297,7 @@ class Likelihood:
         That by the logarithm of the strength is the dose rate itself.
         """
         sources = self.sources(parameters)
-        offsets = self.offsets(sources)
+        offsets = self.offsets(sources, parameters)
         squares = self._squares(offsets)
         values, by_square = self.setting.kernel.values_and_slopes(squares)
         strengths = np.exp(sources[:, STRENGTH])[:, None]
@@ -304,9 +313,16 @@ class Likelihood:
             parts[:, SOURCE_PARAMETERS:] = rates * slopes[:, 3:]
         return parts
 
-    def offsets(self, sources: FloatArray) -> FloatArray:
-        """Return the vector from each source to each reading, shape (sources, 3, n)."""
-        return self._columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
+    def offsets(self, sources: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
+        """Return the vector from each source to each reading, shape (sources, 3, n).
+
+        With `parameters`, errors of the fixes that are common to a leg are taken off.
+        """
+        columns = self._columns
+        if self._legs is not None and parameters is not None:
+            drifts = parameters[self.background_size : self.head_size].reshape(-1, 3)
+            columns = columns + drifts[self._legs].sum(axis=1).T
+        return columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
     @staticmethod
     def _squares(offsets: FloatArray) -> FloatArray:
@@ -336,8 +352,13 @@ class Likelihood:
         means, precisions = np.zeros((2, len(parameters)))
         means[:HEAD_SIZE] = HEAD_MEANS
         precisions[:HEAD_SIZE] = TREND_STDS**-2.0
-        if self.head_size > HEAD_SIZE:
-            precisions[HEAD_SIZE : self.head_size] = self.setting.background_std**-2
+        if self.background_size > HEAD_SIZE:
+            precisions[HEAD_SIZE : self.background_size] = self.setting.background_std**-2
+        if self._legs is not None:
+            scales = self._legs.shape[1]
+            precisions[self.background_size : self.head_size] = (
+                scales * self.setting.drift_std_m**-2
+            )
         own_means, own = self.sources(means), self.sources(precisions)
         own_means[:, UP] = self.setting.source_up_m
         own[:, UP] = max(self.setting.source_up_std_m, FIXED_STD) ** -2.0

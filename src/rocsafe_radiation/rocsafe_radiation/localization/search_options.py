@@ -30,11 +30,12 @@ class SearchOptions:
     are_shades_tried
         Whether something beside the sources may take part of their dose rate on one side; alike
         likely as not.
-    background_slopes, background_spacings, position_factors, rhos
+    background_slopes, background_spacings, position_factors, rhos, drift_factors
         Settings over which the evidence is summed: standard deviation of the bumps of the
         background's random field over their spacing in heights, this spacing, standard deviation
-        of the fixes as a multiple of that given, and share by which readings scatter in proportion
-        to the sources. From above, the ground is the more blurred the narrower its parts are: so
+        of the fixes as a multiple of that given, share by which readings scatter in proportion to
+        the sources, and standard deviation of what the fixes of a leg have in common, as such a
+        multiple. From above, the ground is the more blurred the narrower its parts are: so
         bumps are the lower the nearer they are to each other.
     background_slope_std
         Prior standard deviation of the first of these.
@@ -69,6 +70,7 @@ class SearchOptions:
     background_spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
     position_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
     rhos: tuple[float, ...] = (0.0, 0.05, 0.2)
+    drift_factors: tuple[float, ...] = (0.0, 1.0, 2.0)
     are_shades_tried: bool = True
     near_evidence: float = 4.0
     outlier_share: float = 1e-3

@@ -27,11 +27,11 @@ from rocsafe_radiation.localization.starts import with_one_more, with_shades, wi
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
 LARGEST_ORDER = 4
-# Indices of background_slopes, background_spacings, standard deviations of the fixes, rhos and
-# whether there are shades.
-Index = tuple[int, int, int, int, int]
+# Indices of background_slopes, background_spacings, standard deviations of the fixes, rhos,
+# whether there are shades, and standard deviations of what fixes of a leg have in common.
+Index = tuple[int, int, int, int, int, int]
 # A fairly uneven background; sources are looked for there, with fixes as good as stated.
-FIRST: Index = (2, 1, 0, 0, 0)
+FIRST: Index = (2, 1, 0, 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,7 +144,7 @@ def _is_without_wall(found: dict[Index, Weighed], near: float) -> bool:
     gains = [
         one.evidence - found[plain].evidence
         for key, one in found.items()
-        if key[4] and (plain := (key[0], key[1], key[2], key[3], 0)) in found
+        if key[4] and (plain := (key[0], key[1], key[2], key[3], 0, key[5])) in found
     ]
     return bool(gains) and max(gains) < -near
 
@@ -156,12 +156,14 @@ class _Settings:
         self._survey, self._known = survey, known
         options = known.search
         stds_m = sorted({factor * known.position_std_m for factor in options.position_factors})
+        drifts_m = sorted({factor * known.position_std_m for factor in options.drift_factors})
         self._axes = (
             options.background_slopes,
             options.background_spacings,
             tuple(stds_m),
             options.rhos,
             (False, True)[: 1 + options.are_shades_tried],
+            tuple(drifts_m) if survey.legs is not None else (0.0,),
         )
         height = survey.height_m(known.source_up_m)
         self._bases = [
@@ -171,7 +173,7 @@ class _Settings:
 
     def likelihood(self, index: Index) -> Likelihood:
         """Return the likelihood in the setting at `index`."""
-        slope, spacing, position_std_m, rho, has_shades = (
+        slope, spacing, position_std_m, rho, has_shades, drift_std_m = (
             axis[k] for axis, k in zip(self._axes, index, strict=True)
         )
         setting = replace(
@@ -179,6 +181,7 @@ class _Settings:
             background_std=slope * spacing,
             background_spacing_heights=spacing,
             position_std_m=position_std_m,
+            drift_std_m=drift_std_m,
             rho=rho,
             has_shades=bool(has_shades),
         )
@@ -227,7 +230,7 @@ class _Settings:
                 continue
             if self._axes[0][moved[0]] == 0.0:
                 moved[1] = FIRST[1]
-            yield (moved[0], moved[1], moved[2], moved[3], moved[4])
+            yield (moved[0], moved[1], moved[2], moved[3], moved[4], moved[5])
 
     def _moved(self, one: Weighed, index: Index) -> Weighed:
         """Return the fit at `index`, begun at that of a neighbour."""
@@ -238,7 +241,8 @@ class _Settings:
         start = np.zeros(new.head_size + new.source_size * len(sources))
         same = min(old.source_size, new.source_size)
         new.sources(start)[:, :same] = sources[:, :same]
-        kept = old.head_size if old.head_size == new.head_size else HEAD_SIZE
+        same = old.background_size == new.background_size
+        kept = old.background_size if same else HEAD_SIZE
         start[:kept] = one.fit.parameters[:kept]
         return self._weighed(new, new.fit(start))
 

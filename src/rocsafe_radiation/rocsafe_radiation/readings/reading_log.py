@@ -100,6 +100,8 @@ class ReadingLog:
             dose_rate_std_usvh=reading.dose_rate_std_usvh,
             counts=reading.counts,
             live_time_s=reading.live_time_s,
+            vehicle=reading.vehicle,
+            time_s=reading.time_ns / 1e9,
         )
         self.models.add(reading.model)
         self.newest_ns = max(self.newest_ns, reading.time_ns)

@@ -2,6 +2,7 @@
 """Survey files of any origin: tables of readings with units in the names of their columns."""
 
 import csv
+import itertools
 import math
 from array import array
 from collections import defaultdict
@@ -214,6 +215,7 @@ class _Rows:
         self._values = array('d')
         self.lines: list[int] = []
         self.vehicles: list[str] = []
+        self.times_s = array('d')
         self.models: set[str] = set()
         self.dropped: dict[str, list[int]] = defaultdict(list)
         self.backward_steps = 0
@@ -241,6 +243,7 @@ class _Rows:
         self._values.extend(values)
         self.lines.append(line)
         self.vehicles.append(vehicle)
+        self.times_s.append(time / 1e9)
 
     def table(self) -> FloatArray:
         """Return the rows, shape (n, 8), as `_values` gives them."""
@@ -271,12 +274,14 @@ def _checked(path: Path, rows: _Rows, ground_altitude_m: float) -> ReadingsFile:
     for reason, is_wrong in ((FAR, is_far), (DEAD, is_dead), (UNIT, is_other)):
         if is_wrong.any():
             rows.dropped[reason] += [rows.lines[k] for k in np.flatnonzero(is_wrong)]
-    table = table[~(is_far | is_dead | is_other)]
+    kept = ~(is_far | is_dead | is_other)
+    table, times_s = table[kept], np.array(rows.times_s)[kept]
+    vehicles = list(itertools.compress(rows.vehicles, kept))
     if not columns.up:
         ground_altitude_m = 0.0
     frame = _frame(table, ground_altitude_m) if is_geodetic and len(table) else None
     return ReadingsFile(
-        observations=_observations(table, frame),
+        observations=_observations(table, frame, vehicles, times_s),
         frame=frame,
         dropped={reason: tuple(lines) for reason, lines in rows.dropped.items()},
         backward_steps=rows.backward_steps,
@@ -344,7 +349,9 @@ def _frame(array: FloatArray, ground_altitude_m: float) -> LocalFrame:
     )
 
 
-def _observations(array: FloatArray, frame: LocalFrame | None) -> tuple[LocalReading, ...]:
+def _observations(
+    array: FloatArray, frame: LocalFrame | None, vehicles: Sequence[str], times_s: FloatArray
+) -> tuple[LocalReading, ...]:
     places = frame.to_enu(*array[:, :3].T) if frame else array[:, :3]
     return tuple(
         LocalReading(
@@ -353,6 +360,10 @@ def _observations(array: FloatArray, frame: LocalFrame | None) -> tuple[LocalRea
             dose_rate_std_usvh=row[4],
             counts=row[5],
             live_time_s=row[6],
+            vehicle=vehicle,
+            time_s=time_s,
         )
-        for (east, north, up), row in zip(places, array.tolist(), strict=True)
+        for (east, north, up), row, vehicle, time_s in zip(
+            places, array.tolist(), vehicles, times_s.tolist(), strict=True
+        )
     )

@@ -3,11 +3,11 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_radiation.readings.ground import LEVEL, Ground
 
 # A reading without statistics counts as that of a large scintillator: errors of position and model
@@ -16,6 +16,7 @@ NOMINAL_COUNTS_PER_USVH = 550.0 * 0.2
 SMALLEST_STD_SHARE = 0.002
 # Cells of too many readings grow by this factor.
 CELL_GROWTH = 1.25
+LEG_S, LEG_GROWTH, LEG_SCALES, MOST_LEGS = 20.0, 4.0, 3, 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +35,8 @@ class LocalReading:
         Raw counts; 0 if the detector does not count.
     live_time_s
         Live time, seconds; NaN if the detector does not count.
+    vehicle, time_s
+        Whose reading it is, and its time, seconds since any moment; NaN if it is not known.
     """
 
     position_enu_m: tuple[float, float, float]
@@ -41,6 +44,8 @@ class LocalReading:
     dose_rate_std_usvh: float = 0.0
     counts: float = 0.0
     live_time_s: float = math.nan
+    vehicle: str = ''
+    time_s: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,11 +69,15 @@ class RadiationSurvey:
         Whether nobody has stated where the ground is.
     unread_count
         Readings of a dead detector, which are left out.
+    legs
+        Stretches of flight of each reading, over which errors of the fixes are alike, of several
+        lengths, numbered from 0, shape (n, scales); None: not known.
     """
 
     positions_enu_m: FloatArray
     counts: FloatArray
     exposures: FloatArray
+    legs: IndexArray | None = None
     background_shape: FloatArray | None = None
     ground: Ground = LEVEL
     is_ground_guessed: bool = False
@@ -107,9 +116,13 @@ class RadiationSurvey:
         """Return a survey with one reading for each cube of `cell_m`, at the mean place within.
 
         Counts and exposures add up. With cells much smaller than the height above the source, the
-        result of a fit is the same. Where there are more than `most` cells, they are larger.
+        result of a fit is the same. Each leg has cells of its own. Where there are more than
+        `most` cells, legs are forgotten: of so many readings, errors average out; then cells are
+        larger.
         """
         found = self._merged(cell_m)
+        if found.size > most and self.legs is not None:
+            return replace(self, legs=None).merged(cell_m, most)
         while found.size > most:
             cell_m *= CELL_GROWTH
             found = found._merged(cell_m)
@@ -120,7 +133,10 @@ class RadiationSurvey:
         cells -= cells.min(axis=0)
         _, rows, levels = (cells.max(axis=0) + 1).tolist()
         numbers = (cells[:, 0] * rows + cells[:, 1]) * levels + cells[:, 2]
-        _, owner = np.unique(numbers, return_inverse=True)
+        legs = self.legs
+        if legs is not None:
+            numbers = numbers * (int(legs.max()) + 1) + legs[:, 0]
+        _, first, owner = np.unique(numbers, return_index=True, return_inverse=True)
         exposures = np.asarray(np.bincount(owner, self.exposures), np.float64)
         places = [
             np.bincount(owner, self.exposures * axis) / exposures
@@ -137,7 +153,35 @@ class RadiationSurvey:
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             exposures=exposures,
+            legs=None if legs is None else legs[first],
         )
+
+
+def _legs(vehicles: Sequence[str], times_s: FloatArray) -> IndexArray | None:
+    """Return the legs of each reading, shape (n, scales); None if a time is not known.
+
+    Those of the first scale are `LEG_S` long, or longer if there were more than `MOST_LEGS`, those
+    of each further scale `LEG_GROWTH` times as long. All have numbers of their own.
+    """
+    if not len(times_s) or not np.isfinite(times_s).all():
+        return None
+    names = np.unique(np.asarray(vehicles), return_inverse=True)[1]
+    length_s, since_s = LEG_S, times_s - times_s.min()
+    while _numbered(names, since_s, length_s).max() >= MOST_LEGS:
+        length_s *= CELL_GROWTH
+    scales, count = [], 0
+    for scale in range(LEG_SCALES):
+        scales.append(count + _numbered(names, since_s, length_s * LEG_GROWTH**scale))
+        count = int(scales[-1].max()) + 1
+    return np.stack(scales, axis=1)
+
+
+def _numbered(names: IndexArray, since_s: FloatArray, length_s: float) -> IndexArray:
+    """Return the number, from 0, of the stretch of time and the vehicle of each reading."""
+    steps = np.floor(since_s / length_s).astype(np.intp)
+    return np.asarray(
+        np.unique(names * (steps.max() + 1) + steps, return_inverse=True)[1], np.intp
+    )
 
 
 def survey_of(
@@ -153,7 +197,13 @@ def survey_of(
     rows = [_row(observation, sensitivity_cps_per_usvh) for observation in observations]
     values = np.array(rows, np.float64).reshape(len(rows), 2)
     places = np.array([o.position_enu_m for o in observations], np.float64).reshape(len(rows), 3)
-    return RadiationSurvey(positions_enu_m=places, counts=values[:, 0], exposures=values[:, 1])
+    times_s = np.array([o.time_s for o in observations], np.float64)
+    return RadiationSurvey(
+        positions_enu_m=places,
+        counts=values[:, 0],
+        exposures=values[:, 1],
+        legs=_legs([o.vehicle for o in observations], times_s),
+    )
 
 
 def _row(reading: LocalReading, sensitivity: float) -> tuple[float, float]:
