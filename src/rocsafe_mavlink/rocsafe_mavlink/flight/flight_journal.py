@@ -143,7 +143,7 @@ def _read(path: Path) -> JournalEntry | None:
         return None
     try:
         record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
-        # A bridge before 0.3 noted the outcome alone.
+        # An older bridge noted the outcome alone.
         ends = {name: _outcome(record.pop(name, None)) for name in _OUTCOMES}
         assignment = _assignment(record.pop('assignment'))
         successor, home = record.pop('successor', None), record.pop('home', None)
