@@ -147,7 +147,9 @@ def read_readings(
             for row in table:
                 # The row of names was read before.
                 rows.add(row, table.line_num + 1)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except OSError as error:
+        raise ReadingsFileError(f'{path}: cannot be read: {error.strerror}') from error
+    except (UnicodeDecodeError, csv.Error) as error:
         raise ReadingsFileError(f'{path}: cannot be read: {error}') from error
     return _checked(path, rows, ground_altitude_m)
 
