@@ -42,7 +42,9 @@ def habits():
     parser.add_argument('--odd-mode-at', type=int, default=0, help='item at which a mode comes')
     parser.add_argument('--for-ever', type=int, default=0, help='this command is in progress')
     parser.add_argument('--restart-armed', action='store_true', help='as soon as it is armed')
-    parser.add_argument('--shape-shift', action='store_true', help='another type now and then, once armed')
+    parser.add_argument(
+        '--shape-shift', action='store_true', help='another type now and then, once armed'
+    )
     parser.add_argument('--junk', action='store_true', help='bytes and impossible numbers')
     parser.add_argument('--swap', default='', help='another station changes its mission: when')
     parser.add_argument('--deaf-after-offer', action='store_true', help='never asks for an item')
