@@ -117,7 +117,7 @@ def test_pipes_and_other_encodings_are_refused(tmp_path: Path):
     """A pipe would wait for a writer that never comes."""
     pipe, text = tmp_path / 'pipe', tmp_path / 'a.csv'
     os.mkfifo(pipe)
-    with pytest.raises(ValueError, match='is no file'):
+    with pytest.raises(ValueError, match='must be a file'):
         read_gas(pipe)
     text.write_bytes(b'caf\xe9\n1\n')
     with pytest.raises(ValueError, match='neither UTF-8 nor UTF-16'):

@@ -17,7 +17,6 @@ from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places, predicted
 from rocsafe_dispersion.estimation.plume_kernel import PlumeShape
 from rocsafe_dispersion.estimation.release_options import LocateOptions
-from rocsafe_dispersion.mission_gas.gas_figure import nice_length_m
 from rocsafe_dispersion.mission_gas.gas_log import (
     GasFlightReading,
     GasLog,
@@ -37,6 +36,7 @@ from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.scale_bar import bar_length_m
 
 from .airs import EASTWARDS, LAYER, SPEED_MPS
 
@@ -315,7 +315,7 @@ def test_files_of_a_flight_are_written(tmp_path, capsys):
 )
 def test_scale_bars_have_round_lengths(most_m: float, length_m: float):
     """And are as long as there is room for."""
-    assert nice_length_m(most_m) == pytest.approx(length_m)
+    assert bar_length_m(most_m) == pytest.approx(length_m)
 
 
 @pytest.mark.parametrize('text', ['[]', 'a: 1', '/estimator: {ros__parameters: {water: 1}}', '{'])

@@ -128,5 +128,5 @@ def test_enumerations_are_written_by_their_values():
 def test_a_pipe_is_refused(tmp_path: Path):
     """It would wait for a writer that never comes."""
     os.mkfifo(tmp_path / 'pipe')
-    with pytest.raises(YamlError, match='is no file'):
+    with pytest.raises(YamlError, match='must be a file'):
         read_yaml(tmp_path / 'pipe')

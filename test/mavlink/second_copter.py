@@ -42,7 +42,9 @@ def habits():
     parser.add_argument('--odd-mode-at', type=int, default=0, help='item at which a mode comes')
     parser.add_argument('--for-ever', type=int, default=0, help='this command is in progress')
     parser.add_argument('--restart-armed', action='store_true', help='as soon as it is armed')
-    parser.add_argument('--shape-shift', action='store_true', help='another type now and then')
+    parser.add_argument(
+        '--shape-shift', action='store_true', help='another type now and then, once armed'
+    )
     parser.add_argument('--junk', action='store_true', help='bytes and impossible numbers')
     parser.add_argument('--swap', default='', help='another station changes its mission: when')
     parser.add_argument('--deaf-after-offer', action='store_true', help='never asks for an item')
@@ -279,7 +281,7 @@ class Copter:
         if tick % 10 == 0:
             base, status = 0x51 | (0x80 if self.armed else 0), 4 if landed == 2 else 3
             kind, maker = self.wanted.kind, self.wanted.maker
-            if self.wanted.shape_shift and tick % 70 == 60:
+            if self.wanted.shape_shift and self.armed and tick % 70 == 60:
                 kind = mavlink.MAV_TYPE_FIXED_WING
             if self.never_done:
                 self.answer(self.never_done, mavlink.MAV_RESULT_IN_PROGRESS)

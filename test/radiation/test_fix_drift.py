@@ -55,8 +55,9 @@ def test_legs_are_of_one_vehicle_and_of_several_lengths():
     ]
     legs = survey_of(readings).legs
     assert legs.tolist() == [[0, 4, 7], [0, 4, 7], [1, 4, 7], [3, 6, 8], [2, 5, 7]]
-    unknown = dataclasses.replace(readings[1], time_s=math.nan)
-    assert survey_of([readings[0], unknown]).legs is None
+    for time_s in (math.nan, 1e300):
+        unknown = dataclasses.replace(readings[1], time_s=time_s)
+        assert survey_of([readings[0], unknown]).legs is None
 
 
 def test_many_readings_keep_their_places_before_their_legs():

@@ -347,6 +347,14 @@ def test_a_table_of_a_spreadsheet_is_read(tmp_path, encoding):
     assert one.dose_rate_usvh == 0.1
 
 
+def test_counts_without_dose_rates_want_the_sensitivity(table, capsys):
+    """One line says so, no traceback."""
+    rows = ''.join(f'53.28,{-9.06 + k * 1e-4:.4f},90,{100 + k},1\n' for k in range(20))
+    path = table('latitude_deg,longitude_deg,altitude_m,counts,live_time_s\n' + rows)
+    assert main([str(path), '--ground', '66']) == 2
+    assert '--sensitivity' in capsys.readouterr().err
+
+
 def test_a_column_given_twice_is_refused(table):
     """Which of them counts, nobody knows."""
     text = 'east_m,north_m,up_m,dose_rate_usvh,dose_rate_usvh\n1,2,3,4,5\n'

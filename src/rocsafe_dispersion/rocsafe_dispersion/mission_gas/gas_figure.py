@@ -9,6 +9,7 @@ from shapely.geometry import MultiPolygon
 
 from rocsafe_dispersion.mission_gas.release_assessment import ReleaseAssessment
 from rocsafe_dispersion.zones.threat_zones import lines_at
+from rocsafe_geo.scale_bar import bar_length_m
 
 # The figure shows the flight in so many seconds, then rests, then begins again.
 LASTS_S, RESTS_S = 12.0, 4.0
@@ -55,7 +56,7 @@ def gas_figure(assessment: ReleaseAssessment) -> str:
 def _key(assessment: ReleaseAssessment, scale_px: float) -> str:
     """Return the line of wind, length and levels above the figure; `scale_px` is that of 1 m."""
     east, north = assessment.flight.wind_towards_mps
-    length_m = nice_length_m(WIDTH_PX / 6.0 / scale_px)
+    length_m = bar_length_m(WIDTH_PX / 6.0 / scale_px)
     bar_px = length_m * scale_px
     turn = f'translate(16 38) rotate({_turn_deg(east, north):.0f})'
     parts = [
@@ -74,12 +75,6 @@ def _key(assessment: ReleaseAssessment, scale_px: float) -> str:
 def _turn_deg(east: float, north: float) -> float:
     """Return the angle clockwise from the right, degrees, of an arrow in a figure."""
     return -math.degrees(math.atan2(north, east))
-
-
-def nice_length_m(most_m: float) -> float:
-    """Return the longest of 1, 2 or 5 times a power of ten, metres, that is not above `most_m`."""
-    power = 10.0 ** math.floor(math.log10(most_m))
-    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= most_m * (1.0 + 1e-9))
 
 
 def _readings(assessment: ReleaseAssessment) -> Iterator[str]:

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import Ring, SurveyArea
 from rocsafe_geo.regions.area_sources import csv_ring, kml_of_kmz, plan_rings
+from rocsafe_geo.storage.named_file import require_file
 
 MAX_FILE_BYTES = 10_000_000
 """A larger file is not a survey region drawn by hand."""
@@ -62,6 +63,7 @@ def areas_of_kind(path: str | Path, kind: str) -> tuple[SurveyArea, ...]:
     """
     file = Path(path)
     try:
+        require_file(file)
         features = json.loads(file.read_text(encoding='utf-8'))['features']
         chosen = [one for one in features if one['properties'].get('kind') == kind]
         polygons = list(_polygons_in({'type': 'FeatureCollection', 'features': chosen}, kind))
@@ -117,6 +119,7 @@ def _reader_of(file: Path) -> Callable[[str], list[_NamedRings]]:
 def _text_of(file: Path) -> str:
     """Return the file's text; UTF-8 only, so that no other encoding hides a document type."""
     try:
+        require_file(file)
         with file.open('rb') as stream:
             content = stream.read(MAX_FILE_BYTES + 1)
     except OSError as error:

@@ -10,11 +10,12 @@ from typing import TextIO, TypeVar
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.storage.named_file import require_file
 
 T = TypeVar('T')
 # A longer line is no row of a table: it is not read to its end.
 LONGEST_LINE = 10_000
-_UTF_16_MARKS = (b'\xff\xfe', b'\xfe\xff')
+UTF_16_MARKS = (b'\xff\xfe', b'\xfe\xff')
 
 
 class Row(dict[str, str]):
@@ -50,9 +51,8 @@ def read_table(path: Path, made: Callable[[Sequence[Row]], T], most_rows: int) -
     ValueError
         In one line that begins with the path, if the file cannot be read or `made` refuses it.
     """
-    if path.exists() and not path.is_file():
-        raise ValueError(f'{path}: is no file')
     try:
+        require_file(path)
         with path.open(encoding=_encoding(path), newline='') as stream:
             return made(_rows(stream, most_rows))
     except OSError as error:
@@ -65,7 +65,7 @@ def read_table(path: Path, made: Callable[[Sequence[Row]], T], most_rows: int) -
 
 def _encoding(path: Path) -> str:
     with path.open('rb') as stream:
-        return 'utf-16' if stream.read(2) in _UTF_16_MARKS else 'utf-8-sig'
+        return 'utf-16' if stream.read(2) in UTF_16_MARKS else 'utf-8-sig'
 
 
 def _rows(stream: TextIO, most_rows: int) -> list[Row]:

@@ -6,6 +6,8 @@ import string
 from pathlib import Path
 from stat import S_IMODE
 
+from rocsafe_geo.storage.named_file import require_file
+
 LARGEST_FILE = 4096
 FEWEST_BITS = 128
 # Fewer different letters are a typed pattern, not a random text.
@@ -31,6 +33,7 @@ def read_secret(path: Path) -> bytes:
         Naming the file and its mode, never its content.
     """
     try:
+        require_file(path)
         mode = S_IMODE(path.stat().st_mode)
         if mode & 0o077:
             raise SecretFileError(f'{path} has mode {mode:04o}: must be 0600')

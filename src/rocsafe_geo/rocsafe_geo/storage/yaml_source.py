@@ -7,6 +7,8 @@ from typing import Any
 
 import yaml
 
+from rocsafe_geo.storage.named_file import require_file
+
 MAX_FILE_BYTES = 4_000_000
 # YAML 1.1 reads 1e-3 as a text, YAML 1.2 as a number.
 _FLOAT = re.compile(r'^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$')
@@ -52,9 +54,7 @@ def read_yaml(path: Path) -> Any:
         One line with the file's name and, for a syntax error, the line's number.
     """
     try:
-        if path.exists() and not (path.is_file() or path.is_dir()):
-            # Who opens a pipe waits for a writer.
-            raise YamlError(f'{path}: is no file')
+        require_file(path)
         if path.stat().st_size > MAX_FILE_BYTES:
             raise YamlError(f'{path}: larger than {MAX_FILE_BYTES} bytes')
         text = path.read_text(encoding='utf-8')

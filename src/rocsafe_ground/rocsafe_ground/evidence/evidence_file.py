@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_ground.dose.source_posterior import SourcePosterior
 from rocsafe_ground.evidence.evidence_point import MARK, SOURCE, EvidencePoint
 
@@ -76,6 +77,7 @@ def read_evidence(path: Path) -> list[EvidencePoint]:
         In one line, if the file cannot be read or a point is not valid.
     """
     try:
+        require_file(path)
         features = json.loads(path.read_text(encoding='utf-8'))['features']
         points = [one for one in features if one['geometry']['type'] == 'Point']
     except OSError as error:

@@ -6,7 +6,6 @@ Format: OpenDroneMap's documentation, "Ground Control Points" and "Image Geoloca
 
 import math
 import re
-import stat
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from pathlib import Path
 from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
 
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_mapping.errors import MappingError
 
 MOST_BYTES = 64 * 2**20
@@ -92,11 +92,10 @@ def read_text(path: Path) -> str:
         If it cannot be read, is too large or no UTF-8.
     """
     try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise MappingError(f'{path}: it is no file')
-        if status.st_size > MOST_BYTES:
-            raise MappingError(f'{path}: {status.st_size} bytes exceed {MOST_BYTES}')
+        require_file(path)
+        size = path.stat().st_size
+        if size > MOST_BYTES:
+            raise MappingError(f'{path}: {size} bytes exceed {MOST_BYTES}')
         return path.read_text('utf-8-sig')
     except OSError as error:
         raise MappingError(f'{path}: {error.strerror}') from error

@@ -45,7 +45,7 @@ def advice_of(session: VehicleSession, limits: FlightLimits, now_s: float) -> tu
     home = _home_fault(session)
     found += [Advice(HOLD, home)] if home else []
     found += [Advice(HOLD, OTHER_MISSION)] if session.flies_another() else []
-    # Who returns or lands already does so by an order that counts for more.
+    # A vehicle that returns or lands already obeys an order that counts for more.
     wind = '' if _comes_down(session) else wind_fault(vehicle.wind, limits, now_s)
     return (*found, *([Advice(RETURN_HOME, wind)] if wind else []))
 

@@ -301,19 +301,16 @@ class DroneCommands:
 
     @property
     def _plan(self) -> FlightPlan | None:
-        """Plan whose exclusions hold: that of its flight, or one that an earlier bridge flew."""
-        flight, entry = self._session.flight, self._journal.open_entry
-        if flight is not None and not flight.is_over:
-            return flight.plan
-        return None if entry is None else entry.assignment.plan
+        """Plan whose exclusions hold."""
+        return self._flown[0]
 
     @property
-    def _home(self) -> Home | None:
-        """Home above which its heights were planned; None: not known."""
+    def _flown(self) -> tuple[FlightPlan | None, Home | None]:
+        """Plan and home of its flight, or of one that an earlier bridge flew; None: not known."""
         flight, entry = self._session.flight, self._journal.open_entry
         if flight is not None and not flight.is_over:
-            return flight.home
-        return None if entry is None else entry.home
+            return flight.plan, flight.home
+        return (None, None) if entry is None else (entry.assignment.plan, entry.home)
 
     def _unknown_way(
         self, vehicle: VehicleTelemetry, now_s: float, plan: FlightPlan | None = None
@@ -323,11 +320,11 @@ class DroneCommands:
         Heights are above home, and the way around the exclusions of `plan`, or of its own plan,
         begins where the vehicle is.
         """
-        plans = (one for one in (self._plan, plan) if one is not None)
-        exclusions = [zone for one in plans for zone in one.exclusions]
+        flown, home = self._flown
+        exclusions = [zone for one in (flown, plan) if one is not None for zone in one.exclusions]
         fault = fix_fault(vehicle, now_s, STALE_AFTER_S) if exclusions else ''
         where = f'where it is cannot be told: {fault}' if fault else ''
-        return heights_moved(self._home, vehicle.home) or where
+        return heights_moved(home, vehicle.home) or where
 
     def _fault_ahead(self, vehicle: VehicleTelemetry, now_s: float) -> str:
         """Return which exclusion lies between a vehicle and the next place of its mission."""

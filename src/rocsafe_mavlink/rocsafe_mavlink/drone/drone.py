@@ -175,7 +175,7 @@ class Drone:
         entry, flight = self._record.entry, self.flight
         if entry is None:
             return
-        # One that ended as lost is noted first, and is not found again in what was heard long ago.
+        # A flight that ended as lost is noted first. Old messages do not revive it.
         is_heard_flying = self.is_in_air and self.vehicle.contact(now_s) is Contact.FRESH
         if flight is None or (flight.is_over and is_heard_flying and entry.outcome is None):
             self._adopt(entry)
@@ -315,7 +315,7 @@ class Drone:
     def _watch_motors(self, before: VehicleTelemetry) -> None:
         """Withdraw a start that waits once somebody else has switched the motors on, or off.
 
-        He may stand beside the vehicle when the start is due.
+        That person may stand beside the vehicle when the start is due.
         """
         after, entry = self.vehicle, self._record.entry
         is_switched = before.autopilot is not None and after.is_armed is not before.is_armed
@@ -392,7 +392,7 @@ class Drone:
             flight = flight.remembering(
                 entry.cause, entry.reason, was_called_down=entry.was_called_down
             )
-        # Of its successor nothing is noted yet: an order to return was for the plan before.
+        # A noted order to return was for that plan: nothing is noted yet of the plan after it.
         self.session.flight = flight
         return True
 

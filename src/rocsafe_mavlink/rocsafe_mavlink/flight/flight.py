@@ -191,7 +191,7 @@ class MissionFlight:
         """Return the flight that goes on with another plan, which lies on the vehicle now."""
         mission = mission_of(plan, self.autopilot)
         going = replace(self, plan=plan, mission=mission, visited=0, was_called_down=False)
-        # An order to return or land was for the plan before.
+        # An order to return or land was given for the plan before.
         is_given_up = self.cause is FlightOutcome.ABORTED_BY_OPERATOR
         return replace(going, cause=None, reason='') if is_given_up else going
 

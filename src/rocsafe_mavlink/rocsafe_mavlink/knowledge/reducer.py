@@ -66,7 +66,7 @@ def reduce(
         return vehicle, [Event(EventKind.TEXT, str(message['text']), int(message['severity']))]
     events = []
     if _has_rebooted(vehicle, message):
-        # It is not silent for longer than since its last heartbeat.
+        # The time of its last heartbeat is kept: its silence counts from there.
         vehicle = VehicleTelemetry(
             system=vehicle.system, component=vehicle.component, heartbeat_s=vehicle.heartbeat_s
         )

@@ -95,7 +95,7 @@ class VehicleStatus:
 
     @property
     def may_turn_back(self) -> bool:
-        """Whether it can be called home: who lands already was told to, or is at home."""
+        """Whether it can be called home; a vehicle that lands already cannot."""
         return self.is_waiting or (self.is_aloft and self.state is not FlightState.LANDING)
 
     @property

@@ -15,6 +15,7 @@ from rasterio.errors import RasterioError
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.scale_bar import bar_length_m
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates
 from rocsafe_orchestrator.report.map_data import estimate_points
 from rocsafe_orchestrator.report.pictures import map_xy
@@ -60,9 +61,7 @@ class DoseView:
     @property
     def scale_bar_m(self) -> float:
         """Length of the scale bar: 1, 2 or 5 times a power of ten, at most a third of the map."""
-        width = self.box[2]
-        power = 10.0 ** np.floor(np.log10(width / 4.0))
-        return float(max(step * power for step in (1.0, 2.0, 5.0) if step * power <= width / 3.0))
+        return bar_length_m(self.box[2] / 3.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -161,8 +161,9 @@ class OperatorWatch:
 
 
 def addressees(states: Mapping[str, FlightState]) -> list[str]:
-    """Return who is told to hold or return: not who returns or lands already.
+    """Return the vehicles that are told to hold or return.
 
-    He does so by an order, or by himself for a reason that nobody here knows.
+    Those that return or land already are left out: they obey an order, or have a reason of their
+    own that is not known here.
     """
     return [name for name, state in states.items() if state not in COMING_DOWN]

@@ -12,6 +12,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.scale_bar import bar_length_m
 from rocsafe_planner.export.route_colors import EXCLUSION_COLOR, route_color
 from rocsafe_planner.plan.flight_path import flight_path, landing_place
 from rocsafe_planner.plan.flight_summary import flight_summary
@@ -234,9 +235,7 @@ def _promises(plan: SurveyPlan) -> str:
 
 def _scale_bar(sheet: _Sheet, y: float) -> Iterator[Shape | Label]:
     """Yield a bar of 1, 2 or 5 times a power of ten, about a sixth of the picture wide."""
-    target = WIDTH_PX / 6.0 / sheet.px_per_m
-    power = 10.0 ** math.floor(math.log10(target))
-    length = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= target)
+    length = bar_length_m(WIDTH_PX / 6.0 / sheet.px_per_m)
     end = WIDTH_PX - _MARGIN_PX
     begin = end - length * sheet.px_per_m
     yield Shape(points=((begin, y - 5.0), (end, y - 5.0)), stroke=_INK, width=3.0)

@@ -11,6 +11,7 @@ from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_geo.regions.area import SurveyArea
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_geo.terrain.terrain import Terrain
 from rocsafe_planner.plan.document import Document
 from rocsafe_planner.plan.plan import Route, Sortie, SurveyPlan
@@ -50,6 +51,7 @@ def read_plan(
         If the file holds no plan, or a plan over another terrain; one line.
     """
     try:
+        require_file(Path(path))
         document = json.loads(Path(path).read_text(encoding='utf-8'))
         _check(document, terrain, needs_terrain)
         return _plan(document, terrain)

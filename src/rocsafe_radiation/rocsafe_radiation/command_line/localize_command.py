@@ -4,6 +4,7 @@
 import argparse
 import dataclasses
 import json
+import math
 import sys
 from collections.abc import Sequence
 
@@ -35,7 +36,12 @@ from rocsafe_radiation.products.source_document import (
     source_document,
 )
 from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
-from rocsafe_radiation.readings.readings_file import DEAD, ReadingsFile, read_readings
+from rocsafe_radiation.readings.readings_file import (
+    DEAD,
+    ReadingsFile,
+    ReadingsFileError,
+    read_readings,
+)
 from rocsafe_radiation.readings.spectral_window import background_shape
 from rocsafe_radiation.readings.survey import RadiationSurvey, survey_of
 
@@ -106,6 +112,13 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
 
 
 def _survey(readings: ReadingsFile, options: argparse.Namespace) -> RadiationSurvey:
+    if not options.sensitivity > 0.0 and any(
+        math.isnan(one.dose_rate_usvh) for one in readings.observations
+    ):
+        raise ReadingsFileError(
+            f'{options.file}: has counts without dose rates: --sensitivity must tell the counts a '
+            'second for 1 uSv/h'
+        )
     survey = survey_of(readings.observations, options.sensitivity)
     survey = dataclasses.replace(survey, unread_count=len(readings.dropped.get(DEAD, ())))
     if survey.size and not options.terrain and readings.is_ground_guessed:

@@ -241,8 +241,8 @@ class _Settings:
         start = np.zeros(new.head_size + new.source_size * len(sources))
         same = min(old.source_size, new.source_size)
         new.sources(start)[:, :same] = sources[:, :same]
-        same = old.background_size == new.background_size
-        kept = old.background_size if same else HEAD_SIZE
+        is_alike = old.background_size == new.background_size
+        kept = old.background_size if is_alike else HEAD_SIZE
         start[:kept] = one.fit.parameters[:kept]
         return self._weighed(new, new.fit(start))
 

@@ -15,6 +15,8 @@ import numpy as np
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.storage.csv_rows import UTF_16_MARKS
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.readings.row_checks import (
     dead,
@@ -55,7 +57,6 @@ HEADER, FIELDS, FAR, DEAD, UNIT = (
 FEWEST_JUMPS, MOST_LINES_NAMED = 5, 5
 SEPARATORS = ';\t,'
 ENCODINGS = ('utf-8-sig', 'cp1252')
-UTF_16_MARKS = (b'\xff\xfe', b'\xfe\xff')
 
 
 class ReadingsFileError(RadiationError):
@@ -134,9 +135,8 @@ def read_readings(
     ReadingsFileError
         In one line that says what is missing or double.
     """
-    if path.exists() and not path.is_file():
-        raise ReadingsFileError(f'{path}: must be a file')
     try:
+        require_file(path)
         with path.open(encoding=_encoding(path), newline='') as stream:
             head = stream.readline()
             separator = max(SEPARATORS, key=head.count)
@@ -147,7 +147,9 @@ def read_readings(
             for row in table:
                 # The row of names was read before.
                 rows.add(row, table.line_num + 1)
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except OSError as error:
+        raise ReadingsFileError(f'{path}: cannot be read: {error.strerror}') from error
+    except (UnicodeDecodeError, csv.Error) as error:
         raise ReadingsFileError(f'{path}: cannot be read: {error}') from error
     return _checked(path, rows, ground_altitude_m)
 

@@ -17,6 +17,8 @@ SMALLEST_STD_SHARE = 0.002
 # Cells of too many readings grow by this factor.
 CELL_GROWTH = 1.25
 LEG_S, LEG_GROWTH, LEG_SCALES, MOST_LEGS = 20.0, 4.0, 3, 60
+# Times that are further apart, 30 years, are no times of one survey.
+LONGEST_S = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,12 +160,12 @@ class RadiationSurvey:
 
 
 def _legs(vehicles: Sequence[str], times_s: FloatArray) -> IndexArray | None:
-    """Return the legs of each reading, shape (n, scales); None if a time is not known.
+    """Return the legs of each reading, shape (n, scales); None if the times are not known.
 
     Those of the first scale are `LEG_S` long, or longer if there were more than `MOST_LEGS`, those
     of each further scale `LEG_GROWTH` times as long. All have numbers of their own.
     """
-    if not len(times_s) or not np.isfinite(times_s).all():
+    if not len(times_s) or not np.ptp(times_s) < LONGEST_S:
         return None
     names = np.unique(np.asarray(vehicles), return_inverse=True)[1]
     length_s, since_s = LEG_S, times_s - times_s.min()

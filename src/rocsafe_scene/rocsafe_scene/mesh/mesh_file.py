@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.mesh.mesh import Floats, Mesh, joined, made, unit
 
@@ -36,6 +37,7 @@ def read_mesh(name: str) -> Mesh:
     if reader is None:
         raise SceneError(f'mesh = {name}: must be a .glb or .obj file')
     try:
+        require_file(path)
         mesh = reader(path)
     except OSError as error:
         raise SceneError(f'mesh = {name}: {error.strerror}') from error

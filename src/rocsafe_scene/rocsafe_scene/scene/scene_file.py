@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.scene.description import SceneDescription
 
@@ -45,6 +46,7 @@ def read_scene(path: Path) -> SceneDescription:
 
 def _content(path: Path) -> Any:
     try:
+        require_file(path)
         content = yaml.safe_load(path.read_text(encoding='utf-8'))
     except OSError as error:
         raise SceneError(f'{path}: {error.strerror}') from error
