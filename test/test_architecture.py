@@ -226,10 +226,15 @@ class Module:
         return ast.parse(self.path.read_text(), filename=str(self.path))
 
     @cached_property
+    def nodes(self) -> list[ast.AST]:
+        """All nodes of the syntax tree."""
+        return list(ast.walk(self.tree))
+
+    @cached_property
     def imports(self) -> set[str]:
         """Dotted names of the modules it imports, wherever in the file."""
         found = set()
-        for node in ast.walk(self.tree):
+        for node in self.nodes:
             if isinstance(node, ast.Import):
                 found |= {alias.name for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.level == 0:
@@ -265,7 +270,7 @@ class Module:
     @cached_property
     def texts(self) -> set[str]:
         """Its literal texts, such as names of packages whose executables it starts."""
-        constants = (node.value for node in ast.walk(self.tree) if isinstance(node, ast.Constant))
+        constants = (node.value for node in self.nodes if isinstance(node, ast.Constant))
         return {value for value in constants if isinstance(value, str)}
 
     @cached_property
@@ -273,7 +278,7 @@ class Module:
         """Dotted names that it reads, such as ``time.time``."""
         return {
             ast.unparse(node)
-            for node in ast.walk(self.tree)
+            for node in self.nodes
             if isinstance(node, ast.Attribute) and _is_dotted(node)
         }
 

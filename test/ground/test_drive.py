@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drive on the products of a survey keeps to free ground and to its budgets."""
 
+import functools
 import itertools
 import json
 import math
@@ -62,8 +63,9 @@ def gassed(tmp_path_factory):
     return ground_of(write_gas(write_village(tmp_path_factory.mktemp('gassed'))))
 
 
+@functools.cache
 def ground_of(folder, vehicle=None, turn_back=TURN_BACK):
-    """Return the map of a folder."""
+    """Return the map of a folder as it is when it is first read."""
     return read_ground_map(MapFiles(folder=folder), vehicle or GroundVehicle(), CELL_M, turn_back)
 
 

@@ -2,6 +2,7 @@
 """Vehicles kept apart by layers of height instead of waiting."""
 
 import dataclasses
+import functools
 import json
 import math
 
@@ -27,6 +28,7 @@ from .surveys import surveys
 CROWD = tuple(vehicle(f'rav{k}', (STARTS[0][0] + 2e-4 * k, STARTS[0][1])) for k in range(1, 5))
 
 
+@functools.cache
 def crowded(**changes):
     """Return the plan of four neighbours whose routes cross."""
     return plan_survey(request(vehicles=CROWD, distance_m=15.0, **changes))

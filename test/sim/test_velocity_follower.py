@@ -72,7 +72,7 @@ def test_every_other_order_ends_it(order: str) -> None:
 
 def test_a_failsafe_of_the_vehicle_ends_it() -> None:
     """A low battery takes it home, although velocities keep coming."""
-    vehicle = in_the_air(endurance_s=200.0)
+    vehicle = in_the_air(endurance_s=150.0)
     follower = VelocityFollower(vehicle, 1.0)
     for _ in range(2000):
         if follower.is_over:
