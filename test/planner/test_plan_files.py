@@ -153,6 +153,7 @@ def test_a_vehicle_that_stays_gets_no_mission(folder):
     assert document['mission']['items'] == []
 
 
+@pytest.mark.slow
 def test_equal_requests_give_equal_files(tmp_path):
     """Byte for byte, in whatever folder."""
     files = [write_plan(plan_survey(request()), tmp_path / name) for name in 'ab']
