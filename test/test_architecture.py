@@ -90,7 +90,7 @@ MAY_IMPORT = {
         'rocsafe_orchestrator.parameters',
         'rocsafe_orchestrator.planning_commands.plan_command',
         'rocsafe_orchestrator.processes.domain_lock',
-        'rocsafe_orchestrator.processes.executables',
+        'rocsafe_orchestrator.process_table.executables',
         'rocsafe_orchestrator.provenance',
         'rocsafe_orchestrator.run_directory',
         'rocsafe_planner',

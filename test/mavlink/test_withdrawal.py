@@ -15,11 +15,11 @@ from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LAND, LOITER, RTL
-from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
+from rocsafe_mavlink.vehicle_interface.conversions import state_message
 from rocsafe_mavlink.wire.dialect import Message, encode
 from rocsafe_mavlink.wire.framing import pack_frame
 
