@@ -75,6 +75,7 @@ HEAD = """\
 #   rocsafe run SCENARIO --config my.yaml       (what the scenario says wins)
 # and to a single node by
 #   ros2 run rocsafe_sim rav --ros-args -r __ns:=/rav1 --params-file my.yaml
+# A node refuses parameters that it does not have; those under /** are for each node.
 """
 
 

@@ -36,6 +36,7 @@ from rocsafe_mavlink.wire.dialect import Message
 TARGET, US = (1, 1), (255, 190)
 PLACE = GeoPosition(*HOME)
 HOME_OF = Home(latitude_deg=HOME[0], longitude_deg=HOME[1], altitude_msl_m=488.0)
+FREE = lambda _vehicle, _now_s: ''  # noqa: E731
 
 
 def numbers_of(sequence):
@@ -95,14 +96,16 @@ def test_what_cannot_pause_brakes(visited):
 def test_go_to_is_written_for_each_autopilot():
     """ArduPilot wants GUIDED first and a height above home, PX4 one command and the sea's."""
     first, second = (
-        VehicleCommands(autopilot=COPTER, target=TARGET, us=US).go_to(PLACE, 30.0, HOME_OF).steps
+        VehicleCommands(autopilot=COPTER, target=TARGET, us=US)
+        .go_to(PLACE, 30.0, HOME_OF, FREE)
+        .steps
     )
     assert first.call.command['param2'] == float(GUIDED)
     assert (second.call.command['frame'], second.call.command['z']) == (6, 30.0)
     assert second.call.command['x'] == 473977420
     (only,) = (
         VehicleCommands(autopilot=MULTICOPTER, target=TARGET, us=US)
-        .go_to(PLACE, 30.0, HOME_OF)
+        .go_to(PLACE, 30.0, HOME_OF, FREE)
         .steps
     )
     assert (only.call.command['frame'], only.call.command['z']) == (5, 518.0)

@@ -9,7 +9,7 @@ from test.fakes.fake_autopilot import HOME
 from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, RTL
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.preflight import route_checks
@@ -202,6 +202,44 @@ def test_place_behind_an_exclusion_is_refused():
     air = flying_around()
     with pytest.raises(CommandRefusedError, match='exclusion 1 lies on the way'):
         air.drones[1].commands.go_to(offset(HOME_PLACE, 0.0, 40.0), 30.0, air.now_s)
+
+
+@pytest.mark.slow
+def test_go_to_is_not_sent_from_where_it_would_cross():
+    """It was free when it was ordered; the vehicle flies on before it is sent."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.mode, copter.place = BRAKE, (60.0, 60.0)
+    air.wait(2.0)
+    commands.go_to(offset(HOME_PLACE, 0.0, 40.0), 30.0, air.now_s)
+    air.until(lambda: copter.mode == GUIDED, 10.0)
+    copter.place = (0.0, 150.0)
+    before = len(air.sent)
+    air.until(lambda: commands.outcome(commands.count) is not None, 30.0)
+    assert commands.outcome(commands.count).startswith('go to: ')
+    assert not any(m.fields.get('command') == 192 for m in air.sent[before:])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('sign', ['text', 'status'])
+def test_no_way_around_is_sent_after_a_failsafe(sign):
+    """It would be a mission: the vehicle may be told to hold or land. Nor does one go on then."""
+    air = flying_around()
+    copter, commands = air.copters[1], air.drones[1].commands
+    copter.mode = BRAKE
+    air.wait(2.0)
+    commands.return_home(air.now_s)
+    air.wait(1.5)
+    if sign == 'text':
+        copter._text(2, 'Battery Failsafe')
+    else:
+        copter.status = 5
+    air.wait(8.0)
+    assert 'withdrawn' in commands.outcome(commands.count)
+    with pytest.raises(CommandRefusedError, match='no way around exclusions is sent any more'):
+        commands.return_home(air.now_s)
+    commands.hold(air.now_s)
+    commands.land(air.now_s)
 
 
 def test_route_is_refused_where_a_failsafe_would_cross_an_exclusion():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A bridge that is started again in flight knows what the vehicle does not say twice."""
 
+from dataclasses import replace
+
 import pytest
 from test.fakes.fake_autopilot import RTL
 from test.mavlink.test_flight import plan
@@ -67,6 +69,66 @@ def test_route_that_was_given_up_before_is_not_resumed(tmp_path):
     drone = started_again(air, path)
     assert drone.flight.cause is FlightOutcome.ABORTED_BY_OPERATOR
     assert 'was given up' in is_refused(air, 'resume')
+
+
+def test_failsafe_of_a_flight_of_somebody_else_is_not_forgotten(tmp_path):
+    """The pilot flies, without any plan of ours; then the bridge is started again."""
+    path, air = tmp_path / 'flight.json', Air()
+    air.wait(46.0)
+    copter = air.copters[1]
+    serve(air, FlightJournal(path), air.drones[1].session)
+    copter.is_armed, copter.mode, copter.height_m = True, BRAKE, 20.0
+    air.wait(3.0)
+    copter._text(2, 'Battery Failsafe')
+    air.wait(2.0)
+    air.drones[1].step(air.now_s)
+    serve(air, FlightJournal(path), VehicleSession.of((1, 1), (255, 190)))
+    air.wait(10.0)
+    assert 'failsafe: battery' in is_refused(air, 'go to')
+    copter.is_armed, copter.height_m = False, 0.0
+    air.wait(3.0)
+    air.drones[1].step(air.now_s)
+    assert FlightJournal(path).failsafe is None
+
+
+def test_failsafe_that_cannot_be_read_counts_as_one(tmp_path):
+    """Its file is damaged: nothing is commanded until the motors have stopped."""
+    (tmp_path / 'failsafe.json').write_text('"FAILSAFE_BAT')
+    journal = FlightJournal(tmp_path / 'flight.json')
+    assert journal.failsafe is FlightOutcome.FAILSAFE_OTHER
+
+
+@pytest.mark.parametrize('order', ['return_home', 'land'])
+def test_route_that_was_given_up_before_its_flight_was_found_is_not_resumed(tmp_path, order):
+    """The new bridge is told to return or land before it has read the mission."""
+    path = tmp_path / 'flight.json'
+    air = flying(FlightJournal(path))
+    air.until(lambda: air.drones[1].step(air.now_s) is None)
+    serve(air, FlightJournal(path), VehicleSession.of((1, 1), (255, 190)))
+    air.wait(3.0)
+    drone = air.drones[1]
+    assert drone.flight is None
+    assert obeyed(air, order) == ''
+    assert obeyed(air, 'hold') == ''
+    air.until(lambda: (drone.step(air.now_s), drone.session.is_flying)[1], 60.0)
+    air.wait(10.0)
+    assert 'was given up' in is_refused(air, 'resume')
+
+
+def test_flight_is_not_looked_for_while_a_heartbeat_names_another_kind(tmp_path):
+    """A new bridge hears a rover once: it must not end."""
+    path = tmp_path / 'flight.json'
+    air = flying(FlightJournal(path))
+    air.until(lambda: air.drones[1].step(air.now_s) is None)
+    serve(air, FlightJournal(path), VehicleSession.of((1, 1), (255, 190)))
+    drone = air.drones[1]
+    air.until(lambda: drone.session.readout.mission.items is not None, 60.0)
+    drone.session.telemetry = replace(drone.vehicle, vehicle_type=10)
+    drone.step(air.now_s)
+    assert drone.flight is None
+    air.wait(3.0)
+    drone.step(air.now_s)
+    assert drone.session.is_flying
 
 
 def test_route_that_was_given_up_after_a_restart_of_the_autopilot_is_not_resumed():

@@ -106,6 +106,8 @@ def test_missing_config_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
         ('/**: {use_sim_time: true}', '{path}: use_sim_time: must be blocks `node: '),
         ('/**: {ros__parameters: 3}', '{path}: ros__parameters: must be blocks `node: '),
         ('a: 1\na: 2', "config.yaml: line 2: key 'a' is given twice"),
+        ('/**/brigde: {ros__parameters: {}}', '{path}: no node brigde (did you mean bridge?)\n'),
+        ('rav1: {raw: {ros__parameters: {}}}', '{path}: no node raw (did you mean rav?)\n'),
     ],
 )
 def test_wrong_config_is_one_line(

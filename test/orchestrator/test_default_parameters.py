@@ -8,6 +8,8 @@ from pathlib import Path
 
 import yaml
 
+from rocsafe_orchestrator.parameters.config_file import NODES, require_parameter_file
+
 REPOSITORY = Path(__file__).parents[2]
 _SPEC = importlib.util.spec_from_file_location(
     'default_parameters', REPOSITORY / 'tools' / 'default_parameters.py'
@@ -37,6 +39,7 @@ def test_file_is_a_ros_parameter_file() -> None:
     """Each node, in whatever namespace, has a block."""
     content = yaml.safe_load(default_parameters.config_text())
     assert set(content) == {f'/**/{name}' for name, _, _ in default_parameters.NODES}
+    require_parameter_file(REPOSITORY / 'config' / 'rocsafe.yaml')
     assert content['/**/rav']['ros__parameters']['cruise_speed_mps'] == 5.0
 
 
@@ -47,4 +50,5 @@ def test_options_of_every_node_are_in_the_file() -> None:
         for path in (REPOSITORY / 'src').rglob('*_node.py')
         for name in re.findall(r'declare_options\(\w+, (\w+)\)', path.read_text())
     }
+    assert [name for name, _, _ in default_parameters.NODES] == list(NODES)
     assert declared == {options.partition(':')[2] for _, _, options in default_parameters.NODES}

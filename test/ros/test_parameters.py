@@ -91,3 +91,28 @@ def test_parameter_of_an_earlier_version_names_the_new_one(declared):
     """Nobody believes that an option counts which is no more."""
     with pytest.raises(ParameterError, match='subject: parameter pace_mps is now speed_mps'):
         declared(pace_mps=3.0)
+
+
+@pytest.mark.parametrize(
+    ('overrides', 'text'),
+    [
+        ({'sped_mps': 3.0}, 'subject: no parameter sped_mps (did you mean speed_mps?)'),
+        ({'speed_mps': 3.0, 'Names': ['a']}, 'no parameter Names (did you mean names?)'),
+        ({'MOVED_PARAMETERS': 1}, 'no parameter MOVED_PARAMETERS (did you mean '),
+        (
+            {'heights': [1.0], 'is_quik': True},
+            'no parameter heights (did you mean heights_m?), is_quik (did you mean is_quick?)',
+        ),
+    ],
+)
+def test_misspelt_parameter_is_refused_with_the_nearest_name(declared, overrides, text):
+    """ROS ignores it, and the node would run with its default."""
+    with pytest.raises(ParameterError) as caught:
+        declared(**overrides)
+    assert text in str(caught.value)
+    assert '\n' not in str(caught.value)
+
+
+def test_parameters_of_ros_are_known(declared):
+    """Every node has them."""
+    declared(use_sim_time=True, start_type_description_service=False)

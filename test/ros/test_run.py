@@ -89,6 +89,16 @@ def test_wrong_parameter_is_one_line_and_exit_2(child):
     assert errors == 'error: subject: parameter speed_mps = 9.0 must be within 0.5 to 2.0\n'
 
 
+def test_misspelt_parameter_in_a_file_is_one_line_and_exit_2(child, tmp_path):
+    """ROS ignores it, and the node would run with its default."""
+    path = tmp_path / 'config.yaml'
+    path.write_text('/**/subject: {ros__parameters: {sped_mps: 1.5}}\n')
+    process = child('--ros-args', '--params-file', str(path))
+    _, errors = process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 2
+    assert errors == 'error: subject: no parameter sped_mps (did you mean speed_mps?)\n'
+
+
 def test_argument_that_ros_ignores_is_refused(child):
     """Otherwise a parameter without --ros-args would silently keep its default."""
     process = child('--speed_mps', '1.5', '--ros-args', '-p', 'speed_mps:=1.5')

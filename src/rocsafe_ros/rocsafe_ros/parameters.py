@@ -6,9 +6,10 @@ the unit), ``min`` and ``max``; they become the parameter's descriptor.
 """
 
 import dataclasses
+import difflib
 import types
 import typing
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -32,7 +33,7 @@ LARGEST_INTEGER = 2**63 - 1
 
 
 class ParameterError(ValueError):
-    """A parameter has a wrong type or a value out of its range."""
+    """A parameter is not known, has a wrong type, or a value out of its range."""
 
 
 def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
@@ -44,16 +45,16 @@ def declare_options(node: Node, options_type: type[OptionsT]) -> OptionsT:
     Raises
     ------
     ParameterError
-        Naming the parameter, its value and the limit.
+        Naming the parameter, its value and the limit; or a parameter that was given and that the
+        node does not have, which ROS would ignore.
     TypeError
         If a field's type has no parameter type.
     """
     _refuse_moved(node, getattr(options_type, 'MOVED_PARAMETERS', {}))
     types = typing.get_type_hints(options_type)
-    values = {
-        field.name: _declare(node, field, types[field.name])
-        for field in dataclasses.fields(options_type)  # type: ignore[arg-type]
-    }
+    fields = dataclasses.fields(options_type)  # type: ignore[arg-type]
+    _refuse_unknown(node, [field.name for field in fields])
+    values = {field.name: _declare(node, field, types[field.name]) for field in fields}
     try:
         return options_type(**values)
     except ValueError as error:
@@ -68,6 +69,21 @@ def _refuse_moved(node: Node, moved: Mapping[str, str]) -> None:
         node.undeclare_parameter(name)
         if is_given:
             raise ParameterError(f'{node.get_name()}: parameter {name} is now {new}')
+
+
+def _refuse_unknown(node: Node, known: Collection[str]) -> None:
+    """Refuse parameters that `node` was given and that are neither of `known` nor ROS's own."""
+    # rclpy has no public name for what it was given.
+    given = node._parameter_overrides
+    unknown = [name for name in given if name not in known and not node.has_parameter(name)]
+    if unknown:
+        raise ParameterError(f'{node.get_name()}: no parameter {with_nearest(unknown, known)}')
+
+
+def with_nearest(names: Iterable[str], known: Collection[str]) -> str:
+    """Return names, each with the one of `known` that is most like it, as text."""
+    nearest = {name: difflib.get_close_matches(name, known, n=1, cutoff=0.0)[0] for name in names}
+    return ', '.join(f'{name} (did you mean {nearest[name]}?)' for name in sorted(nearest))
 
 
 def _declare(node: Node, field: 'dataclasses.Field[Any]', field_type: Any) -> Any:

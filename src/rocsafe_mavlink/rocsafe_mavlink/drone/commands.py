@@ -19,7 +19,7 @@ from rocsafe_mavlink.checks.way_checks import (
 )
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.command_sequence import CommandSequence, Refusal
 from rocsafe_mavlink.flight.flight_journal import FlightJournal
 from rocsafe_mavlink.flight.flight_signs import heights_moved
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
@@ -118,8 +118,12 @@ class DroneCommands:
                 lambda commands: commands.return_home(self._way_bends), now_s, preempts=True
             )
         else:
+            self._require_no_failsafe()
             self._begin(
-                lambda commands: commands.fly_home(mission_of(way, commands.autopilot)),
+                lambda commands: commands.fly_home(
+                    mission_of(way, commands.autopilot),
+                    self._blocked(way.waypoints[0].position),
+                ),
                 now_s,
                 preempts=True,
             )
@@ -144,9 +148,9 @@ class DroneCommands:
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
         self._require_within_fence(place)
-        _refuse(self._unknown_way(self._session.telemetry, now_s))
-        self._require_clear(place)
-        self._begin(lambda commands: commands.go_to(place, height_m, home), now_s)
+        blocked = self._blocked(place)
+        _refuse(blocked(self._session.telemetry, now_s))
+        self._begin(lambda commands: commands.go_to(place, height_m, home, blocked), now_s)
 
     def push_fence(self, fence: Fence, now_s: float) -> None:
         """Replace the polygons of the fence; in the air they must hold what is flown."""
@@ -294,10 +298,28 @@ class DroneCommands:
         after = failures(tuple(homeward_checks(plan, home.place, settings)))
         return '' if before else after
 
-    def _require_clear(self, place: GeoPosition) -> None:
-        plan, motion = self._plan, self._session.telemetry.motion
-        if plan is not None and motion is not None:
-            _refuse(way_fault(plan, [motion.position, place]))
+    def _blocked(self, place: GeoPosition) -> Refusal:
+        """Return why a vehicle must not fly straight to a place, from where it is by then."""
+
+        def refusal(vehicle: VehicleTelemetry, now_s: float) -> str:
+            plan, motion = self._plan, vehicle.motion
+            if unknown := self._unknown_way(vehicle, now_s):
+                return unknown
+            if plan is None or motion is None:
+                return ''
+            return way_fault(plan, [motion.position, place])
+
+        return refusal
+
+    def _require_no_failsafe(self) -> None:
+        """Refuse to upload a way home after a failsafe: no mission is flown then."""
+        session = self._session
+        failsafe = session.custody.failsafe
+        if failsafe is not None or session.telemetry.is_in_failsafe:
+            name = 'failsafe' if failsafe is None else failsafe.value
+            raise CommandRefusedError(
+                f'{name}: no way around exclusions is sent any more: hold, or land'
+            )
 
     @property
     def _plan(self) -> FlightPlan | None:

@@ -26,7 +26,6 @@ from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight import MissionFlight, adopted, fly
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal, JournalEntry
-from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.knowledge.events import Event
 from rocsafe_mavlink.knowledge.telemetry import Contact, Landed, VehicleTelemetry
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
@@ -103,6 +102,9 @@ class Drone:
         self.spec = spec
         self.session = session
         self.commands = DroneCommands(session, spec.limits, journal)
+        # What was announced to the bridge before is not announced again.
+        session.custody = session.custody.remembering(journal.failsafe)
+        self._journal = journal
         self._record = FlightRecord(journal)
         self._wind_return = _WindReturn()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
@@ -172,6 +174,8 @@ class Drone:
         """Take up a flight that is found in the air, and note how far the flight is."""
         if self.spec.limits.returns_in_wind:
             self._return_in_wind(now_s)
+        if self.vehicle.autopilot is not None:
+            self._journal.keep_failsafe(self.session.custody.failsafe)
         entry, flight = self._record.entry, self.flight
         if entry is None:
             return
@@ -180,8 +184,7 @@ class Drone:
         if flight is None or (flight.is_over and is_heard_flying and entry.outcome is None):
             self._adopt(entry)
         else:
-            failsafe = self.session.custody.failsafe
-            self._record.note(flight, now_s, is_in_air=self.is_in_air, failsafe=failsafe)
+            self._record.note(flight, now_s, is_in_air=self.is_in_air)
 
     def news(self) -> tuple[object, ...]:
         """Return the part of its state that is published as soon as it changes."""
@@ -305,8 +308,12 @@ class Drone:
         self._record.switch_to(assignment)
 
     def gave_up(self) -> None:
-        """Note that a command to return or to land was obeyed: the flight ends by request."""
+        """Note that a command to return or to land was obeyed: the flight ends by request.
+
+        Also one that is not found yet, or was lost: it is not resumed once it is found.
+        """
         session = self.session
+        self._record.note_called_down()
         if session.flight is not None and not session.flight.is_over:
             sequence = session.sequence
             homeward = None if sequence is None else sequence.verified_mission
@@ -363,12 +370,7 @@ class Drone:
 
     def _adopt(self, entry: JournalEntry) -> None:
         """Take up the flight of a bridge that ended; nothing is sent for it."""
-        if entry.outcome not in (None, FlightOutcome.LOST) or not self.is_in_air:
-            return
-        # What was announced to the bridge before is not announced again, nor to the one after.
-        self.session.custody = self.session.custody.remembering(entry.failsafe)
-        self._record.note_failsafe(self.session.custody.failsafe)
-        if entry.outcome is not None:
+        if entry.outcome is not None or not self.is_in_air:
             return
         stored = self.session.readout.mission.items
         if self.session.known_autopilot() is None or stored is None:
@@ -385,7 +387,11 @@ class Drone:
         """Take up the flight of `plan` if the vehicle flies it; return whether it does."""
         entry = self._record.entry
         home = None if entry is None else entry.home
-        flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
+        try:
+            flight = adopted(plan, self.session.commands(), self.vehicle, stored, home)
+        except ValueError:
+            # A heartbeat named a kind of vehicle that flies no such plan.
+            return False
         if flight is None or entry is None:
             return False
         if plan == entry.assignment.plan:

@@ -82,15 +82,8 @@ class FlightRecord:
             self.distance_m += step_m if step_m < LARGEST_STEP_M else 0.0
         self._last = vehicle.motion.position
 
-    def note(
-        self,
-        flight: MissionFlight,
-        now_s: float,
-        *,
-        is_in_air: bool,
-        failsafe: FlightOutcome | None = None,
-    ) -> None:
-        """Note how far a flight is, and which failsafe was announced in it."""
+    def note(self, flight: MissionFlight, now_s: float, *, is_in_air: bool) -> None:
+        """Note how far a flight is."""
         entry = self.entry
         if entry is None or entry.outcome is not None:
             return
@@ -104,7 +97,6 @@ class FlightRecord:
             reason=flight.reason,
             cause=flight.cause,
             was_called_down=flight.was_called_down,
-            failsafe=entry.failsafe or failsafe,
         )
         if changed != entry:
             began_s = now_s if self._began_s is None else self._began_s
@@ -113,11 +105,12 @@ class FlightRecord:
                 replace(changed, distance_m=self.distance_m, duration_s=duration_s)
             )
 
-    def note_failsafe(self, failsafe: FlightOutcome | None) -> None:
-        """Note a failsafe of a flight that may be in the air, though it was not found."""
+    def note_called_down(self) -> None:
+        """Note that an operator had the flight that may be in the air return or land."""
         entry = self._journal.open_entry
-        if entry is not None and entry.failsafe is None and failsafe is not None:
-            self._journal.write(replace(entry, failsafe=failsafe))
+        if entry is not None:
+            cause = entry.cause or FlightOutcome.ABORTED_BY_OPERATOR
+            self._journal.write(replace(entry, cause=cause, was_called_down=True))
 
     def settle(self, vehicle: VehicleTelemetry) -> None:
         """Note how a flight ended that was not watched to its end.

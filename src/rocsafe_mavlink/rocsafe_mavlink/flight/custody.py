@@ -65,8 +65,11 @@ class Custody:
         if not vehicle.is_armed:
             return Custody()
         mode = vehicle.custom_mode
-        after = self._with_failsafe(shown_failsafe(vehicle), now_s)
         is_ours = self.mode in (-1, mode) or mode in expected
+        # A switch together with a critical status is its own, also where no text came.
+        is_failing = not is_ours and vehicle.is_in_failsafe
+        shown = shown_failsafe(vehicle) or (FlightOutcome.FAILSAFE_OTHER if is_failing else None)
+        after = self._with_failsafe(shown, now_s)
         return replace(
             after,
             own_mode=self.own_mode if mode == self.own_mode else -1,

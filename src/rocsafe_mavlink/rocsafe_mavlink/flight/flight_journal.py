@@ -64,8 +64,6 @@ class JournalEntry:
         Why it left its mission: a failsafe, or an order; None: it has not.
     was_called_down
         Whether an operator had it return or land.
-    failsafe
-        First failsafe that the vehicle announced or showed in the air, also after `cause`.
     successor
         Plan that was being sent to be flown in its place; None: none. Which of both is on the
         vehicle is asked of the vehicle.
@@ -81,16 +79,27 @@ class JournalEntry:
     reason: str = ''
     cause: FlightOutcome | None = None
     was_called_down: bool = False
-    failsafe: FlightOutcome | None = None
     successor: Assignment | None = None
 
 
 class FlightJournal:
-    """Keeps the entry of one vehicle, in memory and, if a path is given, in a file."""
+    """Keeps what is known of one vehicle, in memory and, if a path is given, in files.
+
+    Attributes
+    ----------
+    entry
+        Its last plan; None: it was given none.
+    failsafe
+        Failsafe that it announced or showed since its motors were started, whoever started them;
+        None: none. It stands in a file of its own beside `path`.
+    """
 
     def __init__(self, path: Path | None = None) -> None:
         self._file = KeptFile(path)
+        beside = None if path is None else path.with_name('failsafe.json')
+        self._failsafe_file = KeptFile(beside)
         self.entry: JournalEntry | None = None if path is None else _read(path)
+        self.failsafe = None if beside is None else _read_failsafe(beside)
 
     @property
     def fault(self) -> str:
@@ -121,8 +130,14 @@ class FlightJournal:
         self.entry = entry
         self._file.keep(_content(entry))
 
+    def keep_failsafe(self, failsafe: FlightOutcome | None) -> None:
+        """Keep the failsafe that a vehicle has announced; None: its motors have stopped."""
+        if failsafe is not self.failsafe:
+            self.failsafe = failsafe
+            self._failsafe_file.keep(json.dumps(failsafe and failsafe.name).encode())
 
-_OUTCOMES = ('outcome', 'cause', 'failsafe')
+
+_OUTCOMES = ('outcome', 'cause')
 
 
 def _content(entry: JournalEntry) -> bytes:
@@ -145,6 +160,8 @@ def _read(path: Path) -> JournalEntry | None:
         record: dict[str, Any] = json.loads(path.read_text(encoding='utf-8'))
         # An older bridge noted the outcome alone.
         ends = {name: _outcome(record.pop(name, None)) for name in _OUTCOMES}
+        # An older bridge noted the failsafe here.
+        record.pop('failsafe', None)
         assignment = _assignment(record.pop('assignment'))
         successor, home = record.pop('successor', None), record.pop('home', None)
         return JournalEntry(
@@ -156,6 +173,16 @@ def _read(path: Path) -> JournalEntry | None:
         )
     except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f'{path} is damaged: {error}') from error
+
+
+def _read_failsafe(path: Path) -> FlightOutcome | None:
+    """Return the failsafe in `path`; one that cannot be read counts as a failsafe."""
+    if not path.exists():
+        return None
+    try:
+        return _outcome(json.loads(path.read_text(encoding='utf-8')))
+    except (KeyError, ValueError):
+        return FlightOutcome.FAILSAFE_OTHER
 
 
 def _outcome(name: str | None) -> Any:

@@ -137,10 +137,12 @@ class VehicleCommands:
         """Return the sequence that flies home and lands there, unless there is a reason not to."""
         return self._urgent('return home', _unless(may_not_go, self._mode(Verb.RETURN)))
 
-    def fly_home(self, mission: Mission) -> CommandSequence:
-        """Return the sequence that flies home by a mission, where the straight way is not free."""
-        sequence = self.replace_mission(mission, lambda _vehicle, _now_s: '')
-        return replace(sequence, name='return home', is_always_taken=True)
+    def fly_home(self, mission: Mission, may_not_go: Refusal) -> CommandSequence:
+        """Return the sequence that flies home by a mission, where the straight way is not free.
+
+        A failsafe withdraws it as any other mission.
+        """
+        return replace(self.replace_mission(mission, may_not_go), name='return home')
 
     def land(self) -> CommandSequence:
         """Return the sequence that lands where the vehicle is."""
@@ -157,14 +159,19 @@ class VehicleCommands:
         require_between('speed_mps', speed_mps, SLOWEST_MPS, FASTEST_MPS, 'm/s')
         return self._sequence('speed', self._do(calls.change_speed(self.target, speed_mps)))
 
-    def go_to(self, place: GeoPosition, height_m: float, home: Home) -> CommandSequence:
-        """Return the sequence that flies to a place, `height_m` above home, and stays there."""
+    def go_to(
+        self, place: GeoPosition, height_m: float, home: Home, may_not_go: Refusal
+    ) -> CommandSequence:
+        """Return the sequence that flies to a place, `height_m` above home, and stays there.
+
+        It is not sent there, and not again, if `may_not_go` names a reason.
+        """
         by_itself = self.autopilot.repositions_itself
         steps = [] if by_itself else [self._mode(Verb.GUIDED)]
         leads_to = self.autopilot.modes[Verb.HOLD if by_itself else Verb.GUIDED]
         reposition = self._do(self._reposition(place, height_m, home))
         reposition = replace(reposition, modes=frozenset({leads_to}))
-        return self._sequence('go to', *steps, reposition)
+        return self._sequence('go to', *steps, _unless(may_not_go, reposition))
 
     def push_fence(self, fence: Fence) -> CommandSequence:
         """Return the sequence that replaces the polygons of the fence."""
