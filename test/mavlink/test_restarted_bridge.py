@@ -73,8 +73,7 @@ def test_route_that_was_given_up_before_is_not_resumed(tmp_path):
 
 def test_failsafe_of_a_flight_of_somebody_else_is_not_forgotten(tmp_path):
     """The pilot flies, without any plan of ours; then the bridge is started again."""
-    path, air = tmp_path / 'flight.json', Air()
-    air.wait(46.0)
+    path, air = tmp_path / 'flight.json', ready_air()
     copter = air.copters[1]
     serve(air, FlightJournal(path), air.drones[1].session)
     copter.is_armed, copter.mode, copter.height_m = True, BRAKE, 20.0
