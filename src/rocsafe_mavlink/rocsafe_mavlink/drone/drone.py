@@ -277,7 +277,7 @@ class Drone:
         except OSError as error:
             raise ValueError(f'its flight cannot be kept over a restart: {error}') from error
         self.session.flight = flight
-        self.session.send(sent)
+        self.session.send(sent, now_s)
 
     def flies_another(self, assignment: Assignment) -> bool:
         """Whether a flight of another plan is under way."""
