@@ -50,7 +50,7 @@ from rocsafe_sim.driving.drive_route import DrivenRoute, RouteStop
 from rocsafe_sim.driving.drive_state import DriveOutcome, DriveState, Ledger
 from rocsafe_sim.driving.rover import Rover
 from rocsafe_sim.driving.rover_parts import RoverParts
-from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 
 Figures = dict[str, Any]
 WRECK = GeoPosition(53.27985, -9.06330)

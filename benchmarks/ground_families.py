@@ -51,7 +51,7 @@ from rocsafe_sim.driving.chassis import Chassis, Skid
 from rocsafe_sim.driving.drive_state import DriveOutcome, DriveState, Ledger
 from rocsafe_sim.driving.rover import Rover
 from rocsafe_sim.driving.rover_parts import RoverParts
-from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 
 Figures = dict[str, Any]
 FAMILIES = ('open', 'woods', 'hills', 'clutter')

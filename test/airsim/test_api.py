@@ -375,6 +375,7 @@ def test_a_loop_of_orders_is_obeyed_at_the_pace_of_the_vehicle(world):
     assert vehicle.core.flight.command.velocity_enu[1] == pytest.approx(199 / 40)
 
 
+@pytest.mark.slow
 def test_a_velocity_upwards_takes_off(world):
     """As pause_continue_drone begins; one that is level stays refused on the ground."""
     calls = ('moveByVelocityZ', 0.0, 0.0, -9.0, 8.0, 0, ANY_YAW, '')

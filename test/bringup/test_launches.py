@@ -16,8 +16,8 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 def test_simulation_starts_every_process_of_the_table(tmp_path):
     """Each with its parameters, and without the tasks of the mission."""
-    from rocsafe_orchestrator.processes.bringup import scenario_launches
-    from rocsafe_orchestrator.processes.process_table import process_table
+    from rocsafe_orchestrator.process_table.bringup import scenario_launches
+    from rocsafe_orchestrator.process_table.table import process_table
     from rocsafe_orchestrator.run_directory import RunDirectory
     from rocsafe_scenario.scenario_file import read_scenario
 
@@ -32,7 +32,7 @@ def test_simulation_starts_every_process_of_the_table(tmp_path):
 
 def test_hardware_starts_the_bridge_alone_on_the_time_of_the_wall(tmp_path):
     """No simulated vehicle, field or clock."""
-    from rocsafe_orchestrator.processes.bringup import scenario_launches
+    from rocsafe_orchestrator.process_table.bringup import scenario_launches
 
     starts, _ = scenario_launches(SCENARIOS / 'sitl.yaml', tmp_path, is_hardware=True)
     assert [start.name for start in starts] == ['bridge']
@@ -41,7 +41,7 @@ def test_hardware_starts_the_bridge_alone_on_the_time_of_the_wall(tmp_path):
 
 def test_hardware_without_a_real_vehicle_is_refused(tmp_path):
     """In one line, before a folder is made."""
-    from rocsafe_orchestrator.processes.bringup import scenario_launches
+    from rocsafe_orchestrator.process_table.bringup import scenario_launches
     from rocsafe_scenario.errors import ScenarioError
 
     with pytest.raises(ScenarioError, match='none has a link'):

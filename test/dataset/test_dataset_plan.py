@@ -74,6 +74,7 @@ def test_blocks_are_shared_by_what_stands_on_them():
     assert alone.split_of(np.array([[140.0, 0.0]])).tolist() == [-1]
 
 
+@pytest.mark.slow
 def test_poses_keep_to_the_ground_of_their_split(site):
     """At most a tenth of the near ground in view is another split's, wherever that can be had."""
     takes = [draw_pose(number, site, OPTIONS) for number in range(OPTIONS.count)]

@@ -100,6 +100,7 @@ def test_few_clear_readings_are_a_release():
     assert found.releases[0].holds(22.0, 13.0)
 
 
+@pytest.mark.slow
 def test_a_zero_that_wanders_is_no_release():
     """By twice the noise, within ten readings: in 20 surveys none is found."""
     options = replace(QUICK, most_releases=1)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drive on the products of a survey keeps to free ground and to its budgets."""
 
+import functools
 import itertools
 import json
 import math
@@ -62,8 +63,9 @@ def gassed(tmp_path_factory):
     return ground_of(write_gas(write_village(tmp_path_factory.mktemp('gassed'))))
 
 
+@functools.cache
 def ground_of(folder, vehicle=None, turn_back=TURN_BACK):
-    """Return the map of a folder."""
+    """Return the map of a folder as it is when it is first read."""
     return read_ground_map(MapFiles(folder=folder), vehicle or GroundVehicle(), CELL_M, turn_back)
 
 
@@ -302,6 +304,7 @@ def test_what_does_not_fit_is_named_with_what_would_admit_it(village):
     assert not plan_drive(request_of(far, hot, budget=budget * 1.001), ground).left_out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('changes', 'error', 'match'),
     [
@@ -392,6 +395,7 @@ def test_releases_propose_evidence(tmp_path, capsys):
     assert 'is no file of releases' in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('words', 'code', 'match'),
     [
@@ -424,6 +428,7 @@ def test_mistake_on_the_command_line_gives_one_line(village, capsys, words, code
     assert re.search(match, said), said
 
 
+@pytest.mark.slow
 def test_labels_count_instead_of_colours_and_propose_things(tmp_path, capsys):
     """A pond that colours do not show is an obstacle; drums are evidence, the larger one first."""
     folder = write_village(tmp_path)

@@ -78,6 +78,7 @@ def end_of(ground, plan, posts=(), seed=1):
     return rover.state.ledger
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(4))
 def test_what_the_map_shows_does_not_stop_it(planned, seed):
     """The route keeps more from it than the driver asks for, skid and bends included."""

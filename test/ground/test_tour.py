@@ -62,6 +62,7 @@ def test_order_equals_the_exhaustive_one_where_the_trip_ends_elsewhere():
         assert found.bound(0b111111) <= best * (1.0 + 1e-9)
 
 
+@pytest.mark.slow
 def test_many_points_are_within_their_bound():
     """More than the exact order takes: within 3 % of what no order is below, all of them visited.
 

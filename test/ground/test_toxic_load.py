@@ -44,6 +44,7 @@ def village(tmp_path: Path) -> Path:
     return write_village(tmp_path)
 
 
+@pytest.mark.slow
 def test_load_of_an_even_gas_is_that_of_the_time_spent_in_it(village: Path, capsys) -> None:
     """(C / level)^n t / averaging time; without a gas the drive says nothing of one."""
     assert 'gas' not in driven(village, capsys)

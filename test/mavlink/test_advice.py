@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from test.fakes.fake_autopilot import AUTO, HOME, LAND, RTL
 from test.mavlink.test_flight import plan
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import ready_air
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
@@ -113,11 +113,7 @@ def test_aircraft_at_no_place_is_dropped():
 
 def flying(**limits):
     """Return an air with a copter on its route."""
-    air = Air(limits=FlightLimits(**limits))
-    air.wait(46.0)
-    air.fly(count=6)
-    air.until(lambda: air.flight().visited >= 1)
-    return air
+    return ready_air(6, FlightLimits(**limits))
 
 
 def status(air):
@@ -228,8 +224,7 @@ def test_wind_is_judged_before_a_flight(speeds, limits, verdict):
 
 def test_height_above_the_ground_is_bounded():
     """On a hill the height above home may be more; where the ground is not known it may not."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
 
     def verdict(height_m, height_agl_m):
         place = plan(1).waypoints[0].position

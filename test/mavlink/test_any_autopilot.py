@@ -32,7 +32,7 @@ from rocsafe_interfaces.msg import (
 from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, Resume, SetSpeed
 from rocsafe_mavlink import bridge_node
 from rocsafe_mavlink.knowledge import telemetry as vehicle
-from rocsafe_mavlink.node_timing import NodeTiming
+from rocsafe_mavlink.vehicle_interface.node_timing import NodeTiming
 from rocsafe_planner.conversions import message_of_plan, request_of_goal
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.planning import plan_survey

@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import ardupilotmega as library
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.telemetry import heartbeat, ready, said
 from test.mavlink.test_flight import plan
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition, distance_m, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
@@ -459,8 +459,7 @@ def test_settings_that_make_a_failsafe_worse_are_warned_of(found, warned):
 
 def test_fence_that_another_station_changed_is_seen():
     """On the ground it is read again and again; also one that could not be read before."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.copters[1].missions.stored[1] = list(fence_items(Fence(inclusions=(ring(100.0),))))
     air.wait(40.0)
     with pytest.raises(ValueError, match='outside'):
@@ -481,8 +480,7 @@ def test_parameter_that_another_station_changed_is_seen():
 
 def test_fence_is_read_again_at_once_after_an_order_that_broke_its_reading_off():
     """Rally points are pushed while the new fence is being read: a route need not wait for it."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     drone = air.drones[1]
     drone.commands.push_fence(Fence(inclusions=(ring(100.0),)), air.now_s)
     assert done(air, drone.commands) == ''

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from shapely.geometry import Point, Polygon
 from test.fakes.fake_autopilot import HOME
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, RTL
@@ -190,8 +190,7 @@ def test_commanded_return_flies_around():
 
 def test_free_return_is_straight():
     """From before the square the vehicle is switched to its own return."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.fly(count=3)
     air.until(lambda: air.flight().visited >= 1)
     air.drones[1].commands.return_home(air.now_s)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from test.mavlink.test_homeward import HOME_PLACE, flying_around
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import ready_air
 from test.mavlink.test_unknown_way import flying
 
 from rocsafe_geo.position import offset
@@ -45,8 +45,7 @@ def test_fence_that_the_flight_would_leave_is_refused_in_the_air(fence, words):
 
 def test_any_fence_is_taken_on_the_ground():
     """No flight begins that it does not hold."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.drones[1].commands.push_fence(Fence(inclusions=(field(20.0),)), air.now_s)
 
 

@@ -7,7 +7,7 @@ import pytest
 from test.fakes.fake_autopilot import RTL
 from test.mavlink.test_flight import plan
 from test.mavlink.test_homeward import flying_around
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import ready_air
 from test.mavlink.test_unknown_way import ORDERS, flying, is_refused, serve
 from test.mavlink.test_verbs_by_state import obeyed
 
@@ -73,8 +73,7 @@ def test_route_that_was_given_up_before_is_not_resumed(tmp_path):
 
 def test_failsafe_of_a_flight_of_somebody_else_is_not_forgotten(tmp_path):
     """The pilot flies, without any plan of ours; then the bridge is started again."""
-    path, air = tmp_path / 'flight.json', Air()
-    air.wait(46.0)
+    path, air = tmp_path / 'flight.json', ready_air()
     copter = air.copters[1]
     serve(air, FlightJournal(path), air.drones[1].session)
     copter.is_armed, copter.mode, copter.height_m = True, BRAKE, 20.0
@@ -234,8 +233,7 @@ def test_clock_that_goes_back_does_not_end_a_flight_as_lost():
 
 def flying_up():
     """Return an air whose copter climbs, says that it is on the ground, and refuses the start."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     copter = air.copters[1]
     step = copter.step
 

@@ -8,9 +8,9 @@ pytest.importorskip('rocsafe_interfaces', reason='no ROS 2 here: source it or ru
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import Flight, GeoPoint, Route, Viewpoint
-from rocsafe_mavlink.conversions import assignment_of
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.vehicle_interface.conversions import assignment_of
 
 PLACE = GeoPosition(53.28, -9.06, 60.0)
 VIEW = Viewpoint(

@@ -17,10 +17,10 @@ from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop, VehicleState
 from rocsafe_interfaces.srv import Resume
 from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
-from rocsafe_mavlink.drive_conversions import drive_assignment
 from rocsafe_mavlink.drone.drone import DroneSpec
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import mission_of
+from rocsafe_mavlink.vehicle_interface.drive_conversions import drive_assignment
 from rocsafe_ros.conversions import point_of_position
 
 REAL_S = 200.0

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One station, several vehicles, one link of bytes: nothing is mixed up, lost or overdone."""
 
+import copy
+import functools
+
 import numpy as np
 import pytest
 from test.fakes.fake_autopilot import HOME, IDS, FakeCopter
@@ -83,8 +86,12 @@ class Air:
         self.now_s = 0.0
         self.is_supervised = True
         self.events = []
-        self.drones[1].listen(lambda _message: None, self.events.append)
+        self.drones[1].listen(lambda _message: None, self.note)
         self.sent = []
+
+    def note(self, event):
+        """Keep an event; a copy of the air keeps its own."""
+        self.events.append(event)
 
     def step(self):
         """Let a tenth of a second pass."""
@@ -142,6 +149,21 @@ class Air:
     def vehicle(self, system=1):
         """Return what is known of a copter."""
         return self.drones[system].vehicle
+
+
+def ready_air(count=0, limits=LIMITS):
+    """Return an air whose copter is ready, or flies with the first of `count` waypoints behind."""
+    return copy.deepcopy(_first_air(count, limits))
+
+
+@functools.cache
+def _first_air(count, limits):
+    air = Air(limits=limits)
+    air.wait(46.0)
+    if count:
+        air.fly(count=count)
+        air.until(lambda: air.flight().visited >= 1)
+    return air
 
 
 @pytest.mark.slow
@@ -213,8 +235,7 @@ def test_heartbeats_are_sent_only_while_supervised():
 
 def test_rates_are_asked_for_again_after_a_reboot():
     """Only heartbeats come; within seconds everything flows again."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.copters[1].reboot()
     air.until(lambda: air.vehicle().motion is None, 5.0)
     assert EventKind.REBOOTED in {event.kind for event in air.events}

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every order in every state of a real vehicle, and orders during the start of a flight."""
 
+import copy
+import functools
+
 import pytest
 from test.fakes.fake_autopilot import HOME
 from test.fakes.verb_table import VERBS, Answer, answers
 from test.mavlink.test_flight import plan
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import ready_air
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.ardupilot import BRAKE, LOITER
@@ -58,8 +61,12 @@ ORDERED = {'holding': 'hold', 'returning': 'return_home', 'landing': 'land', 'la
 
 def air_in(state):
     """Return an air whose copter is in a state."""
-    air = Air()
-    air.wait(46.0)
+    return copy.deepcopy(_first_air_in(state))
+
+
+@functools.cache
+def _first_air_in(state):
+    air = ready_air()
     if state == 'waiting':
         air.drones[1].wait_until(air.now_s + 100.0)
     if state not in ('disarmed', 'waiting'):

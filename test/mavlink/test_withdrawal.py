@@ -11,26 +11,22 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from builtin_interfaces.msg import Time
 from test.fakes.fake_autopilot import HOME
 from test.mavlink.test_flight import plan
-from test.mavlink.test_station import Air
+from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, LAND, LOITER, RTL
-from rocsafe_mavlink.conversions import state_message
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
+from rocsafe_mavlink.vehicle_interface.conversions import state_message
 from rocsafe_mavlink.wire.dialect import Message, encode
 from rocsafe_mavlink.wire.framing import pack_frame
 
 
 def flying(count=6):
     """Return an air with a flight whose first waypoint is behind."""
-    air = Air()
-    air.wait(46.0)
-    air.fly(count=count)
-    air.until(lambda: air.flight().visited >= 1)
-    return air
+    return ready_air(count)
 
 
 def changes(air):
@@ -183,8 +179,7 @@ def test_new_route_is_refused_while_the_pilot_has_the_vehicle():
 
 def test_start_is_not_repeated_against_the_pilot():
     """The answer to MISSION_START is lost and the pilot takes over: he keeps the vehicle."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     copter = air.copters[1]
     say = copter._say
 
@@ -311,8 +306,7 @@ def test_mission_that_is_changed_while_it_is_resumed_is_not_flown():
 
 def test_mission_that_is_changed_before_its_start_starts_no_motors():
     """Between its verification and the order to arm."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.fly()
     air.until(lambda: air.flight().sequence.verified_mission is not None)
     del air.copters[1].missions.stored[0][-2:]
@@ -323,8 +317,7 @@ def test_mission_that_is_changed_before_its_start_starts_no_motors():
 
 def test_flight_that_would_begin_in_the_middle_starts_no_motors():
     """Another station chooses an item between verification and arming; a moment does not count."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.fly()
     air.until(lambda: air.flight().sequence.verified_mission is not None)
     air.copters[1].current = 4
@@ -369,8 +362,7 @@ def test_mission_whose_reading_fails_stays_as_it_was_known():
 
 def test_flight_whose_autopilot_restarts_during_the_upload_is_refused():
     """What was checked before may no longer hold: it is checked again with the next route."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.fly()
     air.until(lambda: is_uploading(air, 2))
     air.copters[1].reboot()
@@ -492,8 +484,7 @@ def test_order_to_a_vehicle_that_falls_silent_is_not_given_when_it_is_heard_agai
 
 def test_motors_that_the_pilot_started_are_left_to_him():
     """He arms by his stick while the mission is sent: the flight begins with no command."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.fly()
     air.until(lambda: is_uploading(air, 2))
     air.copters[1].is_armed = True
@@ -505,8 +496,7 @@ def test_motors_that_the_pilot_started_are_left_to_him():
 
 def test_nothing_is_disarmed_in_a_mode_of_the_pilot():
     """The answer to "arm" is lost, and he takes another mode: his motors may run by now."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     copter = air.copters[1]
     asked = []
     on_command = copter._on_command
@@ -523,8 +513,7 @@ def test_nothing_is_disarmed_in_a_mode_of_the_pilot():
 
 def test_mode_of_the_pilot_is_not_ours_because_a_transfer_ended_in_it():
     """A fence is pushed, and before the next heartbeat he has started the motors."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     commands, copter = air.drones[1].commands, air.copters[1]
     copter.mode = LOITER
     air.wait(2.0)
@@ -543,8 +532,7 @@ def test_mode_of_the_pilot_is_not_ours_because_a_transfer_ended_in_it():
 
 def test_checks_are_repeated_before_the_motors_start():
     """The autopilot fails its self-test from the middle of the upload on: no flight begins."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.fly()
     air.until(lambda: is_uploading(air, 2))
     air.copters[1]._sys_status = lambda: {'battery_remaining': 20}
@@ -587,8 +575,7 @@ def test_position_and_speed_of_a_vehicle_that_has_not_told_them_are_nan():
 @pytest.mark.parametrize(('station', 'is_ours'), [((255, 190), True), ((250, 190), False)])
 def test_upload_of_a_bridge_that_is_gone_is_cancelled_at_its_next_request(station, is_ours):
     """The autopilot still waits for an item: it is told that none comes, and is not asked then."""
-    air = Air()
-    air.wait(46.0)
+    air = ready_air()
     air.sent.clear()
     system, component = station
     air.copters[1]._say(

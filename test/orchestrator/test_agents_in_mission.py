@@ -8,10 +8,10 @@ import pytest
 
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.presence import Sighting
-from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.situation import Crew, Situation
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.presence import Sighting
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind
+from rocsafe_orchestrator.mission_state.situation import Crew, Situation
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario

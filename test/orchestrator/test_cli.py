@@ -44,7 +44,7 @@ def test_every_command_has_help(command: str, capsys: pytest.CaptureFixture[str]
 
 def test_scene_show_becomes_the_viewer(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the scene of the scenario, also over the flat ground, and an overview of its region."""
-    from rocsafe_orchestrator.processes import executables
+    from rocsafe_orchestrator.process_table import executables
 
     started: list[list[str]] = []
     monkeypatch.setattr(executables, 'find_executable', lambda *_names: Path('/viewer'))

@@ -20,8 +20,8 @@ from rclpy.node import Node
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_orchestrator.company_node import LookoutNode, place_of
+from rocsafe_orchestrator.process_table.table import process_table
 from rocsafe_orchestrator.processes.company import Speaker, needed_names, objections, open_topics
-from rocsafe_orchestrator.processes.process_table import process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import MissionIdentity, new_identity
 from rocsafe_scenario.scenario_file import read_scenario

@@ -3,8 +3,8 @@
 
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.situation import Crew
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind
+from rocsafe_orchestrator.mission_state.situation import Crew
 from rocsafe_orchestrator.watches.decisions import ERROR, WARN, Decisions
 
 

@@ -11,10 +11,10 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_orchestrator.drive_requests_node import DriveRequests
 from rocsafe_orchestrator.mission.driving import DriveEnd
-from rocsafe_orchestrator.mission.request import Order, OrderKind
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind
 from rocsafe_orchestrator.parameters.drive_goal import dose_change
+from rocsafe_orchestrator.requests.drive_requests_node import DriveRequests
 
 
 class Assessor:

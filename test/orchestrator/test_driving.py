@@ -14,9 +14,9 @@ from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_orchestrator.mission.driving import MOST_PLANS, DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.situation import Crew, Situation
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind
+from rocsafe_orchestrator.mission_state.situation import Crew, Situation
 from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, drive_goal
 from rocsafe_scenario.scenario_file import read_scenario
 

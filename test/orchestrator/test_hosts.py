@@ -13,6 +13,8 @@ from rocsafe_mapping.options import CollectorOptions
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission_commands import join_command
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
+from rocsafe_orchestrator.process_table.launches import launches
+from rocsafe_orchestrator.process_table.table import crew_of, process_table
 from rocsafe_orchestrator.processes import hosts
 from rocsafe_orchestrator.processes.hosts import (
     CLOCK_LIMIT_S,
@@ -22,8 +24,6 @@ from rocsafe_orchestrator.processes.hosts import (
     join,
     write_photographs_token,
 )
-from rocsafe_orchestrator.processes.launches import launches
-from rocsafe_orchestrator.processes.process_table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_scenario.errors import ScenarioError

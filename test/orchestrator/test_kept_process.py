@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rocsafe_orchestrator.processes.console_process import KeptProcess
+from rocsafe_orchestrator.process_table.console_process import KeptProcess
 
 DEADLINE_S = 30.0
 SLEEPS = 'import sys, time; open(sys.argv[1], "a").write("x"); time.sleep(60)'

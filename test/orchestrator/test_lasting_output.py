@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from rocsafe_orchestrator.command_line.lasting_output import LastingStream, lasting_output
+from rocsafe_orchestrator.processes.lasting_output import LastingStream, lasting_output
 
 # Says more than a pipe holds, and ends with a code of its own.
 TALKER = """
 import sys
-from rocsafe_orchestrator.command_line.lasting_output import lasting_output
+from rocsafe_orchestrator.processes.lasting_output import lasting_output
 from rich.console import Console
 with lasting_output():
     console = Console()

@@ -29,10 +29,10 @@ from rocsafe_orchestrator.parameters.field_parameters import field_parameters
 from rocsafe_orchestrator.parameters.goal_conversions import unseen_viewpoint
 from rocsafe_orchestrator.parameters.node_parameters import localizer_parameters, write_parameters
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
-from rocsafe_orchestrator.processes.executables import find_executable
-from rocsafe_orchestrator.processes.launches import child_environment, launches
-from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
-from rocsafe_orchestrator.processes.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.executables import find_executable
+from rocsafe_orchestrator.process_table.launches import child_environment, launches
+from rocsafe_orchestrator.process_table.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.recorder_node import RecorderOptions
 from rocsafe_orchestrator.report.run_texts import what_is_simulated
 from rocsafe_orchestrator.run_directory import RunDirectory
@@ -403,7 +403,7 @@ def test_scenes_are_exported_once_for_all_nodes(
     )
     program.chmod(0o755)
     monkeypatch.setattr(
-        'rocsafe_orchestrator.processes.scene_export.find_executable', lambda *_: program
+        'rocsafe_orchestrator.process_table.scene_export.find_executable', lambda *_: program
     )
     level = read_scenario(small())
     export_scenes(level, run)

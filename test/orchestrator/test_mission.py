@@ -7,9 +7,9 @@ import pytest
 
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.situation import Crew, Situation
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind
+from rocsafe_orchestrator.mission_state.situation import Crew, Situation
 
 PROCESSES = frozenset(
     {'planner', 'world', 'mosaic', 'collector', 'recorder', 'radiation_field', 'rav1', 'rav2'}

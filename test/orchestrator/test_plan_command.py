@@ -131,6 +131,7 @@ def test_a_plan_is_checked_and_gone_on_with(
     assert 'covered_area_m2 is' in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_plan_over_terrain_needs_its_file(
     fields: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_orchestrator.mission.presence import (
+from rocsafe_orchestrator.mission_state.presence import (
     MOST_RETURNS,
     Lease,
     Member,

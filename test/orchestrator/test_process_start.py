@@ -18,7 +18,7 @@ SUPERVISOR = """
 import json, logging, os, sys, threading, time
 from pathlib import Path
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
-from rocsafe_orchestrator.processes.process_values import NEVER, Launch
+from rocsafe_orchestrator.process_table.values import NEVER, Launch
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 
 package = logging.getLogger('rocsafe_orchestrator')
@@ -133,7 +133,7 @@ TWO = """
 import os, sys, time
 from pathlib import Path
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
-from rocsafe_orchestrator.processes.process_values import NEVER, Launch
+from rocsafe_orchestrator.process_table.values import NEVER, Launch
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 
 script, folder = sys.argv[1], Path(sys.argv[2])

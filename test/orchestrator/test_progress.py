@@ -8,7 +8,6 @@ from rich.console import Console
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import MissionState, VehicleState
-from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
 from rocsafe_orchestrator.mission_commands.progress import (
     LiveDisplay,
@@ -18,6 +17,7 @@ from rocsafe_orchestrator.mission_commands.progress import (
     plain_line,
     status_table,
 )
+from rocsafe_orchestrator.mission_state.phase import Phase
 
 PEAK = DosePeak(
     dose_rate_usvh=87.65, vehicle='rav2', position=GeoPosition(53.27985, -9.0633, 98.0)

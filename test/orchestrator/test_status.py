@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.mission.standstill import Standstill
 from rocsafe_orchestrator.mission.status import (
     SETTLE_S,
     FlightState,
@@ -16,6 +15,7 @@ from rocsafe_orchestrator.mission.status import (
     Pace,
     VehicleStatus,
 )
+from rocsafe_orchestrator.mission_state.standstill import Standstill
 
 HERE = GeoPosition(53.28, -9.06, 98.0)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.processes.process_values import (
+from rocsafe_orchestrator.process_table.values import (
     NEVER,
     Launch,
     ProcessEvent,

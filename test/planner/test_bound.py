@@ -73,6 +73,7 @@ def test_bound_holds_against_brute_force(points, vehicles, data):
     assert bound_of(world).makespan_s <= best_makespan(world) + ROUNDING_S
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(st.lists(PLACES, min_size=1, max_size=3), fleets(), st.data())
 def test_bounds_hold_in_wind_and_anywhere(points, vehicles, data):

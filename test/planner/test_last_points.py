@@ -60,6 +60,7 @@ def lost(plan: SurveyPlan, done: int = 3) -> Situation:
     return Situation(alive=aloft, visited=frozenset(visited), last=last)
 
 
+@pytest.mark.slow
 def test_last_viewpoints_come_after_all_others(plan: SurveyPlan):
     """Each vehicle visits them at its end, and nothing is lost or visited twice."""
     situation = lost(plan)

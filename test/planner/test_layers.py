@@ -2,6 +2,7 @@
 """Vehicles kept apart by layers of height instead of waiting."""
 
 import dataclasses
+import functools
 import json
 import math
 
@@ -27,6 +28,7 @@ from .surveys import surveys
 CROWD = tuple(vehicle(f'rav{k}', (STARTS[0][0] + 2e-4 * k, STARTS[0][1])) for k in range(1, 5))
 
 
+@functools.cache
 def crowded(**changes):
     """Return the plan of four neighbours whose routes cross."""
     return plan_survey(request(vehicles=CROWD, distance_m=15.0, **changes))
@@ -109,6 +111,7 @@ def test_flights_that_take_turns_are_all_flown_once(landing, aloft, count):
         assert turn[-1] == flights[-1] or not landing
 
 
+@pytest.mark.slow
 def test_no_layer_is_above_the_greatest_height():
     """Vehicles wait instead."""
     plan = crowded(by='layers', max_height_agl_m=45.0)
@@ -191,6 +194,7 @@ def away(place, east_deg, north_deg=0.0):
     )
 
 
+@pytest.mark.slow
 def test_who_climbs_beside_the_way_of_a_vehicle_that_nobody_hears_is_free():
     """Its column and its route are elsewhere: nothing is stated, whatever the layer."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))
@@ -200,6 +204,7 @@ def test_who_climbs_beside_the_way_of_a_vehicle_that_nobody_hears_is_free():
     assert check_plan(rest) == []
 
 
+@pytest.mark.slow
 def test_who_must_climb_where_a_vehicle_may_be_that_nobody_hears_is_named():
     """Its homeward way crosses the columns of the others, and no layer below is free."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0, by='layers'))

@@ -46,11 +46,12 @@ def plan():
     return dataclasses.replace(found, routes=routes)
 
 
-@pytest.fixture
-def folder(plan, tmp_path):
-    """Return a folder with the plan's files."""
-    write_plan(plan, tmp_path)
-    return tmp_path
+@pytest.fixture(scope='module')
+def folder(plan, tmp_path_factory):
+    """Return a folder with the plan's files, to be read only."""
+    folder = tmp_path_factory.mktemp('plan')
+    write_plan(plan, folder)
+    return folder
 
 
 def test_json_says_all(plan, folder):
@@ -152,6 +153,7 @@ def test_a_vehicle_that_stays_gets_no_mission(folder):
     assert document['mission']['items'] == []
 
 
+@pytest.mark.slow
 def test_equal_requests_give_equal_files(tmp_path):
     """Byte for byte, in whatever folder."""
     files = [write_plan(plan_survey(request()), tmp_path / name) for name in 'ab']
@@ -338,11 +340,12 @@ def test_maps_say_when_and_where_flights_land(relay):
     assert heights == pytest.approx([52.0] * len(heights), abs=0.01)
 
 
-def test_flights_from_before_are_removed(plan, folder):
+def test_flights_from_before_are_removed(plan, tmp_path):
     """A vehicle that stays this time leaves no flight of the last time behind."""
     routes = (dataclasses.replace(plan.routes[0], sorties=()), *plan.routes[1:])
-    write_plan(dataclasses.replace(plan, routes=routes), folder)
-    assert sorted(p.name for p in folder.glob('plan-rav1*')) == ['plan-rav1.plan']
+    for written in (plan, dataclasses.replace(plan, routes=routes)):
+        write_plan(written, tmp_path)
+    assert sorted(p.name for p in tmp_path.glob('plan-rav1*')) == ['plan-rav1.plan']
 
 
 def test_pictures(plan, folder):

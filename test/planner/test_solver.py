@@ -24,7 +24,7 @@ from rocsafe_planner.solver import (
     one_depot,
     solve,
 )
-from rocsafe_planner.solver.model.compiled import cache_directory
+from rocsafe_planner.solver.model.compiled import KeptCode, cache_directory
 from rocsafe_planner.solver.model.flatten import tables_of
 from rocsafe_planner.solver.model.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.precompile import compile_kernels
@@ -317,6 +317,21 @@ def test_machine_code_is_kept_beside_the_sources_or_at_home(monkeypatch):
     assert cache_directory().parent.name == '__pycache__'
     monkeypatch.setattr(os, 'access', lambda *_: False)
     assert cache_directory().parent == Path.home() / '.cache' / 'rocsafe'
+
+
+def test_machine_code_belongs_to_a_text_wherever_it_lies(tmp_path):
+    """A wheel brings it, and pip gives its files new times; a changed text has none."""
+    source = Path(str(solver.__file__)).with_name('solve.py')
+    other = tmp_path / source.name
+    other.write_bytes(source.read_bytes())
+    os.utime(other, (0.0, 0.0))
+
+    def stamp(path):
+        return KeptCode(one_depot, str(path)).get_source_stamp()
+
+    assert stamp(other) == stamp(source)
+    other.write_text(source.read_text() + '\n')
+    assert stamp(other) != stamp(source)
 
 
 def test_neighbours_lead_out_of_a_cluster():

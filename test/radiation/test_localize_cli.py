@@ -362,6 +362,7 @@ def test_a_column_given_twice_is_refused(table):
         read_readings(table(text))
 
 
+@pytest.mark.slow
 def test_notes_are_part_of_the_json(table, capsys):
     """What was left out, and where."""
     text = HEAD + derailment() + '999,rav1,0.0,0.0,1.0,0.1\n'

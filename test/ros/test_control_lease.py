@@ -9,7 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from rocsafe_ros.control_lease import DEFAULT_S, Lease, LeaseKeeper, LeaseRefusedError, server_of
+from rocsafe_ros.lease.control_lease import (
+    DEFAULT_S,
+    Lease,
+    LeaseKeeper,
+    LeaseRefusedError,
+    server_of,
+)
 
 ASKED = Lease(server='', holder='anna', mission='m1', duration_s=10.0)
 OTHER = Lease(server='', holder='bert', duration_s=10.0)

@@ -24,7 +24,7 @@ from rocsafe_sim.cameras.mounted_camera import CameraModel, MountedCamera
 from rocsafe_sim.messages.picture_conversions import depth_message, labels_message, picture_header
 from rocsafe_sim.options import RavOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
-from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 
 DEPTH = np.array([[31.5, np.inf], [30.25, 2.0]], np.float32)
 NUMBERS = np.array([[2, 0], [65_535, 70_000]], np.uint32)

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import sysconfig
 import zipfile
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import pytest
 
@@ -17,6 +17,7 @@ from distribution.archive import Member, read_wheel, write_wheel
 from distribution.install_list import install_list
 from distribution.python_wheel import make_python_wheel
 from distribution.requirement_names import UnknownRequirementError, read_lock, requirements
+from rocsafe_planner.solver.model.compiled import cache_directory
 
 ROOT = Path(__file__).resolve().parents[2]
 MANIFESTS = sorted((ROOT / 'src').glob('*/package.xml'))
@@ -59,6 +60,13 @@ def test_a_python_wheel_holds_what_its_folder_holds(tmp_path):
     assert launchers
     assert all(members[name].mode == 0o755 for name in launchers)
     assert not any('console_scripts' in str(member.content) for member in members.values())
+
+
+def test_the_wheel_of_the_planner_brings_its_machine_code(tmp_path):
+    """Nobody waits for the compiler before the first plan."""
+    members = read_wheel(make_python_wheel(ROOT / 'src/rocsafe_planner', [], tmp_path))
+    kept = {PurePath(name).parent for name in members if name.endswith('.nbi')}
+    assert [path.name for path in kept] == [cache_directory().name]
 
 
 def test_the_same_sources_make_the_same_bytes(tmp_path):

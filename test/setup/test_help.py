@@ -4,6 +4,8 @@
 import ast
 from pathlib import Path
 
+import pytest
+
 SOURCES = Path(__file__).resolve().parents[2] / 'src'
 # The stand-in for `ros2` has the short texts of the original.
 WITHOUT = 'rocsafe_ros2cli'
@@ -26,6 +28,7 @@ def unexplained():
                     yield f'{path.relative_to(SOURCES)}:{node.lineno}'
 
 
+@pytest.mark.slow
 def test_every_argument_has_a_text():
     """A reader of --help need not guess what an argument is."""
     assert list(unexplained()) == []

@@ -7,7 +7,7 @@ from rocsafe_sim.driving.drive_route import DrivenRoute, RouteStop
 from rocsafe_sim.driving.drive_state import DriveState, Ledger
 from rocsafe_sim.driving.rover import Rover
 from rocsafe_sim.driving.rover_parts import RoverParts
-from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 
 SECOND = 1_000_000_000
 STEP_NS = SECOND // 5

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Orders to a vehicle: which are obeyed when, what they do, how a flight then ends."""
 
+import copy
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -55,6 +57,11 @@ class Ceiling:
 
 def vehicle_in(mode: Mode) -> SimulatedVehicle:
     """Return a vehicle that is in `mode`."""
+    return copy.deepcopy(_first_vehicle_in(mode))
+
+
+@functools.cache
+def _first_vehicle_in(mode: Mode) -> SimulatedVehicle:
     delay_s = 60.0 if mode is Mode.WAITING else 0.0
     vehicle = vehicle_on(replace(ROUTE, delay_s=delay_s))
     if mode is Mode.DISARMED:

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS, SensorNoise
+from rocsafe_sim.sensors.sensing_noise import LARGEST_SWAY_STDS, SensorNoise
 
 
 def noise(seed: int = 1, vehicle: str = 'rav1') -> SensorNoise:

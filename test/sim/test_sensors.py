@@ -140,6 +140,7 @@ def test_at_rest_the_accelerometer_feels_gravity_upwards(tmp_path):
     assert samples[-1].rate_radps == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
 
 
+@pytest.mark.slow
 def test_pressure_and_distance_tell_the_height(tmp_path):
     """The exact barometer inverts to the altitude, the exact beam to the height over its tilt."""
     rav = launched(tmp_path, EXACT)
@@ -271,6 +272,7 @@ def test_the_orientation_errs_as_a_photograph_does(tmp_path):
     assert wrong[-1].orientation_variance == pytest.approx(math.radians(2.0) ** 2)
 
 
+@pytest.mark.slow
 def test_step_and_order_do_not_change_a_sample(tmp_path):
     """Steps of 50 ms and of 0.2 s give the same samples, with the same seed only."""
     fine = flown(launched(tmp_path / 'fine', ALL), 8.0, STEP_NS // 2)
@@ -282,6 +284,7 @@ def test_step_and_order_do_not_change_a_sample(tmp_path):
     assert [one.time_ns for one in fine] == sorted(one.time_ns for one in fine)
 
 
+@pytest.mark.slow
 def test_a_restart_goes_on_with_the_samples(tmp_path):
     """What a process measures, and another started after it, is what one alone measures."""
     reference = flown(launched(tmp_path / 'one', ALL), 12.0)

@@ -135,6 +135,7 @@ def test_it_turns_back_with_enough_charge_and_not_long_before(airframe, route, s
     assert left >= airframe.reserve_fraction - 1e-9
 
 
+@pytest.mark.slow
 @settings(max_examples=20, deadline=None)
 @given(airframes(), routes(), SHARES, st.floats(0.3, 1.0))
 def test_a_stand_without_end_is_left_as_if_it_were_checked_all_the_time(

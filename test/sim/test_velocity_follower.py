@@ -28,6 +28,7 @@ def follow(follower, velocity=EAST, turn_radps=0.0, stamp_ns=0, *, is_of_body=Fa
     follower.follow(velocity, turn_radps, stamp_ns, is_of_body=is_of_body)
 
 
+@pytest.mark.slow
 def test_velocities_that_keep_coming_are_flown() -> None:
     """Without a stop between; it turns meanwhile, and ahead turns with it."""
     vehicle, follower = flying()
@@ -70,9 +71,10 @@ def test_every_other_order_ends_it(order: str) -> None:
     assert follower.is_over
 
 
+@pytest.mark.slow
 def test_a_failsafe_of_the_vehicle_ends_it() -> None:
     """A low battery takes it home, although velocities keep coming."""
-    vehicle = in_the_air(endurance_s=200.0)
+    vehicle = in_the_air(endurance_s=150.0)
     follower = VelocityFollower(vehicle, 1.0)
     for _ in range(2000):
         if follower.is_over:

@@ -18,7 +18,7 @@ import pytest
 from test.conftest import reserved_domain
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.processes.executables import find_executable
+from rocsafe_orchestrator.process_table.executables import find_executable
 from rocsafe_orchestrator.run_directory import RunDirectory
 
 SCENARIO = Path(__file__).with_name('small.yaml')

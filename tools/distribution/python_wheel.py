@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from configparser import ConfigParser
 from pathlib import Path
 
@@ -46,6 +46,7 @@ def make_python_wheel(package: Path, requirements: Sequence[str], out: Path) -> 
         info = next(name for name in members if name.endswith('.dist-info/METADATA'))
         info = info.rpartition('/')[0]
         completed = _completed(members, info, package.name, requirements)
+        completed |= dict(_machine_code(package))
         path = out / made.name
         write_wheel(path, info, completed)
     return path
@@ -61,6 +62,12 @@ def _built(package: Path, out: Path) -> Path:
         check=True,
     )
     return next(out.glob('*.whl'))
+
+
+def _machine_code(package: Path) -> Iterator[tuple[str, Member]]:
+    """Yield what set-up has compiled of the planner, for any processor of this kind."""
+    for path in sorted((package / package.name).rglob('__pycache__/numba-*/*.nb[ci]')):
+        yield str(path.relative_to(package)), Member(content=path.read_bytes())
 
 
 def _completed(

@@ -11,7 +11,7 @@ from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 
 from launch import LaunchContext, LaunchDescription
-from rocsafe_orchestrator.processes.bringup import scenario_launches
+from rocsafe_orchestrator.process_table.bringup import scenario_launches
 
 
 def processes(context: LaunchContext) -> list[ExecuteProcess]:

@@ -34,9 +34,9 @@ from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
 from rocsafe_ros import calls, topics
 from rocsafe_ros.background_job import BackgroundJob
-from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.lease_holder_node import Leases
+from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
+from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import FLEET_LOCK_VARIABLE, is_orphan, run

@@ -15,7 +15,7 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Control, Route, VehicleState
 from rocsafe_ros import calls, topics
 from rocsafe_ros.interface_spec import name_of
-from rocsafe_ros.lease_holder_node import Leases
+from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_ros.plan_digest import route_digest
 
 # A route is sent again if it is not accepted within this time, so often.

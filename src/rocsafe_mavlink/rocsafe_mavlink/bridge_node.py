@@ -20,23 +20,23 @@ from rocsafe_mavlink.assembly import (
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.camera.geotagging import Geotagger
 from rocsafe_mavlink.camera.video_source import DECODER_OPTIONS
-from rocsafe_mavlink.command_node import CommandServices
-from rocsafe_mavlink.conversions import link_status
-from rocsafe_mavlink.drive_route_node import DriveRouteServer
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.drone.standstill import Standstill, awake_s
-from rocsafe_mavlink.drone_node import TelemetryPublisher
 from rocsafe_mavlink.drone_options import DroneOptions, read_drones
 from rocsafe_mavlink.errors import MavlinkError
 from rocsafe_mavlink.flight.late_start import LateStart
-from rocsafe_mavlink.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.knowledge.events import Event
-from rocsafe_mavlink.node_timing import TIMING
-from rocsafe_mavlink.shots_node import ShotSender
+from rocsafe_mavlink.vehicle_interface.command_node import CommandServices
+from rocsafe_mavlink.vehicle_interface.conversions import link_status
+from rocsafe_mavlink.vehicle_interface.drive_route_node import DriveRouteServer
+from rocsafe_mavlink.vehicle_interface.drone_node import TelemetryPublisher
+from rocsafe_mavlink.vehicle_interface.fly_route_node import FlyRouteServer
+from rocsafe_mavlink.vehicle_interface.node_timing import TIMING
+from rocsafe_mavlink.vehicle_interface.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic
-from rocsafe_ros.lease_server_node import LeaseServer
+from rocsafe_ros.lease.server_node import LeaseServer
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.vehicle_scope import VehicleScopeNode

@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rocsafe_orchestrator.command_line import passed_on
-from rocsafe_orchestrator.command_line.lasting_output import lasting_output
-from rocsafe_orchestrator.command_line.memory_limit import require_memory
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.processes.interrupt import Interrupted, ended_by_signals
+from rocsafe_orchestrator.processes.lasting_output import lasting_output
+from rocsafe_orchestrator.processes.memory_limit import require_memory
 from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
 

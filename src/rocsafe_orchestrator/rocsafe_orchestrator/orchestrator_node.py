@@ -32,8 +32,8 @@ from rocsafe_orchestrator.mission.drive_watch import Reading
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
 from rocsafe_orchestrator.parameters import goal_conversions
-from rocsafe_orchestrator.processes.process_table import Endpoint, ProcessSpec
-from rocsafe_orchestrator.requests_node import Requests
+from rocsafe_orchestrator.process_table.table import Endpoint, ProcessSpec
+from rocsafe_orchestrator.requests.requests_node import Requests
 from rocsafe_orchestrator.watches.decisions import Decision
 from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp

@@ -10,7 +10,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.parameters.air_parameters import ESTIMATOR
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
-from rocsafe_orchestrator.processes.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.scene_export import export_scenes
 from rocsafe_orchestrator.products.agent_advice import advise
 from rocsafe_orchestrator.products.flight_log import READING, read_flight_log
 from rocsafe_orchestrator.products.readings_table import write_readings

@@ -17,7 +17,7 @@ from rocsafe_scene.flat_ground.ground_photograph import NO_SCENE, SCENE_NAMES
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 from rocsafe_sim.flight.flight_options import FlightOptions
 from rocsafe_sim.flight.sensing_options import ENGINE, LATEST_S, require_scene
-from rocsafe_sim.rav.sensing_noise import LARGEST_SWAY_STDS
+from rocsafe_sim.sensors.sensing_noise import LARGEST_SWAY_STDS
 from rocsafe_sim.sensors.sensor_settings import SensorRig
 
 LARGEST_VIEW_ANGLE_DEG = 70.0

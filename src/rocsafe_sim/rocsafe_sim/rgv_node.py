@@ -20,7 +20,7 @@ from rocsafe_sim.driving.readings import ReadingQueue
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.driving.rgv_options import RgvOptions
 from rocsafe_sim.errors import SimError
-from rocsafe_sim.rgv_interface_node import RgvInterface
+from rocsafe_sim.vehicle_interface.rgv_interface_node import RgvInterface
 
 # A detector that does not answer for this wall time is not waited for any longer.
 LONGEST_WAIT_S = 20.0

@@ -8,19 +8,19 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_ros.frames import VehicleFrames
-from rocsafe_ros.lease_server_node import LeaseServer
+from rocsafe_ros.lease.server_node import LeaseServer
 from rocsafe_ros.vehicle_scope import VehicleScopeNode
-from rocsafe_sim.camera_node import CameraInterface
-from rocsafe_sim.command_node import CommandServices
-from rocsafe_sim.fly_route_node import FlyRouteServer
-from rocsafe_sim.light_node import LightService
 from rocsafe_sim.messages.picture_conversions import mounts_of
 from rocsafe_sim.messages.sensor_conversions import sensor_mounts
-from rocsafe_sim.order_answers_node import OrderAnswers
 from rocsafe_sim.rav.rav import Rav
-from rocsafe_sim.sensor_topics_node import SensorTopics
-from rocsafe_sim.shot_sender_node import make_shot_delivery
-from rocsafe_sim.telemetry_node import Telemetry
+from rocsafe_sim.vehicle_interface.camera_node import CameraInterface
+from rocsafe_sim.vehicle_interface.command_node import CommandServices
+from rocsafe_sim.vehicle_interface.fly_route_node import FlyRouteServer
+from rocsafe_sim.vehicle_interface.light_node import LightService
+from rocsafe_sim.vehicle_interface.order_answers_node import OrderAnswers
+from rocsafe_sim.vehicle_interface.sensor_topics_node import SensorTopics
+from rocsafe_sim.vehicle_interface.shot_sender_node import make_shot_delivery
+from rocsafe_sim.vehicle_interface.telemetry_node import Telemetry
 
 
 class VehicleInterface:

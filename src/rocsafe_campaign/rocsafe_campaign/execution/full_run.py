@@ -11,8 +11,8 @@ from rocsafe_campaign.design.campaign import Run
 from rocsafe_campaign.errors import CampaignError
 from rocsafe_campaign.results.metrics import Metrics, metrics_of_summary
 from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.process_table.executables import find_executable
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
-from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_scenario.scenario import Scenario
 
 # Time in which an interrupted mission can end in order before it is killed, seconds.

@@ -19,7 +19,7 @@ from rocsafe_sim.clock.cadence import Cadence, period_ns
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.options import WorldOptions
 from rocsafe_sim.rav.rav import Fix, Rav, RavParts
-from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 from rocsafe_sim.vehicle.snapshot import FlightSummary
 

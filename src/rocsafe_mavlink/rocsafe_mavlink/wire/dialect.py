@@ -8,6 +8,7 @@ definitions: the state of its parser can be spoiled by anybody who reaches the s
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega as _tables
@@ -58,6 +59,11 @@ class _Layout:
         self.counts = tuple(table.lengths)
         self.is_flat = all(count == 1 for count in self.counts)
 
+    @cached_property
+    def blank(self) -> dict[str, Any]:
+        """The fields of a payload of zeros."""
+        return self.fields(b'')
+
     def fields(self, payload: bytes) -> dict[str, Any]:
         """Return the fields of a payload; zeros at its end may have been cut off."""
         values = self.unpack(payload[: self.size].ljust(self.size, b'\0'))
@@ -71,9 +77,8 @@ class _Layout:
     def payload(self, fields: Mapping[str, Any]) -> bytes:
         """Return the payload of `fields`; those not given are zero or empty."""
         values: list[Any] = []
-        blank = self.fields(b'')
         for name in self.names:
-            value = fields.get(name, blank[name])
+            value = fields.get(name, self.blank[name])
             if isinstance(value, str):
                 value = value.encode()
             values.extend(value if isinstance(value, (list, tuple)) else [value])
@@ -148,7 +153,7 @@ def encode(message: Message) -> tuple[int, bytes]:
     layout = _BY_NAME.get(message.name)
     if layout is None:
         raise ValueError(f'message {message.name!r} is not known')
-    unknown = set(message.fields) - set(layout.names)
+    unknown = set(message.fields).difference(layout.names)
     if unknown:
         raise ValueError(f'{message.name} has no field {min(unknown)!r}')
     try:

@@ -5,8 +5,8 @@ import argparse
 import os
 from pathlib import Path
 
+from rocsafe_orchestrator.arguments.numbers import speed
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.numbers import speed
 
 PORT = 41451
 

@@ -4,8 +4,8 @@
 import argparse
 from pathlib import Path
 
+from rocsafe_orchestrator.arguments.planning_options import add_options
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.planning_options import add_options
 
 
 def add_to(commands: Commands) -> None:

@@ -76,7 +76,7 @@ def pass_on(row: PassedOn, arguments: Sequence[str]) -> NoReturn:
     SetupError
         If it is not installed.
     """
-    from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
+    from rocsafe_orchestrator.process_table.executables import ONE_THREAD, find_executable
 
     path = find_executable(row.package, row.word)
     os.execve(path, [str(path), *arguments], {**ONE_THREAD, **os.environ})  # noqa: S606

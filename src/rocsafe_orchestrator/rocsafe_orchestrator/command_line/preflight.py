@@ -4,8 +4,8 @@
 import argparse
 from pathlib import Path
 
+from rocsafe_orchestrator.arguments.numbers import waiting_time
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.numbers import waiting_time
 
 
 def add_to(commands: Commands) -> None:

@@ -5,8 +5,8 @@ import argparse
 import os
 from pathlib import Path
 
+from rocsafe_orchestrator.arguments.numbers import seed, speed
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.numbers import seed, speed
 from rocsafe_orchestrator.errors import SetupError
 
 

@@ -63,7 +63,7 @@ def _place(text: str) -> tuple[float, ...]:
 
 
 def _show(arguments: argparse.Namespace) -> int:
-    from rocsafe_orchestrator.processes.executables import find_executable
+    from rocsafe_orchestrator.process_table.executables import find_executable
     from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
     from rocsafe_scenario.scenario_file import read_scenario
 

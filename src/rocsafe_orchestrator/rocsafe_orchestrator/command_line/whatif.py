@@ -4,8 +4,8 @@
 import argparse
 from pathlib import Path
 
+from rocsafe_orchestrator.arguments.numbers import part
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.command_line.numbers import part
 
 
 def add_to(commands: Commands) -> None:

@@ -4,12 +4,12 @@
 from collections.abc import Callable
 
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.phase_record import PhaseRecord
-from rocsafe_orchestrator.mission.request import OrderKind
-from rocsafe_orchestrator.mission.request_book import RequestBook
-from rocsafe_orchestrator.mission.situation import Situation
-from rocsafe_orchestrator.mission.standstill import Standstill
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission_state.request import OrderKind
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
+from rocsafe_orchestrator.mission_state.situation import Situation
+from rocsafe_orchestrator.mission_state.standstill import Standstill
 
 MOSAIC, REPORT = 'mosaic', 'report'
 

@@ -4,12 +4,12 @@
 from enum import Enum
 
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.phase_record import PhaseRecord
-from rocsafe_orchestrator.mission.request import OrderKind, Status
-from rocsafe_orchestrator.mission.request_book import RequestBook
-from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.time_watch import WORLD
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission_state.request import OrderKind, Status
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
+from rocsafe_orchestrator.mission_state.situation import Situation
 
 ROUTER, LOCALIZER = 'router', 'localizer'
 # A drive that is interrupted more often is given up.

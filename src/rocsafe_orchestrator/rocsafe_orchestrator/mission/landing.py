@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The end of the flights of a mission: all have landed, or the agents have nothing left."""
 
-from rocsafe_orchestrator.mission.phase_record import PhaseRecord
-from rocsafe_orchestrator.mission.situation import Situation
+from rocsafe_orchestrator.mission_state.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission_state.situation import Situation
 
 # Agents must have nothing left for so long: a loss may give them more.
 AGENTS_DONE_S = 3.0

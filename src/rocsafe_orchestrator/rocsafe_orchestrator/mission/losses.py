@@ -8,10 +8,10 @@ plan, which gives it new work, or it returns home.
 
 from collections.abc import Callable, Container, Iterable, Mapping
 
-from rocsafe_orchestrator.mission.presence import Lease, Member, Presence, Sighting
-from rocsafe_orchestrator.mission.request import OrderKind, Status
-from rocsafe_orchestrator.mission.request_book import RequestBook
-from rocsafe_orchestrator.mission.situation import Crew, Situation
+from rocsafe_orchestrator.mission_state.presence import Lease, Member, Presence, Sighting
+from rocsafe_orchestrator.mission_state.request import OrderKind, Status
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
+from rocsafe_orchestrator.mission_state.situation import Crew, Situation
 
 PLANNER, WORLD = 'planner', 'world'
 # A vehicle that came back, or was lost and is heard, hands over its photographs within this time,

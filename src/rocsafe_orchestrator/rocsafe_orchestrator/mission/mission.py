@@ -13,14 +13,14 @@ from rocsafe_orchestrator.mission.driving import DriveEnd, Driving
 from rocsafe_orchestrator.mission.landing import Landing
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.phase_record import PhaseRecord
-from rocsafe_orchestrator.mission.request import Order, OrderKind, Status
-from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.rounds import Rounds
-from rocsafe_orchestrator.mission.situation import Crew, Situation
 from rocsafe_orchestrator.mission.takeover import AGENTS, Takeover
 from rocsafe_orchestrator.mission.time_watch import TimeWatch
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind, Status
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
+from rocsafe_orchestrator.mission_state.situation import Crew, Situation
 
 
 class Mission(PhaseRecord):

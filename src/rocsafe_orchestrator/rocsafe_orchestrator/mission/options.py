@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 from rocsafe_geo.option import option
-from rocsafe_orchestrator.mission.presence import Lease
+from rocsafe_orchestrator.mission_state.presence import Lease
 
 
 def _seconds(default: float, doc: str) -> Any:

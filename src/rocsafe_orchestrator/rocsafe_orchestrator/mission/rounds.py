@@ -3,11 +3,11 @@
 
 from rocsafe_orchestrator.mission.closing import Closing
 from rocsafe_orchestrator.mission.losses import PLANNER
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.phase_record import PhaseRecord
-from rocsafe_orchestrator.mission.request import OrderKind, Status
-from rocsafe_orchestrator.mission.request_book import RequestBook
 from rocsafe_orchestrator.mission.time_watch import TimeWatch
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission_state.request import OrderKind, Status
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
 
 LOCALIZER = 'localizer'
 

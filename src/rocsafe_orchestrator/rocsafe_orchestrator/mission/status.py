@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.presence import Sighting
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.presence import Sighting
 
 
 class FlightState(IntEnum):

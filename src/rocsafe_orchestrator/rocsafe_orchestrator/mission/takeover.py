@@ -4,12 +4,12 @@
 from collections.abc import Iterable
 
 from rocsafe_orchestrator.mission.losses import WORLD, Losses
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.phase_record import PhaseRecord
-from rocsafe_orchestrator.mission.request import OrderKind
-from rocsafe_orchestrator.mission.request_book import RequestBook
-from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.time_watch import TimeWatch
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.phase_record import PhaseRecord
+from rocsafe_orchestrator.mission_state.request import OrderKind
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
+from rocsafe_orchestrator.mission_state.situation import Situation
 
 AGENTS = 'agents'
 

@@ -4,9 +4,9 @@
 The world pauses when a vehicle has news: a loss, or a hold that is obeyed.
 """
 
-from rocsafe_orchestrator.mission.request import OrderKind
-from rocsafe_orchestrator.mission.request_book import RequestBook
-from rocsafe_orchestrator.mission.standstill import Standstill
+from rocsafe_orchestrator.mission_state.request import OrderKind
+from rocsafe_orchestrator.mission_state.request_book import RequestBook
+from rocsafe_orchestrator.mission_state.standstill import Standstill
 
 WORLD = 'world'
 # Wall time after which time is started again: when the news are answered, and when nobody answers

@@ -14,27 +14,27 @@ from rich.console import Console
 
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, SetupError
 from rocsafe_orchestrator.parameters.node_parameters import AIR, FLEET, RECORDER
-from rocsafe_orchestrator.processes.company import needed_names, open_topics
-from rocsafe_orchestrator.processes.domain_lock import domain_lock
-from rocsafe_orchestrator.processes.executables import find_executable
-from rocsafe_orchestrator.processes.interrupt import Interrupt
-from rocsafe_orchestrator.processes.launches import child_environment, launches
-from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
-from rocsafe_orchestrator.processes.process_table import (
+from rocsafe_orchestrator.process_table.executables import find_executable
+from rocsafe_orchestrator.process_table.launches import child_environment, launches
+from rocsafe_orchestrator.process_table.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.table import (
     AIRSIM,
     ProcessSpec,
     airsim_process,
     process_table,
 )
-from rocsafe_orchestrator.processes.process_values import ProcessEventKind
+from rocsafe_orchestrator.process_table.values import ProcessEventKind
+from rocsafe_orchestrator.processes.company import needed_names, open_topics
+from rocsafe_orchestrator.processes.domain_lock import domain_lock
+from rocsafe_orchestrator.processes.interrupt import Interrupt
+from rocsafe_orchestrator.processes.process_start import begin_as_fork, import_for
 from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
-from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
-from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.domain.mission_identity import new_identity
 from rocsafe_ros.domain.mission_partition import keep_to_mission
+from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario

@@ -15,6 +15,14 @@ from rocsafe_geo.storage.yaml_source import parse_yaml
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, SetupError
 from rocsafe_orchestrator.mission_commands.mission_run import locked, log_to
 from rocsafe_orchestrator.planning_commands.preflight_command import cleared
+from rocsafe_orchestrator.process_table.launches import (
+    child_environment,
+    launches,
+    require_executables,
+)
+from rocsafe_orchestrator.process_table.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.table import ProcessSpec, process_table
+from rocsafe_orchestrator.process_table.values import ProcessEventKind
 from rocsafe_orchestrator.processes.company import open_topics
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.hosts import (
@@ -27,22 +35,14 @@ from rocsafe_orchestrator.processes.hosts import (
     write_photographs_token,
 )
 from rocsafe_orchestrator.processes.interrupt import Interrupt
-from rocsafe_orchestrator.processes.launches import (
-    child_environment,
-    launches,
-    require_executables,
-)
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
-from rocsafe_orchestrator.processes.process_table import ProcessSpec, process_table
-from rocsafe_orchestrator.processes.process_values import ProcessEventKind
 from rocsafe_orchestrator.processes.ros_reach import reach
-from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.session import Session, read_session, write_session
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory
-from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.domain.mission_identity import MissionIdentity
 from rocsafe_ros.domain.mission_partition import keep_to_mission
+from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes

@@ -12,19 +12,19 @@ from rocsafe_orchestrator.contamination import mark
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.closing import REPORT
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.request import Order, OrderKind
-from rocsafe_orchestrator.mission.situation import Situation
 from rocsafe_orchestrator.mission.status import FlightState, Monitor, Pace, RunStatus
 from rocsafe_orchestrator.mission_commands.confirmation import DRIVE, PLAN, Confirmation
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.progress import Display
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.request import Order, OrderKind
+from rocsafe_orchestrator.mission_state.situation import Situation
+from rocsafe_orchestrator.process_table.table import ProcessSpec
+from rocsafe_orchestrator.process_table.values import ProcessEvent, ProcessEventKind
 from rocsafe_orchestrator.processes.disk_space import shortage
 from rocsafe_orchestrator.processes.hosts import HostServer
 from rocsafe_orchestrator.processes.interrupt import Interrupt
-from rocsafe_orchestrator.processes.process_table import ProcessSpec
-from rocsafe_orchestrator.processes.process_values import ProcessEvent, ProcessEventKind
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.run_directory import RunDirectory

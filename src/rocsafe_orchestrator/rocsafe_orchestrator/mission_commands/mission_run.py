@@ -18,7 +18,6 @@ from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceError, Evi
 from rocsafe_orchestrator.company_node import Claim
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import Monitor
 from rocsafe_orchestrator.mission_commands.crew_watch import CrewWatch
 from rocsafe_orchestrator.mission_commands.mission_loop import MissionLoop, Parts
@@ -29,9 +28,12 @@ from rocsafe_orchestrator.mission_commands.progress import (
     peak_text,
 )
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
+from rocsafe_orchestrator.process_table.console_process import operators_page, seal
+from rocsafe_orchestrator.process_table.launches import child_environment, launches
+from rocsafe_orchestrator.process_table.table import ProcessSpec, airsim_process, crew_of
 from rocsafe_orchestrator.processes.company import open_topics
-from rocsafe_orchestrator.processes.console_process import operators_page, seal
 from rocsafe_orchestrator.processes.domain_lock import file_lock
 from rocsafe_orchestrator.processes.end_watch import EndWatch
 from rocsafe_orchestrator.processes.hosts import (
@@ -41,16 +43,14 @@ from rocsafe_orchestrator.processes.hosts import (
     write_photographs_token,
 )
 from rocsafe_orchestrator.processes.interrupt import Interrupt
-from rocsafe_orchestrator.processes.launches import child_environment, launches
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
-from rocsafe_orchestrator.processes.process_table import ProcessSpec, airsim_process, crew_of
 from rocsafe_orchestrator.processes.session import Adopted, Session, write_session
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.products.photographs import read_photographs
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.watches.operator_watch import OnOperatorLost, OperatorWatch
-from rocsafe_ros.control_lease import MISSION_VARIABLE
 from rocsafe_ros.domain.mission_partition import keep_to_mission
+from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_view.formats import clock
 

@@ -12,8 +12,8 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission.status import DosePeak, FlightState, RunStatus, VehicleStatus
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_view.formats import clock
 
 # Wall time between two plain lines of the same phase.

@@ -17,14 +17,14 @@ from rich.console import Console
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.options import Deadlines
+from rocsafe_orchestrator.process_table.launches import child_environment, launches
+from rocsafe_orchestrator.process_table.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.table import process_table
+from rocsafe_orchestrator.process_table.values import ProcessEventKind
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupt
-from rocsafe_orchestrator.processes.launches import child_environment, launches
 from rocsafe_orchestrator.processes.process_start import begin_as_fork
-from rocsafe_orchestrator.processes.process_table import process_table
-from rocsafe_orchestrator.processes.process_values import ProcessEventKind
 from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
-from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.recording.finalising import finalise

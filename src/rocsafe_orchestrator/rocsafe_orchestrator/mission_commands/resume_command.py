@@ -14,13 +14,13 @@ from rich.console import Console
 from rocsafe_orchestrator.company_node import claimed
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.closing import MOSAIC
-from rocsafe_orchestrator.mission.phase import Phase
 from rocsafe_orchestrator.mission_commands.mission_run import Extras, Found, MissionRun, locked
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.parameters.node_parameters import AGENTS
+from rocsafe_orchestrator.process_table.launches import require_executables
+from rocsafe_orchestrator.process_table.table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.company import needed_names
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
-from rocsafe_orchestrator.processes.launches import require_executables
-from rocsafe_orchestrator.processes.process_table import ProcessSpec, crew_of, process_table
 from rocsafe_orchestrator.processes.ros_reach import reach
 from rocsafe_orchestrator.processes.session import Adopted, read_session
 from rocsafe_orchestrator.run_directory import RunDirectory

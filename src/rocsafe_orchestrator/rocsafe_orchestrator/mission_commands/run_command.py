@@ -18,15 +18,15 @@ from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.mission_commands.mission_run import Extras, MissionRun, locked
 from rocsafe_orchestrator.parameters.config_file import require_parameter_file
 from rocsafe_orchestrator.planning_commands.preflight_command import cleared, on_wall_time
+from rocsafe_orchestrator.process_table.launches import require_executables
+from rocsafe_orchestrator.process_table.scene_export import export_scenes
+from rocsafe_orchestrator.process_table.table import process_table
 from rocsafe_orchestrator.processes.company import needed_names
 from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_orchestrator.processes.interrupt import Interrupted
-from rocsafe_orchestrator.processes.launches import require_executables
 from rocsafe_orchestrator.processes.process_start import import_for
-from rocsafe_orchestrator.processes.process_table import process_table
 from rocsafe_orchestrator.processes.ros_reach import reach
-from rocsafe_orchestrator.processes.scene_export import export_scenes
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import RunDirectory, create_run_directory, run_name
 from rocsafe_ros.domain.mission_identity import new_identity

@@ -13,8 +13,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED, OrchestratorError
 from rocsafe_orchestrator.parameters.node_parameters import bridge_parameters
 from rocsafe_orchestrator.planning_commands.plan_command import planned
+from rocsafe_orchestrator.process_table.executables import find_executable
 from rocsafe_orchestrator.processes.answers import answer_of
-from rocsafe_orchestrator.processes.executables import find_executable
 from rocsafe_planner.plan.plan import Route
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The processes of a run: the table of them, their parameters, and keeping them running."""
+"""The processes of a run: starting them, keeping them running, ending them."""

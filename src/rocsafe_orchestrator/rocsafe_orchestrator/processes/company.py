@@ -4,7 +4,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from rocsafe_orchestrator.processes.process_table import ProcessSpec
+from rocsafe_orchestrator.process_table.table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
 from rocsafe_ros import calls, topics
 from rocsafe_ros.domain.mission_identity import BOUND, MissionIdentity

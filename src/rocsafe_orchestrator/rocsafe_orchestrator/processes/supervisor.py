@@ -14,13 +14,13 @@ from pathlib import Path
 from typing import IO
 
 from rocsafe_orchestrator.errors import SetupError
-from rocsafe_orchestrator.processes.process_start import Process, Start, begin_anew
-from rocsafe_orchestrator.processes.process_values import (
+from rocsafe_orchestrator.process_table.values import (
     Exit,
     Launch,
     ProcessEvent,
     ProcessEventKind,
 )
+from rocsafe_orchestrator.processes.process_start import Process, Start, begin_anew
 from rocsafe_orchestrator.processes.session import Adopted
 
 # Exit code of a process that refuses its parameters; a restart would not help.

@@ -6,8 +6,8 @@ import subprocess
 from collections.abc import Sequence
 
 from rocsafe_orchestrator.errors import OrchestratorError
+from rocsafe_orchestrator.process_table.executables import ONE_THREAD, find_executable
 from rocsafe_orchestrator.processes.answers import reason_of
-from rocsafe_orchestrator.processes.executables import ONE_THREAD, find_executable
 
 # Thousands of readings take seconds; the machine may be busy.
 TIMEOUT_S = 120.0

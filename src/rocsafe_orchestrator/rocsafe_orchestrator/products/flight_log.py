@@ -11,7 +11,7 @@ from mcap.reader import McapReader, make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.products.run_record import (
     AgentSample,
     Alarm,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
-from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.products.agent_advice import AgentAdvice
 from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates

@@ -13,7 +13,7 @@ import numpy as np
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.storage.json_values import finite
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_orchestrator.mission.phase import Phase
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.products.run_record import (
     STATE_NAMES,

@@ -4,8 +4,8 @@
 from dataclasses import dataclass
 
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.phase import Phase
-from rocsafe_orchestrator.mission.request import Order
+from rocsafe_orchestrator.mission_state.phase import Phase
+from rocsafe_orchestrator.mission_state.request import Order
 
 INFO, WARN, ERROR = 0, 1, 2
 

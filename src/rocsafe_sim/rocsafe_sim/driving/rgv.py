@@ -19,8 +19,8 @@ from rocsafe_sim.driving.rgv_options import RgvOptions
 from rocsafe_sim.driving.rover import Rover
 from rocsafe_sim.driving.rover_parts import EvidenceShot, RoverParts
 from rocsafe_sim.rav.rav import Fix
-from rocsafe_sim.rav.sensing_noise import SensorNoise, sensor_noise
 from rocsafe_sim.rav.shared_parts import SharedParts, shared_parts
+from rocsafe_sim.sensors.sensing_noise import SensorNoise, sensor_noise
 
 JOURNAL_NAME = 'drive.json'
 # Numbers of the photographs of evidence: no viewpoint of a survey has one of these.

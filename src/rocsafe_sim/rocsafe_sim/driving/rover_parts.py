@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from rocsafe_geo.motion.ground_motion import ROUTE_MARGIN_M, Place
 from rocsafe_sim.driving.caution import CautionOptions
 from rocsafe_sim.driving.chassis import Chassis, Skid
-from rocsafe_sim.rav.sensing_noise import SensorNoise
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 from rocsafe_sim.vehicle.surroundings import Surroundings
 
 # Height of the middle of the ball that must touch nothing, above the ground: the vehicle drives

@@ -7,9 +7,9 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.cameras.mounted_camera import MountedCamera
 from rocsafe_sim.options import VehicleOptions
 from rocsafe_sim.rav.rav import Rav, RavParts
-from rocsafe_sim.rav.sensing_noise import sensor_noise
 from rocsafe_sim.rav.shared_parts import SharedParts
 from rocsafe_sim.sensors.rangefinder import above_level_ground_m
+from rocsafe_sim.sensors.sensing_noise import sensor_noise
 from rocsafe_sim.sensors.sensor_suite import make_suite
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 

@@ -30,9 +30,9 @@ from rocsafe_sim.cameras.mounted_camera import (
 from rocsafe_sim.clock.step_times import StepTimes
 from rocsafe_sim.flight.segment import FlightPose, Mode
 from rocsafe_sim.flight.wind_drift import WindDrift
-from rocsafe_sim.rav.sensing_noise import SensorNoise
 from rocsafe_sim.sensors.body_motion import BodyState
 from rocsafe_sim.sensors.readings import Reading
+from rocsafe_sim.sensors.sensing_noise import SensorNoise
 from rocsafe_sim.sensors.sensor_suite import NO_SENSORS, SensorSuite
 from rocsafe_sim.vehicle.flight_record import VehicleRecord
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle

@@ -43,29 +43,71 @@ if not IS_COMPILED:
     )
 
 
-def _sources_digest(directory: Path) -> str:
-    """Return a digest of every module of the solver.
-
-    numba notices a change of the file that holds a kernel, but not of the files whose functions
-    it has inlined: machine code is therefore kept apart by the text of all of them.
-    """
+def _digest(*sources: Path) -> str:
+    """Return a digest of the text of some modules."""
     digest = hashlib.sha256()
-    for source in sorted(directory.rglob('*.py')):
+    for source in sources:
         digest.update(source.read_bytes())
     return digest.hexdigest()[:16]
 
 
 def cache_directory() -> Path:
-    """Return where machine code is kept: beside the sources or else in the user's cache."""
-    # A workspace installs links to the sources: machine code is the same by either name.
+    """Return where machine code is kept: beside the sources or else in the user's cache.
+
+    A change of a module can change the code of kernels in others, into which it was inlined:
+    machine code is therefore kept apart by the text of all modules of the solver.
+    """
     directory = Path(__file__).resolve().parents[1]
-    name = f'{CACHE_PREFIX}{_sources_digest(directory)}'
+    name = f'{CACHE_PREFIX}{_digest(*sorted(directory.rglob("*.py")))}'
     if os.access(directory, os.W_OK):
         return directory / '__pycache__' / name
     return Path.home() / '.cache' / 'rocsafe' / name
 
 
-_CACHE_DIRECTORY = str(cache_directory())
+_CACHE_DIRECTORY = cache_directory()
+
+
+class KeptCode:
+    """Where numba keeps the machine code of a function, and which text it belongs to.
+
+    The text tells, not its place and time: code that comes with a wheel is used wherever that is
+    unpacked.
+    """
+
+    def __init__(self, function: Callable[..., Any], source: str) -> None:
+        self._stamp = _digest(Path(source))
+        self._line = function.__code__.co_firstlineno
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], source: str) -> 'KeptCode | None':
+        """Return the place for a function, or None where nothing can be kept."""
+        place = cls(function, source)
+        try:
+            place.ensure_cache_path()
+        except OSError:
+            return None
+        return place
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder."""
+        _CACHE_DIRECTORY.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return str(_CACHE_DIRECTORY)
+
+    def get_source_stamp(self) -> str:
+        """Return what changes with the source."""
+        return self._stamp
+
+    def get_disambiguator(self) -> str:
+        """Return what tells functions of one name in one module apart."""
+        return str(self._line)
+
+
+if IS_COMPILED and not config.CPU_NAME:
+    # Machine code for every processor of a kind: it can be shipped, and is as quick here.
+    config.CPU_NAME, config.CPU_FEATURES = 'generic', ''
 
 
 def _compile(function: Function, **options: bool) -> Function:
@@ -79,17 +121,14 @@ def _compile(function: Function, **options: bool) -> Function:
 
 def _kept(function: Function) -> Function:
     """Compile a function and keep its machine code on disk."""
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = previous or _CACHE_DIRECTORY
-    # numba files machine code by the name of the source.
-    source = str(Path(function.__code__.co_filename).resolve())
-    function.__code__ = function.__code__.replace(co_filename=source)
+    previous = config.CACHE_LOCATOR_CLASSES
+    config.CACHE_LOCATOR_CLASSES = f'{__name__}.{KeptCode.__name__}'
     try:
         return _compile(function, cache=True)
     except RuntimeError:  # No folder is writable: compile in each process.
         return _compile(function)
     finally:
-        config.CACHE_DIR = previous
+        config.CACHE_LOCATOR_CLASSES = previous
 
 
 def kernel(function: Function) -> Function:

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which processes a mission has, with their arguments and files."""
