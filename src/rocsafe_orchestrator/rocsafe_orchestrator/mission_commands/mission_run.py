@@ -347,6 +347,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
         lines.append(f', highest reading {peak_text(monitor.peak)}')
     if directory.report.is_file():
         lines.append(f'\nreport: {directory.report}')
-    elif phase is not Phase.COMPLETE:
+    else:
+        lines.append(f'\nno report was made: rocsafe report {directory.path}')
         lines.append(f'\nlogs: {directory.logs}')
     return lines
