@@ -39,6 +39,7 @@ IDS = {
     30: 'ATTITUDE',
     2: 'SYSTEM_TIME',
     242: 'HOME_POSITION',
+    87: 'POSITION_TARGET_GLOBAL_INT',
 }
 
 
@@ -469,6 +470,18 @@ class FakeCopter:
             'vy': round(self.velocity[0] * 100),
             'vz': 0,
             'hdg': round(100.0 * self.heading_deg) % 36000,
+        }
+
+    def _position_target_global_int(self):
+        """Return the place of a go-to above the sea, whatever frame it was sent in."""
+        if self.mode != GUIDED or self.target is None:
+            return None
+        (east, north), height_m = self.target
+        longitude = self.home[1] + east / DEG_M / math.cos(math.radians(self.home[0]))
+        return {
+            'lat_int': round((self.home[0] + north / DEG_M) * 1e7),
+            'lon_int': round(longitude * 1e7),
+            'alt': self.home_msl_m + height_m,
         }
 
     def _gps_raw_int(self):

@@ -50,8 +50,9 @@ DEADLINE_S = 420.0
 # As the action server: a goal waits so long.
 GOAL_WAITS_S = 45.0
 # A way home sent after a failsafe; one that was forgotten with the bridge, or shown by a status
-# alone; a route given up before its flight was found; an odd kind; a go-to that became late.
-FOUND = (100969, 106004, 120438, 102518, 108634, 102553, 108998)
+# alone; a route given up before its flight was found; an odd kind; a go-to that became late; an
+# order repeated though another station had undone it.
+FOUND = (100969, 106004, 120438, 102518, 108634, 102553, 108998, 213101, 227696)
 PLANS = {size: plan(size) for size in (2, 4, 6)}
 HERE = GeoPosition(*HOME)
 BEHIND = offset(HERE, 0.0, 150.0)

@@ -625,3 +625,22 @@ def test_who_has_the_vehicle_is_told_in_its_state(happens, holder):
     happens(air.copters[1])
     air.wait(2.0)
     assert air.drones[1].status(air.now_s).taken_by == holder
+
+
+def test_order_that_another_station_undid_is_not_repeated():
+    """Its answer is lost; the copter returns, and is switched back to where the order found it."""
+    air = flying()
+    copter, commands = air.copters[1], air.drones[1].commands
+    say = copter._say
+    copter._say = lambda name, **said: None if name == 'COMMAND_ACK' else say(name, **said)
+    commands.return_home(air.now_s)
+    air.until(lambda: copter.mode == RTL, 5.0)
+    for mode in (RTL, AUTO):
+        copter.mode = mode
+        copter._sent.pop('HEARTBEAT')
+        air.until(lambda mode=mode: air.drones[1].vehicle.custom_mode == mode, 0.5)
+    number = commands.count
+    air.until(lambda: commands.outcome(number) is not None, 30.0)
+    assert 'withdrawn: the vehicle was switched to AUTO' in commands.outcome(number)
+    assert copter.mode == AUTO
+    assert sum(change == (176, float(RTL)) for change in changes(air)) == 1

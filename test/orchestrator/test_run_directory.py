@@ -9,7 +9,7 @@ import pytest
 
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.provenance import git_revision, provenance, write_json
-from rocsafe_orchestrator.run_directory import create_run_directory, run_name
+from rocsafe_orchestrator.run_directory import create_run_directory, remove_parts, run_name
 
 NOW = datetime(2026, 11, 20, 23, 5, 9, tzinfo=timezone.utc)
 
@@ -62,3 +62,13 @@ def test_json_is_replaced_as_a_whole(tmp_path: Path) -> None:
     write_json(path, {'outcome': 'complete'})
     assert json.loads(path.read_text()) == {'outcome': 'complete'}
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_is_half_written_is_removed_and_nothing_else(tmp_path: Path) -> None:
+    """A map that a process was killed over must not be sealed as evidence."""
+    run = create_run_directory(tmp_path, 'run')
+    for name in ('mosaic.tif.part', 'mosaic.tif', 'mission.part-0.mcap', 'images/a.part'):
+        (run.path / name).touch()
+    remove_parts(run)
+    left = {path.name for path in run.path.rglob('*') if path.is_file()}
+    assert left == {'mosaic.tif', 'mission.part-0.mcap', 'a.part'}

@@ -28,6 +28,8 @@ KILLED_ALONE = [
     pytest.param((node,), marks=pytest.mark.all)
     for node in (*KILLED_TOGETHER, 'collector', 'localizer', 'mosaic', 'recorder')
 ]
+# Signals of one number that come sooner may count as one.
+APART_S = 0.2
 # Slow enough to be caught in the air, fast enough for a test.
 SPEED = ('--speed', '12')
 
@@ -150,15 +152,33 @@ def test_interrupted_mission_ends_in_order(fly: Fly, number: signal.Signals, cod
     assert flight.damaged_images() == set()
 
 
-def test_second_interrupt_ends_at_once(fly: Fly) -> None:
-    """Who asks twice does not wait for products."""
+def test_third_interrupt_ends_at_once(fly: Fly) -> None:
+    """Who asks three times does not wait for products; how to make them is said."""
     flight = fly(*SPEED)
     flight.wait_for_images(1)
-    # Both are waiting when it goes on.
-    for number in (signal.SIGSTOP, signal.SIGINT, signal.SIGTERM, signal.SIGCONT):
-        flight.process.send_signal(number)
-    assert flight.end() in (130, 143), flight.output
+    for _ in range(3):
+        flight.process.send_signal(signal.SIGINT)
+        time.sleep(APART_S)
+    assert flight.end() == 130, flight.output
+    assert flight.info()['outcome_text'] == 'interrupted by Ctrl-C'
+    assert f'no report was made: rocsafe report {flight.run.path}' in flight.output
     assert not flight.run.report.exists()
+    assert flight.living() == []
+
+
+@pytest.mark.parametrize('count', [1, 2, 3])
+def test_interrupt_while_processes_start_leaves_a_word(fly: Fly, count: int) -> None:
+    """Also three at once: none runs, and the run says why; with one or two it has a report."""
+    flight = fly(*SPEED)
+    flight.wait_until(lambda: 'run directory' in flight.output)
+    for _ in range(count):
+        flight.process.send_signal(signal.SIGINT)
+        time.sleep(APART_S)
+    assert flight.end() == 130, flight.output
+    assert flight.info()['outcome'] == 'cancelled'
+    assert flight.info()['outcome_text'] == 'interrupted by Ctrl-C'
+    assert flight.run.report.is_file() is (count < 3)
+    assert 'mission cancelled: interrupted by Ctrl-C' in flight.output
     assert flight.living() == []
 
 

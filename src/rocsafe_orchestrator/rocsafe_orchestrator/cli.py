@@ -2,13 +2,13 @@
 """The `rocsafe` command."""
 
 import argparse
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from rocsafe_orchestrator.command_line import passed_on
-from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_SIGNAL_BASE, EXIT_USAGE, OrchestratorError
+from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_USAGE, OrchestratorError
+from rocsafe_orchestrator.processes.interrupt import Interrupted, ended_by_signals
 from rocsafe_orchestrator.processes.lasting_output import lasting_output
 from rocsafe_orchestrator.processes.memory_limit import require_memory
 from rocsafe_orchestrator.provenance import version_text
@@ -48,8 +48,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _answered(words: Sequence[str]) -> int:
     """Return the exit code, after one line about each fault."""
     try:
-        require_memory()
-        return _obey(words)
+        with ended_by_signals():
+            require_memory()
+            return _obey(words)
     except (OrchestratorError, ScenarioError) as error:
         for line in str(error).splitlines():
             print(f'rocsafe: {line}', file=sys.stderr)
@@ -72,8 +73,9 @@ def _answered(words: Sequence[str]) -> int:
         what = ': '.join(filter(None, (error.filename and str(error.filename), error.strerror)))
         print(f'rocsafe: {what or error}', file=sys.stderr)
         return EXIT_SETUP
-    except KeyboardInterrupt:
-        return EXIT_SIGNAL_BASE + signal.SIGINT
+    except Interrupted as error:
+        print(f'rocsafe: {error}', file=sys.stderr)
+        return error.exit_code
 
 
 def orchestrator() -> int:

@@ -11,6 +11,8 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.storage.durable import replace_whole
+
 # Distributions whose version decides what a run computes.
 _DISTRIBUTIONS = (
     'rocsafe_orchestrator', 'rocsafe_planner', 'rocsafe_scene', 'rocsafe_sim', 'rocsafe_radiation',
@@ -84,9 +86,7 @@ def git_is_dirty(folder: Path) -> bool | None:
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write `content` so that a reader sees the old file or the new one, never half of it."""
-    scratch = path.with_suffix('.tmp')
-    scratch.write_text(json.dumps(content, indent=2) + '\n', encoding='utf-8')
-    scratch.replace(path)
+    replace_whole(path, (json.dumps(content, indent=2) + '\n').encode())
 
 
 def _git(folder: Path, *arguments: str) -> str | None:

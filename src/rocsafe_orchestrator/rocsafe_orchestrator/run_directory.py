@@ -6,6 +6,7 @@ from datetime import datetime
 from pathlib import Path
 from zlib import crc32
 
+from rocsafe_geo.storage.durable import PART_SUFFIX
 from rocsafe_orchestrator.errors import SetupError
 
 # Folder of the user's own procedures.
@@ -169,3 +170,9 @@ def _filled(run: RunDirectory) -> RunDirectory:
     for folder in (run.parameters, run.logs, run.spool, run.images):
         folder.mkdir()
     return run
+
+
+def remove_parts(run: RunDirectory) -> None:
+    """Remove what a process that was killed has left half written; none may be running."""
+    for part in run.path.glob(f'*{PART_SUFFIX}'):
+        part.unlink(missing_ok=True)

@@ -2,11 +2,11 @@
 """The products of a run: recording, table of readings, summary and report."""
 
 import dataclasses
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.storage.durable import replace_whole
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.parameters.air_parameters import ESTIMATOR
 from rocsafe_orchestrator.parameters.terrain_parameters import ground_options
@@ -19,6 +19,7 @@ from rocsafe_orchestrator.products.run_reading import read_run
 from rocsafe_orchestrator.products.run_record import RunRecord
 from rocsafe_orchestrator.products.source_estimates import SourceEstimates, estimate_sources
 from rocsafe_orchestrator.products.summary import RunSummary, summarise
+from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.recording.finalising import finalise, merge
 from rocsafe_orchestrator.recording.segments import MISSION_FILE, segments
 from rocsafe_orchestrator.report.page import report_page
@@ -75,8 +76,9 @@ def write_products(run_directory: Path, early: EarlyEstimates | None = None) -> 
     record = _with_estimates(_without_idle_detectors(record), run, early)
     record = _with_advice(_with_releases(record, run), run)
     summary = summarise(record)
-    _write_text(run.summary, json.dumps(summary.to_plain(), indent=2) + '\n')
-    _write_text(run.report, report_page(record, summary, mission_frame(record)))
+    write_json(run.summary, summary.to_plain())
+    page = report_page(record, summary, mission_frame(record))
+    replace_whole(run.report, page.encode())
     return summary
 
 
@@ -141,10 +143,3 @@ def mission_frame(record: RunRecord) -> LocalFrame | None:
     if record.scenario is not None:
         return LocalFrame(record.scenario.origin_position())
     return None
-
-
-def _write_text(path: Path, text: str) -> None:
-    """Replace `path` as a whole: a reader sees the old file or the new one."""
-    temporary = path.with_name(path.name + '.tmp')
-    temporary.write_text(text, encoding='utf-8')
-    temporary.replace(path)

@@ -277,7 +277,7 @@ class Drone:
         except OSError as error:
             raise ValueError(f'its flight cannot be kept over a restart: {error}') from error
         self.session.flight = flight
-        self.session.send(sent)
+        self.session.send(sent, now_s)
 
     def flies_another(self, assignment: Assignment) -> bool:
         """Whether a flight of another plan is under way."""
@@ -379,6 +379,8 @@ class Drone:
             return
         if self._is_adopted(entry.successor.plan, stored):
             self._record.switch_to(entry.successor)
+            if entry.is_successor_given_up:
+                self.gave_up()
             return
         # A part of each plan lies on it: it stands still, and can be sent the new one again.
         self._is_adopted(entry.assignment.plan, None)

@@ -66,7 +66,9 @@ class FlightRecord:
     def begin_replacing(self, assignment: Assignment) -> None:
         """Note a plan that is being sent to be flown in place of the present one."""
         if self.entry is not None:
-            self._journal.write(replace(self.entry, successor=assignment))
+            self._journal.write(
+                replace(self.entry, successor=assignment, is_successor_given_up=False)
+            )
 
     def switch_to(self, assignment: Assignment) -> None:
         """Note a plan that is flown now in place of the one before."""
@@ -110,7 +112,12 @@ class FlightRecord:
         entry = self._journal.open_entry
         if entry is not None:
             cause = entry.cause or FlightOutcome.ABORTED_BY_OPERATOR
-            self._journal.write(replace(entry, cause=cause, was_called_down=True))
+            is_given_up = entry.successor is not None
+            self._journal.write(
+                replace(
+                    entry, cause=cause, was_called_down=True, is_successor_given_up=is_given_up
+                )
+            )
 
     def settle(self, vehicle: VehicleTelemetry) -> None:
         """Note how a flight ended that was not watched to its end.

@@ -22,6 +22,7 @@ from rocsafe_mavlink.knowledge.px4_events import text_of_event
 from rocsafe_mavlink.knowledge.reducer import reduce
 from rocsafe_mavlink.knowledge.telemetry import LOST_AFTER_S, Contact, VehicleTelemetry
 from rocsafe_mavlink.link.link import Address, Link
+from rocsafe_mavlink.protocols.answer_book import AnswerBook
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import compare
 from rocsafe_mavlink.protocols.mission_upload import REQUESTS, cancelled
@@ -59,6 +60,8 @@ class VehicleSession:
         Number of sequences of the operator so far.
     custody
         Who has the vehicle in the air.
+    answers
+        Which answers are those to the newest commands.
     texts
         Joins texts that come in several messages.
     starts_at_s
@@ -80,6 +83,7 @@ class VehicleSession:
     sequence: CommandSequence | None = None
     sequence_count: int = 0
     custody: Custody = field(default_factory=Custody)
+    answers: AnswerBook = field(default_factory=AnswerBook)
     texts: TextJoiner = field(default_factory=TextJoiner)
     starts_at_s: float | None = None
     twin_s: float = -math.inf
@@ -182,18 +186,20 @@ class VehicleSession:
         flight, sequence = self.flight, self.sequence
         if flight is not None:
             self.flight, sent = flight.on_tick(self.telemetry, now_s)
-            self.send(sent)
+            self.send(sent, now_s)
             self._note_verified(flight.sequence, self.flight.sequence)
         if sequence is not None:
             self.sequence, sent = sequence.on_tick(self.telemetry, now_s)
-            self.send(sent)
+            self.send(sent, now_s)
             self._note_verified(sequence, self.sequence)
             is_new = self.sequence.is_over and not sequence.is_over
             # A transfer leads to no mode: the one that the vehicle is in may be its pilot's.
             if is_new and not self.sequence.error and self.sequence.led_to >= 0:
                 self.custody = self.custody.obeyed(self.sequence.led_to)
         kind, is_commanded = self.known_autopilot(), self.is_commanded
-        self.send(self.readout.on_tick(self.telemetry, kind, now_s, is_commanded=is_commanded))
+        self.send(
+            self.readout.on_tick(self.telemetry, kind, now_s, is_commanded=is_commanded), now_s
+        )
 
     def begin(self, sequence: CommandSequence, now_s: float, *, preempts: bool = False) -> None:
         """Begin a sequence of the operator; the next `tick` sends its first command.
@@ -252,9 +258,10 @@ class VehicleSession:
                 self.readout.mission = mission.verified(mission.items or ())
         return self.readout.mission.condition
 
-    def send(self, messages: list[Message]) -> None:
+    def send(self, messages: list[Message], now_s: float) -> None:
         """Queue messages for the vehicle."""
         for message in messages:
+            self.answers.note(message, now_s)
             if message.name in _OVERWRITES:
                 self.readout.overwritten(MissionType(message['mission_type']))
             self._outgoing.append(message)
@@ -273,18 +280,25 @@ class VehicleSession:
         if any(event.kind is EventKind.REBOOTED for event in events):
             self.readout.forget()
             self._restarted()
-        if self.flight is not None:
+        is_late = message.name == 'COMMAND_ACK' and not self._answers_newest(message, now_s)
+        if self.flight is not None and not is_late:
             self.flight, sent = self.flight.on_message(message, now_s)
-            self.send(sent)
-        if self.sequence is not None:
+            self.send(sent, now_s)
+        if self.sequence is not None and not is_late:
             self.sequence, sent = self.sequence.on_message(message, now_s)
-            self.send(sent)
-        self.send(self.readout.on_message(message, now_s))
+            self.send(sent, now_s)
+        self.send(self.readout.on_message(message, now_s), now_s)
         if message.name == 'MISSION_CURRENT':
             self._compare_count()
         if message.name in REQUESTS and not self.is_commanded:
             self._cancel(message, now_s)
         return events
+
+    def _answers_newest(self, answer: Message, now_s: float) -> bool:
+        """Whether an answer is not that to an older command; those to others are left alone."""
+        named = answer.fields.get('target_system', 0), answer.fields.get('target_component', 0)
+        is_ours = all(part in (0, own) for part, own in zip(named, self.us, strict=True))
+        return not is_ours or self.answers.answers_newest(answer, now_s)
 
     def _compare_count(self) -> None:
         """Forget the mission that was read if the vehicle tells another number of items."""
@@ -300,7 +314,7 @@ class VehicleSession:
         named = (fields.get('target_system', 0), fields.get('target_component', 0))
         if named == self.us:
             self.readout.wait(now_s)
-            self.send([cancelled(request)])
+            self.send([cancelled(request)], now_s)
 
     def _look(self, message: Message, now_s: float) -> None:
         """Note who has the vehicle."""

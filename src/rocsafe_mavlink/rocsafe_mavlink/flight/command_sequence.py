@@ -360,9 +360,10 @@ class CommandSequence:
         reason = looked._taken_over(vehicle, now_s)
         if reason:
             return looked.withdrawn(reason)
-        # A late mode that shows is the present one: who leaves it again takes the vehicle over.
-        is_late = vehicle.custom_mode in looked.late_modes
-        return replace(looked, mode=vehicle.custom_mode) if is_late else looked
+        # A mode of ours that shows is the present one: who leaves it again takes the vehicle over.
+        own = looked.steps[0].modes if looked.is_begun else frozenset[int]()
+        is_own = vehicle.custom_mode in looked.late_modes | own
+        return replace(looked, mode=vehicle.custom_mode) if is_own else looked
 
     def _taken_over(self, vehicle: VehicleTelemetry, now_s: float) -> str:
         """Return why the vehicle is not ours any more; empty if it is."""

@@ -67,6 +67,8 @@ class JournalEntry:
     successor
         Plan that was being sent to be flown in its place; None: none. Which of both is on the
         vehicle is asked of the vehicle.
+    is_successor_given_up
+        Whether an operator had it return or land since `successor` was sent.
     """
 
     assignment: Assignment
@@ -80,6 +82,7 @@ class JournalEntry:
     cause: FlightOutcome | None = None
     was_called_down: bool = False
     successor: Assignment | None = None
+    is_successor_given_up: bool = False
 
 
 class FlightJournal:

@@ -35,6 +35,8 @@ from rocsafe_mavlink.wire.units import e7_of_deg
 
 CHANGE_MODE = 1.0
 UNCHANGED = -1.0
+# A place that an autopilot tells as its aim is that of the order within this distance, metres.
+AIM_M, AIM_HEIGHT_M = 2.0, 3.0
 SLOWEST_MPS, FASTEST_MPS = 0.5, 30.0
 
 
@@ -110,8 +112,12 @@ class VehicleCommands:
         return self._urgent(name)
 
     def hold(self, vehicle: VehicleTelemetry) -> CommandSequence:
-        """Return the sequence that stops the vehicle: within its mission if it flies one."""
-        if self.autopilot.is_in(vehicle, Verb.MISSION):
+        """Return the sequence that stops the vehicle: within its mission if it flies one.
+
+        An old autopilot does not tell that it has paused: it is switched to another mode.
+        """
+        is_told = vehicle.mission.phase is not MissionPhase.UNKNOWN
+        if is_told and self.autopilot.is_in(vehicle, Verb.MISSION):
             return self._urgent('hold', self._pause())
         return self._urgent('hold', self._mode(Verb.HOLD))
 
@@ -169,7 +175,8 @@ class VehicleCommands:
         by_itself = self.autopilot.repositions_itself
         steps = [] if by_itself else [self._mode(Verb.GUIDED)]
         leads_to = self.autopilot.modes[Verb.HOLD if by_itself else Verb.GUIDED]
-        reposition = self._do(self._reposition(place, height_m, home))
+        aims_there = _aims_at(place, height_m + home.altitude_msl_m)
+        reposition = self._do(self._reposition(place, height_m, home), aims_there)
         reposition = replace(reposition, modes=frozenset({leads_to}))
         return self._sequence('go to', *steps, _unless(may_not_go, reposition))
 
@@ -360,9 +367,21 @@ def _takes_off(vehicle: VehicleTelemetry) -> bool:
     return vehicle.landed is Landed.TAKEOFF or vehicle.is_airborne
 
 
+def _aims_at(place: GeoPosition, altitude_msl_m: float) -> Shown:
+    """Whether a vehicle tells that it flies to a place; one that never tells is believed."""
+
+    def is_shown(vehicle: VehicleTelemetry) -> bool:
+        aim = vehicle.aim
+        if aim is None:
+            return not vehicle.tells_aim
+        away_m = distance_m(GeoPosition(aim.latitude_deg, aim.longitude_deg), place)
+        return away_m < AIM_M and abs(aim.altitude_msl_m - altitude_msl_m) < AIM_HEIGHT_M
+
+    return is_shown
+
+
 def _is_paused(vehicle: VehicleTelemetry) -> bool:
-    # Old autopilots do not report the phase.
-    return vehicle.mission.phase in (MissionPhase.PAUSED, MissionPhase.UNKNOWN)
+    return vehicle.mission.phase is MissionPhase.PAUSED
 
 
 def _is_active(vehicle: VehicleTelemetry) -> bool:

@@ -14,6 +14,7 @@ from rocsafe_mavlink.knowledge.events import Event, EventKind, events_between
 from rocsafe_mavlink.knowledge.fix import LARGEST_SPEED_MPS, separation_m
 from rocsafe_mavlink.knowledge.telemetry import (
     GROUND_ROVER,
+    Aim,
     Attitude,
     Battery,
     Gps,
@@ -42,6 +43,8 @@ NO_AUTOPILOT = 8
 # Autopilot time that goes back by more means a restart; by less, a late message.
 REBOOT_AFTER_S = 2.0
 UNKNOWN_SATELLITES = 255
+# POSITION_TARGET_TYPEMASK: latitude and longitude mean nothing.
+POSITION_IGNORED = 3
 Reducer = Callable[[VehicleTelemetry, Message, float], VehicleTelemetry]
 
 
@@ -103,6 +106,8 @@ def _heartbeat(vehicle: VehicleTelemetry, message: Message, now_s: float) -> Veh
         status=message['system_status'],
         is_armed=is_armed,
         mission=mission,
+        # In another mode it flies elsewhere.
+        aim=vehicle.aim if message['custom_mode'] == vehicle.custom_mode else None,
     )
     if heard.vehicle_type != GROUND_ROVER:
         return heard
@@ -226,6 +231,17 @@ def _reached(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> Vehi
     return replace(vehicle, mission=replace(vehicle.mission, reached=reached))
 
 
+def _aim(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
+    if message['type_mask'] & POSITION_IGNORED:
+        return vehicle
+    aim = Aim(
+        latitude_deg=deg_of_e7(message['lat_int']),
+        longitude_deg=deg_of_e7(message['lon_int']),
+        altitude_msl_m=float(message['alt']),
+    )
+    return replace(vehicle, aim=aim, tells_aim=True)
+
+
 def _fence(vehicle: VehicleTelemetry, message: Message, _now_s: float) -> VehicleTelemetry:
     return replace(vehicle, is_fence_breached=bool(message['breach_status']))
 
@@ -251,6 +267,7 @@ _REDUCERS: Mapping[str, Reducer] = {
     'HOME_POSITION': _home,
     'MISSION_CURRENT': _mission,
     'MISSION_ITEM_REACHED': _reached,
+    'POSITION_TARGET_GLOBAL_INT': _aim,
     'SYS_STATUS': _sys_status,
     'WIND': _wind,
     'WIND_COV': _wind,

@@ -192,6 +192,15 @@ class MissionStatus:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Aim:
+    """Place to which an autopilot flies; its altitude is above mean sea level."""
+
+    latitude_deg: float
+    longitude_deg: float
+    altitude_msl_m: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Aircraft:
     """Another aircraft, as its transponder reports it.
 
@@ -277,6 +286,10 @@ class VehicleTelemetry:
         Steady time at which the position last moved faster than any multicopter flies.
     is_fence_breached
         Whether it reports a breach of its fence.
+    aim
+        Place to which it flies in its present mode; None if it has not told.
+    tells_aim
+        Whether it tells such places at all.
     traffic
         Other aircraft that its receiver hears.
     wind
@@ -304,6 +317,8 @@ class VehicleTelemetry:
     geoid_separation_m: float = math.nan
     jumped_s: float = NEVER
     is_fence_breached: bool = False
+    aim: Aim | None = None
+    tells_aim: bool = False
     traffic: tuple[Aircraft, ...] = ()
     wind: Wind = Wind()
 

@@ -20,12 +20,13 @@ WANTED: Mapping[str, tuple[int, float]] = {
     'MISSION_CURRENT': (42, 2.0),
     'EXTENDED_SYS_STATE': (245, 2.0),
     'HOME_POSITION': (242, 1.0),
+    'POSITION_TARGET_GLOBAL_INT': (87, 2.0),
     'ADSB_VEHICLE': (246, 2.0),
     'WIND': (168, 1.0),
     'WIND_COV': (231, 1.0),
 }
 # Messages that a vehicle sends only while it has such data.
-OCCASIONAL = frozenset({'ADSB_VEHICLE', 'WIND', 'WIND_COV'})
+OCCASIONAL = frozenset({'POSITION_TARGET_GLOBAL_INT', 'ADSB_VEHICLE', 'WIND', 'WIND_COV'})
 MISSING_PERIODS = 3.0
 # An answer takes time; messages that a vehicle does not have are asked for rarely.
 ASK_AGAIN_S = 5.0

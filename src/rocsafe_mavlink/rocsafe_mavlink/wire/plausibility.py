@@ -74,6 +74,11 @@ LIMITS: Mapping[str, Mapping[str, Limits]] = {
     'MISSION_REQUEST': {'seq': SEQUENCE},
     'MISSION_REQUEST_INT': {'seq': SEQUENCE},
     'PARAM_VALUE': {},
+    'POSITION_TARGET_GLOBAL_INT': {
+        'lat_int': LATITUDE,
+        'lon_int': LONGITUDE,
+        'alt': ALTITUDE_M,
+    },
     'RADIO_STATUS': {},
     'STATUSTEXT': {'severity': (0, 7)},
     'SYS_STATUS': {'battery_remaining': PERCENT},

@@ -44,6 +44,7 @@ STALL_WATCH_S = 1.0
 LONGEST_SILENCE_S = 15.0
 # States of a ground vehicle that stands and has no drive.
 DRIVER_HOME = frozenset({FlightState.DISARMED, FlightState.LANDED, FlightState.CRASHED})
+AFTER_INTERRUPT = 'map and report of what there is are made; the third ends at once without them'
 # How bad the end of a process is for the mission.
 _SEVERITIES = {ProcessEventKind.ENDED: WARN, ProcessEventKind.GAVE_UP: ERROR}
 
@@ -125,6 +126,7 @@ class MissionLoop:
                 parts.spinner.spin_for(TICK_S)
                 self._tick(time.monotonic())
             if not parts.mission.phase.is_over:
+                parts.mission.cancel(parts.interrupt.text)
                 parts.mission.abandon()
             self._show(time.monotonic())
         finally:
@@ -139,9 +141,9 @@ class MissionLoop:
             if digest := one.watch(now_s):
                 parts.run_info[f'confirmed_{one.subject.what}'] = digest
                 self._say(f'{one.subject.what} {digest} is confirmed')
-        if parts.interrupt.count:
+        if parts.interrupt.count and not parts.mission.is_cancelled:
             parts.mission.cancel(parts.interrupt.text)
-        parts.interrupt.is_saving = parts.mission.phase >= Phase.MAPPING
+            self._say(f'{parts.interrupt.text}: {AFTER_INTERRUPT}')
         self._watch_disk(now_s)
         for event in parts.supervisor.poll():
             self._on_event(event, now_s)

@@ -47,7 +47,7 @@ from rocsafe_orchestrator.processes.process_start import begin_as_fork
 from rocsafe_orchestrator.processes.session import Adopted, Session, write_session
 from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.products.photographs import read_photographs
-from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_orchestrator.run_directory import RunDirectory, remove_parts
 from rocsafe_orchestrator.watches.operator_watch import OnOperatorLost, OperatorWatch
 from rocsafe_ros.domain.mission_partition import keep_to_mission
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
@@ -162,6 +162,7 @@ class MissionRun:
         """Say how the mission ended, when all is done, and return the exit code."""
         self.directory.session.unlink(missing_ok=True)
         self.directory.photographs_token.unlink(missing_ok=True)
+        remove_parts(self.directory)
         _log_end(self.directory, phase, self.text)
         seal(self.directory)
         if not self.extras.is_quiet:
@@ -347,6 +348,7 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
         lines.append(f', highest reading {peak_text(monitor.peak)}')
     if directory.report.is_file():
         lines.append(f'\nreport: {directory.report}')
-    elif phase is not Phase.COMPLETE:
+    else:
+        lines.append(f'\nno report was made: rocsafe report {directory.path}')
         lines.append(f'\nlogs: {directory.logs}')
     return lines

@@ -3,14 +3,18 @@
 
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
 from rocsafe_orchestrator.company_node import Claim, claimed
 from rocsafe_orchestrator.contamination import require_clean
+from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.mission_commands.mission_run import Extras, MissionRun, locked
 from rocsafe_orchestrator.parameters.config_file import require_parameter_file
 from rocsafe_orchestrator.planning_commands.preflight_command import cleared, on_wall_time
@@ -20,6 +24,7 @@ from rocsafe_orchestrator.process_table.table import process_table
 from rocsafe_orchestrator.processes.company import needed_names
 from rocsafe_orchestrator.processes.disk_space import require_space
 from rocsafe_orchestrator.processes.domain_lock import domain_lock
+from rocsafe_orchestrator.processes.interrupt import Interrupted
 from rocsafe_orchestrator.processes.process_start import import_for
 from rocsafe_orchestrator.processes.ros_reach import reach
 from rocsafe_orchestrator.provenance import provenance, write_json
@@ -90,14 +95,27 @@ def _run(request: RunRequest, scenario: Scenario, console: Console, claim: Claim
     directory.scenario.write_text(source + scenario.to_yaml(), encoding='utf-8')
     run_info = provenance(sys.argv, started)
     write_json(directory.run_info, run_info)
-    export_scenes(scenario, directory)
-    flight = MissionRun(
-        extras=request.extras,
-        scenario=scenario,
-        directory=directory,
-        claim=claim,
-        table=process_table(scenario, directory),
-        run_info=run_info,
-    )
+    with _told(directory, run_info):
+        export_scenes(scenario, directory)
+        flight = MissionRun(
+            extras=request.extras,
+            scenario=scenario,
+            directory=directory,
+            claim=claim,
+            table=process_table(scenario, directory),
+            run_info=run_info,
+        )
     with locked(directory):
         return flight.run(console)
+
+
+@contextmanager
+def _told(directory: RunDirectory, run_info: dict[str, Any]) -> Iterator[None]:
+    """Write what ended a run that has a directory, and no processes yet."""
+    try:
+        yield
+    except (OrchestratorError, Interrupted) as error:
+        run_info['outcome'] = 'cancelled' if isinstance(error, Interrupted) else 'failed'
+        run_info['outcome_text'] = str(error)
+        write_json(directory.run_info, run_info)
+        raise

@@ -24,6 +24,7 @@ from mcap.records import Channel as ChannelRecord
 from mcap.records import Schema as SchemaRecord
 from mcap.writer import MCAP0_MAGIC, Writer
 
+from rocsafe_geo.storage.durable import finish_part, part_of
 from rocsafe_orchestrator.recording import segments as recording
 from rocsafe_orchestrator.recording.message_definitions import starts_with_header
 from rocsafe_orchestrator.recording.segments import MISSION_FILE, RosWriter
@@ -201,15 +202,14 @@ def merge(
         if not kinds or segment.channels[position.channel].schema_name in kinds
     )
     kept = list(_without_repeats(opened, positions))
-    temporary = path.with_suffix('.tmp')
-    with temporary.open('wb') as stream:
+    with part_of(path).open('wb') as stream:
         writer = RosWriter(stream, is_indexed=True)
         _write_messages(writer, opened, kept)
         _write_attachments(writer.mcap, attachments, kept)
         writer.mcap.finish()
         stream.flush()
         os.fsync(stream.fileno())
-    temporary.replace(path)
+    finish_part(path)
     return FinalisedRecording(
         path=path,
         segment_count=len(paths),
