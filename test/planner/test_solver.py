@@ -334,6 +334,16 @@ def test_machine_code_belongs_to_a_text_wherever_it_lies(tmp_path):
     assert stamp(other) != stamp(source)
 
 
+def test_nearest_rows_are_those_of_a_stable_sort():
+    """Of customers that cost as much as the last one, the first are taken."""
+    drawn = np.random.default_rng(5)
+    costs = drawn.integers(0, 9, (60, 60)).astype(float)
+    others = costs + np.diag(np.full(60, np.inf))
+    sorted_rows = np.argsort(others, axis=1, kind='stable')
+    for count in (1, 10, 58, 59):
+        assert (near_rows(costs, count) == sorted_rows[:, :count]).all()
+
+
 def test_neighbours_lead_out_of_a_cluster():
     """Who stands at the rim of a cluster has neighbours in the next one, not in its own alone."""
     drawn = np.random.default_rng(4)

@@ -153,3 +153,18 @@ def test_delays_keep_vehicles_apart(seed, separation):
         )
         apart = a.places(times[flying] - late_a) - b.places(times[flying] - late_b)
         assert np.sqrt((apart**2).sum(axis=1)).min(initial=np.inf) >= least - 1e-6
+
+
+def test_motions_that_are_kept_are_those_of_each_height_and_place():
+    """Of the first flight and of later ones, and in layers, which share them."""
+    points = np.array([[50.0, 0.0], [50.0, 40.0], [90.0, 10.0]])
+    world = problem(points, [(0.0, 0.0), (10.0, 0.0)])
+    for layers in ((0.0, 0.0), (15.0, 0.0), (0.0, 0.0)):
+        other = world.in_layers(layers)
+        for one in (0, 1):
+            for order in ([0, 1], [1, 0, 2]):
+                for is_first, is_last in ((True, False), (False, True)):
+                    kept = other.kept_motion(one, order, is_first=is_first, is_last=is_last)
+                    made = other.motion(one, order, is_first=is_first, is_last=is_last)
+                    assert kept.places_enu == made.places_enu
+                    assert kept.duration_s == made.duration_s

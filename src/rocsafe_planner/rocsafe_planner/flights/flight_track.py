@@ -31,7 +31,7 @@ class FlightTrack:
         spec = problem.vehicles[vehicle]
         last = len(flights) - 1
         self._motions = [
-            problem.motion(vehicle, order, is_first=number == 0, is_last=number == last)
+            problem.kept_motion(vehicle, order, is_first=number == 0, is_last=number == last)
             for number, order in enumerate(flights)
         ]
         swap_s = spec.battery_swap_s or 0.0

@@ -128,8 +128,7 @@ def _turns(route: Route, flights: Orders) -> list[Orders]:
 
 def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
     """Return the site with vehicles that fly so much higher."""
-    problem = dataclasses.replace(site.problem, layers_m=layers_m)
-    return dataclasses.replace(site, problem=problem)
+    return dataclasses.replace(site, problem=site.problem.in_layers(layers_m))
 
 
 def _layers(

@@ -93,6 +93,13 @@ class FleetProblem:
     )
     _air_of: dict[int, Air] = field(default_factory=dict, init=False, repr=False)
     _times: dict[Air, LegTimes] = field(default_factory=dict, init=False, repr=False)
+    _motions: dict[Hashable, RouteMotion] = field(default_factory=dict, init=False, repr=False)
+
+    def in_layers(self, layers_m: tuple[float, ...]) -> 'FleetProblem':
+        """Return the problem of vehicles that fly higher, with the motions known so far."""
+        other = replace(self, layers_m=layers_m)
+        object.__setattr__(other, '_motions', self._motions)
+        return other
 
     @cached_property
     def sites(self) -> FloatArray:
@@ -293,6 +300,25 @@ class FleetProblem:
             spec.hover_s,
             (None if is_aloft else height, height),
         )
+
+    def kept_motion(
+        self, vehicle: int, order: Sequence[int], *, is_first: bool, is_last: bool
+    ) -> RouteMotion:
+        """Return the same, computed once: separation asks for equal flights again and again."""
+        start = self.start_site(vehicle) if is_first else self.home_site(vehicle)
+        end = self.end_site(vehicle) if is_last else self.home_site(vehicle)
+        key = (
+            vehicle,
+            self.layer_m(vehicle),
+            tuple(order),
+            tuple(self.sites[start].tolist()),
+            self.inside(vehicle) if is_first else None,
+            is_first and self.vehicles[vehicle].aloft is not None,
+            None if end is None else tuple(self.sites[end].tolist()),
+        )
+        if key not in self._motions:
+            self._motions[key] = self.motion(vehicle, order, is_first=is_first, is_last=is_last)
+        return self._motions[key]
 
     def way(self, vehicle: int, origin: int, target: int) -> FloatArray:
         """Return the places (east, north, up) of a leg: origin, bends, target; shape (k, 3)."""

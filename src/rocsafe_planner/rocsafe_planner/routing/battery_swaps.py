@@ -26,6 +26,7 @@ from rocsafe_planner.routing.flight_search import (
 )
 from rocsafe_planner.routing.methods import Optimised
 from rocsafe_planner.routing.solver_method import Watch, optimised, search_options
+from rocsafe_planner.routing.solver_problem import LegTable
 
 # Of the time: the search that knows nothing of batteries, and each of those that do.
 _FIRST_SHARE = 0.35
@@ -100,7 +101,8 @@ def _search_flights(
     caps = full_caps(problem, most)
     if not flights or not caps:
         return
-    orders = searched(problem, caps, flights, options, effort.objective)
+    table = LegTable(problem)
+    orders = searched(table, caps, flights, options, effort.objective)
     best.offer(orders)
     if effort.objective != 'longest_time':
         return
@@ -112,7 +114,7 @@ def _search_flights(
             target_s = low_s + _STEP * (best.value - low_s)
         if not go_on() or low_s >= best.value * _CLOSE:
             break
-        orders = searched(problem, caps_within(problem, target_s), flights, options)
+        orders = searched(table, caps_within(problem, target_s), flights, options)
         best.offer(orders)
         if finish_s(problem, orders) > target_s:
             low_s = target_s

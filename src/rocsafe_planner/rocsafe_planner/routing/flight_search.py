@@ -104,7 +104,7 @@ def time_of_flights(problem: FleetProblem, count: int) -> float:
 
 
 def searched(
-    problem: FleetProblem,
+    table: LegTable,
     caps: Caps,
     known: list[Flight],
     options: SearchOptions,
@@ -115,19 +115,19 @@ def searched(
     They are those that an objective of `OBJECTIVES` counts: times, lengths or energy.
     """
     owners = [k for k, own in enumerate(caps) for _ in own]
-    start = _dealt(problem, caps, known)
-    found = solve(_task(problem, caps, objective), options, starts=[start])
+    start = _dealt(table.problem, caps, known)
+    found = solve(_task(table, caps, objective), options, starts=[start])
     return [
         list(chain.from_iterable(r for r, k in zip(found.routes, owners, strict=True) if k == one))
         for one in range(len(caps))
     ]
 
 
-def _task(problem: FleetProblem, caps: Caps, objective: str) -> RoutingProblem:
-    table = LegTable(problem)
+def _task(table: LegTable, caps: Caps, objective: str) -> RoutingProblem:
+    problem = table.problem
     owners = [k for k, own in enumerate(caps) for _ in own]
     vehicles = tuple(
-        _flight(problem, table, Slot(vehicle=k, number=number, of=len(own), cap_s=cap), objective)
+        _flight(table, Slot(vehicle=k, number=number, of=len(own), cap_s=cap), objective)
         for k, own in enumerate(caps)
         for number, cap in enumerate(own)
     )
@@ -141,9 +141,9 @@ def _task(problem: FleetProblem, caps: Caps, objective: str) -> RoutingProblem:
     )
 
 
-def _flight(problem: FleetProblem, table: LegTable, slot: Slot, objective: str) -> RoutedVehicle:
+def _flight(table: LegTable, slot: Slot, objective: str) -> RoutedVehicle:
     """Return a flight as a vehicle of the solver."""
-    vehicle, place_of = slot.vehicle, table.place_of
+    problem, vehicle, place_of = table.problem, slot.vehicle, table.place_of
     home, end = place_of[problem.home_site(vehicle)], problem.end_site(vehicle)
     is_first, is_last = slot.number == 0, slot.number == slot.of - 1
     spec = problem.vehicles[vehicle]

@@ -63,6 +63,8 @@ class LegTable:
 
     Attributes
     ----------
+    problem
+        As given.
     legs
         All kinds that were asked for, by their numbers.
     place_of
@@ -70,7 +72,7 @@ class LegTable:
     """
 
     def __init__(self, problem: FleetProblem, is_bounded: bool = False) -> None:
-        self._problem = problem
+        self.problem = problem
         self._is_bounded = is_bounded
         self.place_of = same_places(problem)
         self._numbers: dict[tuple[object, ...], int] = {}
@@ -79,8 +81,8 @@ class LegTable:
 
     def time(self, vehicle: int) -> int:
         """Return the index of the legs whose cost is a vehicle's time."""
-        spec = self._problem.vehicles[vehicle]
-        flight = self._problem.flight(vehicle)
+        spec = self.problem.vehicles[vehicle]
+        flight = self.problem.flight(vehicle)
         return self._of((flight, spec.hover_s), lambda: self._time(vehicle))
 
     def length(self) -> int:
@@ -89,9 +91,9 @@ class LegTable:
 
     def energy(self, vehicle: int) -> int:
         """Return the index of the legs whose cost is a vehicle's energy, watt seconds."""
-        spec = self._problem.vehicles[vehicle]
+        spec = self.problem.vehicles[vehicle]
         powers = (spec.cruise_power_w, spec.hover_power_w)
-        flight = self._problem.flight(vehicle)
+        flight = self.problem.flight(vehicle)
         return self._of((flight, spec.hover_s, *powers), lambda: self._energy(vehicle))
 
     def _of(self, key: tuple[object, ...], make: Callable[[], Legs]) -> int:
@@ -103,12 +105,12 @@ class LegTable:
     @property
     def _is_estimated(self) -> bool:
         """Whether legs are too many for a table: they count as if they were level and calm."""
-        problem = self._problem
+        problem = self.problem
         most = MOST_EXACT_SITES if problem.relief is None else MOST_TERRAIN_SITES
         return problem.detours is None and len(problem.sites) > most
 
     def _time(self, vehicle: int) -> Legs:
-        problem, spec = self._problem, self._problem.vehicles[vehicle]
+        problem, spec = self.problem, self.problem.vehicles[vehicle]
         most = MOST_CLOSED_SITES if self._is_plain else MOST_EXACT_SITES
         if self._is_bounded and len(problem.sites) > most:
             return self._trapezoids(problem.flight(vehicle).fastest(), spec.hover_s)
@@ -136,7 +138,7 @@ class LegTable:
 
     def share(self, vehicle: int) -> float:
         """Return about which part of a flight's time legs that are estimates cost."""
-        legs, problem = self.legs[self.time(vehicle)], self._problem
+        legs, problem = self.legs[self.time(vehicle)], self.problem
         if isinstance(legs, MatrixLegs) or self._is_bounded or self._is_plain:
             return 1.0
         along = np.arange(len(problem.points))
@@ -147,25 +149,25 @@ class LegTable:
         return min(1.0, float(reckoned.sum()) / flown) if flown > 0.0 else 1.0
 
     def _length(self) -> Legs:
-        detours = self._problem.detours
+        detours = self.problem.detours
         return PointLegs() if detours is None else MatrixLegs(matrix=detours.length_m)
 
     def _energy(self, vehicle: int) -> Legs:
-        spec = self._problem.vehicles[vehicle]
+        spec = self.problem.vehicles[vehicle]
         if self._is_estimated:
-            fastest = self._problem.flight(vehicle).performance.fastest()
+            fastest = self.problem.flight(vehicle).performance.fastest()
             stay = spec.hover_power_w * spec.hover_s
             return self._trapezoids(fastest, stay, spec.cruise_power_w)
         moving = spec.cruise_power_w * self._durations(vehicle)
         return MatrixLegs(matrix=moving + self._stays(spec.hover_power_w * spec.hover_s))
 
     def _durations(self, vehicle: int) -> FloatArray:
-        every = np.arange(len(self._problem.sites))
-        return self._problem.legs_s(vehicle, every[:, None], every[None, :])
+        every = np.arange(len(self.problem.sites))
+        return self.problem.legs_s(vehicle, every[:, None], every[None, :])
 
     def _stays(self, cost: float) -> FloatArray:
-        half = np.zeros(len(self._problem.sites))
-        half[: len(self._problem.points)] = 0.5 * cost
+        half = np.zeros(len(self.problem.sites))
+        half[: len(self.problem.points)] = 0.5 * cost
         stays: FloatArray = half[:, None] + half[None, :]
         return stays
 

@@ -85,9 +85,17 @@ def near_rows(costs: Floats, count: int) -> Ints:
     """Return the `count` cheapest other customers of each row of a square table of costs."""
     table = costs.copy()
     np.fill_diagonal(table, np.inf)
-    return np.ascontiguousarray(
-        np.argsort(table, axis=1, kind='stable')[:, :count].astype(np.int32)
-    )
+    if count >= len(table) - 1:
+        order = np.argsort(table, axis=1, kind='stable')[:, :count]
+        return np.ascontiguousarray(order.astype(np.int32))
+    # Those cheaper than the last one, and the first of those that cost as much as it.
+    last = np.partition(table, count - 1, axis=1)[:, count - 1 : count]
+    chosen = table < last
+    alike = table == last
+    chosen |= alike & (np.cumsum(alike, axis=1) <= count - chosen.sum(axis=1, keepdims=True))
+    near = np.nonzero(chosen)[1].reshape(-1, count)
+    order = np.argsort(np.take_along_axis(table, near, axis=1), axis=1, kind='stable')
+    return np.ascontiguousarray(np.take_along_axis(near, order, axis=1).astype(np.int32))
 
 
 def near_all_round(costs: Floats, points: Floats, nearest: int, each: int) -> Ints:
