@@ -32,22 +32,22 @@ mission: ## set up and fly the derailment mission
 PYTEST = . ./env.sh && TMPDIR="$$PWD/.cache/tmp" PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 \
     PYTHONDONTWRITEBYTECODE= \
     python -m pytest -p xdist -p pytest_timeout -p pytest_rerunfailures \
-    -p _hypothesis_pytestplugin --dist loadscope
+    -p _hypothesis_pytestplugin
 
 .PHONY: test
 test: ## set up and pass the tests
 	@sh tools/setup.sh --dev
-	@$(PYTEST) -n 3 -m 'not all' $(ARGS)
+	@$(PYTEST) -n 3 --dist loadscope -m 'not all' $(ARGS)
 
 .PHONY: test-fast
 test-fast: ## set up and pass the tests that need no node and no process: under a minute
 	@sh tools/setup.sh --dev
-	@$(PYTEST) -n 2 -m 'not process and not slow and not all' --hypothesis-profile=fast $(ARGS)
+	@$(PYTEST) -n 2 --dist worksteal -m 'not process and not slow and not all' --hypothesis-profile=fast $(ARGS)
 
 .PHONY: test-all
 test-all: ## set up and pass all tests: also those with browsers and autopilots, where there are any
 	@sh tools/setup.sh --dev
-	@$(PYTEST) -n 3 $(ARGS)
+	@$(PYTEST) -n 3 --dist loadscope $(ARGS)
 
 .PHONY: coverage
 coverage: ## set up and measure which lines the tests of make test-fast run

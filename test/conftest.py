@@ -82,10 +82,12 @@ def _fixtures(item: pytest.Item) -> Iterator[Any]:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
-    """Let one worker fly all missions, and share the other tests by files.
+    """Let one worker fly all missions, and share the other tests by files, if asked for files.
 
     A mission keeps all cores busy: two at once would only wait for each other.
     """
+    if config.getoption('dist') != 'loadscope':
+        return None
     from xdist.scheduler import LoadScopeScheduling
 
     class MissionsTogether(LoadScopeScheduling):
