@@ -13,8 +13,8 @@ from pathlib import Path
 from statistics import median
 
 from rocsafe_campaign.design.campaign import read_campaign
+from rocsafe_campaign.execution.local_workers import rows_here
 from rocsafe_campaign.execution.one_run import Task
-from rocsafe_campaign.execution.workers import rows_here
 from rocsafe_campaign.results.row import COMPLETE
 
 HEIGHT = 'survey.height_agl_m'

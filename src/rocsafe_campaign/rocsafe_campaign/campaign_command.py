@@ -4,17 +4,19 @@
 import argparse
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
+from contextlib import closing
 from pathlib import Path
 
 from rich.console import Console
 
 from rocsafe_campaign.design.campaign import Campaign, Run, read_campaign
 from rocsafe_campaign.errors import CampaignError
-from rocsafe_campaign.execution.full_run import FullRuns
+from rocsafe_campaign.execution.cluster_workers import rows_of_cluster
+from rocsafe_campaign.execution.full_run import PATIENCE_S, FullRuns
 from rocsafe_campaign.execution.journal import Journal
-from rocsafe_campaign.execution.one_run import Task, task_key
-from rocsafe_campaign.execution.workers import rows_here, rows_of_cluster
+from rocsafe_campaign.execution.local_workers import rows_here
+from rocsafe_campaign.execution.one_run import Task, row_of_run, task_key
 from rocsafe_campaign.flight.pure_mission import impure_keys
 from rocsafe_campaign.results.metrics import METRICS
 from rocsafe_campaign.results.page import moving, result_of, write_page
@@ -87,14 +89,17 @@ def _obey(arguments: argparse.Namespace) -> int:
     task = Task(campaign=campaign, full=_full(arguments, folder) if arguments.full else None)
     console = Console()
     with Journal(folder) as journal:
-        keys = {run.number: task_key(task, run) for run in runs}
-        left = [run for run in runs if keys[run.number] not in journal.rows]
+        # A command that was killed leaves workers that end their runs.
+        journal.collect(campaign.block.limit_s + PATIENCE_S)
+        left = [run for run in runs if task_key(task, run) not in journal.rows]
         console.print(f'{len(runs)} runs, {len(runs) - len(left)} of them done before')
-        for count, row in enumerate(_rows(task, left, arguments), start=1):
-            journal.add(row)
-            _tell(console, row, count, len(left))
-        rows = [journal.rows[keys[run.number]] for run in runs]
-    return _finish(console, folder, campaign, rows)
+        with closing(_rows(task, left, arguments, folder)) as rows:
+            for count, row in enumerate(rows, start=1):
+                journal.add(row)
+                _tell(console, row, count, len(left))
+        journal.collect(PATIENCE_S)
+        done = [row_of_run(journal.rows[task_key(task, run)], task, run) for run in runs]
+    return _finish(console, folder, campaign, done)
 
 
 def _full(arguments: argparse.Namespace, folder: Path) -> FullRuns:
@@ -107,10 +112,12 @@ def _full(arguments: argparse.Namespace, folder: Path) -> FullRuns:
     )
 
 
-def _rows(task: Task, runs: Sequence[Run], arguments: argparse.Namespace) -> Iterator[Row]:
+def _rows(
+    task: Task, runs: Sequence[Run], arguments: argparse.Namespace, folder: Path
+) -> Generator[Row, None, None]:
     if arguments.scheduler:
         return rows_of_cluster(task, runs, arguments.scheduler)
-    return rows_here(task, runs, arguments.workers)
+    return rows_here(task, runs, arguments.workers, folder)
 
 
 def _tell(console: Console, row: Row, count: int, total: int) -> None:

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rows of a campaign on disk, each safe before the next run of its worker counts."""
+"""The rows of a campaign on disk, each safe before its worker is given the next run."""
 
 import fcntl
 import json
 import os
+import time
 from pathlib import Path
 from types import TracebackType
 
@@ -11,6 +12,12 @@ from rocsafe_campaign.errors import CampaignError
 from rocsafe_campaign.results.row import Row
 
 FILE = 'rows.jsonl'
+_POLL_S = 0.1
+
+
+def part_name(worker: int) -> str:
+    """Return the name of the file in which a worker keeps its rows until they are collected."""
+    return f'rows-{worker:03d}.jsonl'
 
 
 class Journal:
@@ -22,6 +29,10 @@ class Journal:
     ----------
     folder
         Folder of the campaign; made if it does not exist.
+    name
+        Name of the file.
+    patience_s
+        Longest wait for another process that writes to it.
 
     Attributes
     ----------
@@ -34,18 +45,31 @@ class Journal:
         If another process writes to it, or the file is not a journal.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._path = folder / FILE
+    def __init__(self, folder: Path, name: str = FILE, patience_s: float = 0.0) -> None:
+        self._path = folder / name
         self.rows: dict[str, Row] = {}
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._path.open('a+b')
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._lock(patience_s)
         except BlockingIOError as error:
             raise CampaignError(f'{folder}: another campaign writes there') from error
         except OSError as error:
             raise CampaignError(f'{folder}: {error.strerror}') from error
         self._read()
+
+    def _lock(self, patience_s: float) -> None:
+        until_s = time.monotonic() + patience_s
+        while True:
+            try:
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                if time.monotonic() >= until_s:
+                    self._file.close()
+                    raise
+                time.sleep(_POLL_S)
+            else:
+                return
 
     def __enter__(self) -> 'Journal':
         return self
@@ -60,10 +84,30 @@ class Journal:
 
     def add(self, row: Row) -> None:
         """Append a row; it is on disk when this returns."""
-        self._file.write(json.dumps(row.to_plain()).encode() + b'\n')
-        self._file.flush()
-        os.fsync(self._file.fileno())
-        self.rows[row.key] = row
+        line = json.dumps(row.to_plain())
+        try:
+            self._file.write(line.encode() + b'\n')
+            self._file.flush()
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            raise CampaignError(f'{self._path}: {error.strerror}') from error
+        # As it will be read: the table of a campaign that was broken off has the same bytes.
+        self.rows[row.key] = Row.of_plain(json.loads(line))
+
+    def collect(self, patience_s: float) -> None:
+        """Take over the rows that workers wrote, of which some may outlive their command.
+
+        Parameters
+        ----------
+        patience_s
+            Longest wait for the end of the run of such a worker.
+        """
+        for path in sorted(self._path.parent.glob('rows-*.jsonl')):
+            with Journal(path.parent, path.name, patience_s) as part:
+                for key, row in part.rows.items():
+                    if key not in self.rows:
+                        self.add(row)
+                path.unlink()
 
     def _read(self) -> None:
         self._file.seek(0)

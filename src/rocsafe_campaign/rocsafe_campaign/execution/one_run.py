@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import FrameType
 
 from rocsafe_campaign.design.campaign import Campaign, Run
@@ -47,20 +47,29 @@ class Task:
 
 def carry_out(task: Task, run: Run) -> Row:
     """Carry out a run and return its row, whatever happens in it."""
-    campaign = task.campaign
     begun_s = _cpu_s()
     outcome, text, metrics = _carried_out(task, run)
+    row = row_without_figures(task, run, outcome, text)
+    return replace(row, metrics=metrics, cpu_s=round(_cpu_s() - begun_s, 3))
+
+
+def row_without_figures(task: Task, run: Run, outcome: str, text: str) -> Row:
+    """Return the row of a run of which nothing but the outcome is known."""
     return Row(
         number=run.number,
         key=task_key(task, run),
         seed=run.seed,
         repeat=run.repeat,
-        inputs={key: run.inputs[key] for key in campaign.keys},
+        inputs={key: run.inputs[key] for key in task.campaign.keys},
         outcome=outcome,
         text=text,
-        metrics=metrics,
-        cpu_s=round(_cpu_s() - begun_s, 3),
     )
+
+
+def row_of_run(row: Row, task: Task, run: Run) -> Row:
+    """Return a row, of whatever campaign, as the row of the same run in this one."""
+    inputs = {key: run.inputs[key] for key in task.campaign.keys}
+    return replace(row, number=run.number, seed=run.seed, repeat=run.repeat, inputs=inputs)
 
 
 def task_key(task: Task, run: Run) -> str:

@@ -18,7 +18,7 @@ LAST = ('outcome', 'text')
 
 def write_table(folder: Path, rows: Sequence[Row], keys: Sequence[str]) -> list[Path]:
     """Write the table of all rows in the order of their numbers; return its files."""
-    head, body = (*FIRST, *keys, *LAST, *METRICS, 'cpu_s'), [_cells(row, keys) for row in rows]
+    head, body = (*FIRST, *keys, *LAST, *METRICS), [_cells(row, keys) for row in rows]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator='\n')
     writer.writerow(head)
@@ -34,7 +34,6 @@ def _cells(row: Row, keys: Sequence[str]) -> list[Any]:
         *(row.inputs[key] for key in keys),
         *(getattr(row, name) for name in LAST),
         *(getattr(row.metrics, name) for name in METRICS),
-        row.cpu_s,
     ]
 
 
