@@ -6,6 +6,7 @@ half of what a stay at each of its ends costs goes with it. Endurance limits the
 route, unless batteries are swapped: then routes are cut afterwards.
 """
 
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -16,6 +17,7 @@ from rocsafe_geo.motion import MotionLimits, leg_duration_s
 from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.routing.queues import interval_s, waits_s
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 
@@ -41,6 +43,13 @@ def routing_problem(
     """
     table = LegTable(problem, is_bounded)
     vehicles = tuple(_vehicle(problem, k, table, objective) for k in range(len(problem.vehicles)))
+    apart_s = 0.0
+    if objective == 'longest_time':
+        apart_s = interval_s(problem)
+        vehicles = tuple(
+            dataclasses.replace(vehicle, wait_cost=wait)
+            for vehicle, wait in zip(vehicles, waits_s(problem), strict=True)
+        )
     return RoutingProblem(
         customers=len(problem.points),
         vehicles=vehicles,
@@ -48,6 +57,7 @@ def routing_problem(
         points=problem.sites,
         allowed=problem.may_visit,
         objective='max' if objective in PEAK_OBJECTIVES else 'sum',
+        apart=apart_s,
     )
 
 
