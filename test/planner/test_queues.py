@@ -14,10 +14,17 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.flights.flight_track import FlightTrack
 from rocsafe_planner.flights.keeping_apart import FlightChoices
-from rocsafe_planner.plan.survey_options import SeparationOptions
+from rocsafe_planner.plan.survey_options import Effort, SeparationOptions
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
-from rocsafe_planner.routing.queues import interval_s, landing_queues, take_off_queues, waits_s
+from rocsafe_planner.routing.queues import (
+    interval_s,
+    landing_queues,
+    take_off_queues,
+    waits_s,
+    worthwhile,
+)
+from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.site.survey_site import survey_site
 from rocsafe_planner.solver import PointLegs, one_depot
 from rocsafe_planner.solver.bounds.certificate import improving_bounds
@@ -63,7 +70,7 @@ def test_who_waits_for_nobody_is_in_no_queue():
     assert take_off_queues(crowd((0.0, 0.0), (0.0, 0.0), vehicles=aloft)) == []
     wide = tuple(vehicle(f'rav{k}', is_open=True) for k in (1, 2))
     assert landing_queues(crowd((0.0, 0.0), (0.0, 0.0), vehicles=wide)) == []
-    assert waits_s(dataclasses.replace(crowd((0.0, 0.0)), separation_m=0.0)) == [0.0]
+    assert waits_s(dataclasses.replace(crowd((0.0, 0.0)), separation_m=0.0), [0]) == [0.0]
 
 
 def test_two_of_three_homes_at_one_place_wait_for_each_other_only():
@@ -71,8 +78,18 @@ def test_two_of_three_homes_at_one_place_wait_for_each_other_only():
     world = crowd((0.0, 0.0), (0.0, 0.0), (500.0, 0.0))
     assert [queue.vehicles for queue in take_off_queues(world)] == [(0, 1)]
     assert interval_s(world) == 0.0
-    waits = waits_s(world)
+    waits = waits_s(world, range(3))
     assert waits[2] == 0.0 < min(waits[:2])
+    assert waits_s(world, [1, 2]) == [0.0, 0.0, 0.0]
+
+
+def test_vehicles_that_would_only_wait_stay_on_the_ground():
+    """Of twenty at one home for twelve points few fly; all do where their homes are apart."""
+    many = worthwhile(crowd(*[(0.0, 0.0)] * 20))
+    assert 2 <= len(many) < 12
+    assert worthwhile(crowd(*[(0.0, 20.0 * k) for k in range(20)])) == list(range(20))
+    orders = optimised(crowd(*[(0.0, 0.0)] * 20), Effort(proposals=20_000)).orders
+    assert {k for k, order in enumerate(orders) if order} <= set(many)
 
 
 @given(

@@ -30,8 +30,8 @@ def objective_value(problem: FleetProblem, orders: list[Order], objective: str) 
     except BeyondEnduranceError:
         return math.inf
     if objective == 'longest_time':
-        waits = waits_s(problem)
-        costs = [c + w if order else c for c, w, order in zip(costs, waits, orders, strict=True)]
+        flying = [k for k, order in enumerate(orders) if problem.flies(k, order)]
+        costs = [c + w for c, w in zip(costs, waits_s(problem, flying), strict=True)]
     return max(costs) if objective in PEAK_OBJECTIVES else sum(costs)
 
 

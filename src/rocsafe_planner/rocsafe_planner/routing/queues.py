@@ -8,6 +8,7 @@ wait for the last landing; a search that knows the waits gives those that wait l
 """
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -45,35 +46,36 @@ def interval_s(problem: FleetProblem) -> float:
     return sum(queue.interval_s for queue in queues if len(queue.vehicles) == everybody)
 
 
-def waits_s(problem: FleetProblem) -> list[float]:
-    """Return how long each vehicle waits for others, about: before its take-off and its landing.
-
-    Who takes off first lands first. Fewer vehicles wait less: those that would do better on the
-    ground are not counted.
-    """
-    waits = np.zeros(len(problem.vehicles))
+def waits_s(problem: FleetProblem, flying: Collection[int]) -> list[float]:
+    """Return how long each vehicle waits for others that fly; who takes off first lands first."""
+    waits = [0.0] * len(problem.vehicles)
     for queue in take_off_queues(problem):
-        idle = len(queue.vehicles) - _worthwhile(problem, queue)
-        turns = np.maximum(np.arange(len(queue.vehicles)) - idle, 0)
-        waits[list(queue.vehicles)] += math.ceil(queue.interval_s) * turns
+        for turn, k in enumerate(k for k in queue.vehicles if k in flying):
+            waits[k] += math.ceil(queue.interval_s) * turn
     for queue in landing_queues(problem):
-        turns = np.arange(len(queue.vehicles))[::-1]
-        waits[list(queue.vehicles)] += math.ceil(queue.interval_s) * turns
-    return [float(wait) for wait in waits]
+        for turn, k in enumerate(k for k in reversed(queue.vehicles) if k in flying):
+            waits[k] += math.ceil(queue.interval_s) * turn
+    return waits
 
 
-def _worthwhile(problem: FleetProblem, queue: Queue) -> int:
-    """Return with how many vehicles of a queue all would be done first.
+def worthwhile(problem: FleetProblem) -> list[int]:
+    """Return the vehicles without which a survey would not be done earlier.
 
-    Each climbs and descends, waits, and flies its share of one track over all points.
+    Of u like vehicles each flies a part of one track over all points, W seconds long, and waits
+    (u - 1) / 2 intervals s on average: W / u + s (u - 1) / 2 is least at the root of 2 W / s.
     """
-    interval = interval_s(problem)
-    first, most = queue.vehicles[0], len(queue.vehicles)
+    every = list(range(len(problem.vehicles)))
+    interval, first = interval_s(problem), problem.vehicles[0]
+    is_like = len({problem.alike(k) for k in every}) == 1 and problem.may_visit is None
+    if interval == 0.0 or not is_like or first.battery_swap_s is not None:
+        return every
     tour = np.array(serpentine(grid_rows(problem)), dtype=np.intp)
-    flown_s = float(problem.legs_s(first, tour[:-1], tour[1:]).sum())
-    flown_s += problem.vehicles[first].hover_s * len(tour)
-    counts = np.arange(1, most + 1)
-    return int(counts[np.argmin(flown_s / counts + 0.5 * interval * (counts - 1))])
+    track_s = float(problem.legs_s(0, tour[:-1], tour[1:]).sum()) + first.hover_s * len(tour)
+    count = max(1, round(math.sqrt(2.0 * track_s / interval)))
+    far_s = max(problem.duration_s(0, [point]) for point in (tour[0], tour[-1]))
+    if count >= len(every) or track_s / count + far_s > first.first_endurance_s:
+        return every
+    return every[:count]
 
 
 def _queues(problem: FleetProblem, site_of: dict[int, int], *, is_landing: bool) -> list[Queue]:
