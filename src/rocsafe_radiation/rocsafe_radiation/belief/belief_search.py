@@ -11,7 +11,7 @@ cell.
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,6 +72,8 @@ def believe(
         With too few readings.
     """
     require_enough(survey)
+    height_m = np.array([survey.height_m(options.source_up_m)])
+    options = replace(options, kernel=options.kernel.at_heights(height_m))
     grid = _Grid.over(survey, options.source_up_m)
     names = list(agents) if len(agents) == survey.size else ['all'] * survey.size
     beliefs = _beliefs(survey, options, grid, names, smallest_usvh)
