@@ -285,7 +285,6 @@ def _localization(
         dispersion=0.0,
         rho=0.0,
         is_structured=False,
-        is_ground_guessed=survey.is_ground_guessed,
-        unread_count=survey.unread_count,
+        caveats=survey.caveats,
         method=BELIEF_METHOD,
     )

@@ -30,6 +30,9 @@ FAR_MEDIANS, FAR_M = 20.0, 1000.0
 # So many readings in a row without a single count show a detector that is switched off or broken,
 # if half of the others have so many counts.
 FEWEST_EMPTY, FEWEST_COUNTS = 8, 5.0
+# Probability that two readings in a row have equal counts, of so many; less of more. That of the
+# difference 0 of two Poisson numbers (Skellam 1946).
+ALIKE_BY_CHANCE = 0.128
 # Units of dose rates differ by 1000 or more; responses of one detector differ by less than this.
 LARGEST_RATIO = 300.0
 # Lesser steps, beside a true source, for each one of such a ratio.
@@ -78,6 +81,24 @@ def dead(vehicles: Sequence[str], amounts: FloatArray) -> BoolArray:
         if not others.size or np.median(others) >= FEWEST_COUNTS:
             found[rows] = _in_long_runs(own == 0.0)
     return found
+
+
+def dead_caveats(count: int) -> tuple[str, ...]:
+    """Return what is to be said of so many readings of a dead detector."""
+    return (f'{count} readings are of a dead detector: nothing is known there',) if count else ()
+
+
+def repeat_caveats(vehicles: Sequence[str], counts: FloatArray) -> tuple[str, ...]:
+    """Return what is to be said of counts (n,) that are more often those before than by chance."""
+    repeats = 0
+    for rows in rows_by_vehicle(vehicles):
+        own = counts[rows]
+        alike, by_chance = int((np.diff(own) == 0.0).sum()), ALIKE_BY_CHANCE * len(own)
+        if np.median(own) >= FEWEST_COUNTS and alike > by_chance + 5.0 * by_chance**0.5:
+            repeats += alike
+    if not repeats:
+        return ()
+    return (f'{repeats} counts are those before again: the detector is read too often, or stuck',)
 
 
 def of_other_units(

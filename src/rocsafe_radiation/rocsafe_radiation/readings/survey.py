@@ -71,10 +71,8 @@ class RadiationSurvey:
         a window of the spectrum above the source's lines, shape (n,); None: constant.
     ground
         Ground below the readings.
-    is_ground_guessed
-        Whether nobody has stated where the ground is.
-    unread_count
-        Readings of a dead detector, which are left out.
+    caveats
+        Why these readings prove nothing, in words: a ground that nobody gave, a dead detector.
     legs
         Stretches of flight of each reading, over which errors of the fixes are alike, of several
         lengths, numbered from 0, shape (n, scales); None: not known.
@@ -87,8 +85,7 @@ class RadiationSurvey:
     legs: IndexArray | None = None
     background_shape: FloatArray | None = None
     ground: Ground = LEVEL
-    is_ground_guessed: bool = False
-    unread_count: int = 0
+    caveats: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         size = len(self.counts)
@@ -163,8 +160,7 @@ class RadiationSurvey:
         return RadiationSurvey(
             background_shape=shape,
             ground=self.ground,
-            is_ground_guessed=self.is_ground_guessed,
-            unread_count=self.unread_count,
+            caveats=self.caveats,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             dark_counts=np.asarray(np.bincount(owner, dark), np.float64),
@@ -245,12 +241,13 @@ def _counted(
         dark = known.dark_rate_cps * live_s
         exposures = (sensitivity or known.sensitivity_cps_per_usvh) * live_s
         if not sensitivity:
-            # Dose rates may allow for what a live time does not tell.
-            other = (counts > dark) & (rates > 0.0) & ~known.agrees(counts, live_s, rates)
-            exposures = np.where(other, (counts - dark) / rates, exposures)
+            # Dose rates may allow for what a live time does not tell, or come from elsewhere.
+            other = (rates > 0.0) & ~known.agrees(counts, live_s, rates)
+            exposures = np.where(other, np.maximum(counts - dark, 0.0) / rates, exposures)
         # Without a count, the standard deviation is that of one.
-        lone = (live_s > 0.0) & (stds > 0.0) & ~(exposures > 0.0)
-        values = np.stack([counts, np.where(lone, 1.0 / stds, exposures), dark])
+        lone = (live_s > 0.0) & (stds > 0.0) & ~((exposures > 0.0) | (rates > 0.0))
+        exposures = np.where(lone, 1.0 / stds, exposures)
+        values = np.stack([counts, exposures, dark])
         told = np.where(stds > 0.0, rates / np.maximum(stds, SMALLEST_STD_SHARE * rates), 0.0) ** 2
         nominal = np.where(told > 0.0, told / rates, NOMINAL_COUNTS_PER_USVH)
     doses = np.stack([np.maximum(rates, 0.0) * nominal, nominal, np.zeros_like(rates)])
