@@ -114,3 +114,11 @@ def test_dark_counts_are_no_background():
     assert found.background_std_usvh < 0.02
     evidence = sequential_evidence(survey, Setting(kernel=LOSSLESS.kernel), 92.0)
     assert evidence.log_ratio_smallest < -5.0
+
+
+def test_a_dose_rate_of_0_with_a_deviation_counts_as_no_count_of_so_much():
+    """Without counts and live time, too."""
+    told = LocalReading(position_enu_m=(0, 0, 30), dose_rate_usvh=0.0, dose_rate_std_usvh=0.4)
+    survey = survey_of([told] * 9)
+    assert survey.counts.tolist() == [0.0] * 9
+    assert survey.exposures == pytest.approx(2.5)

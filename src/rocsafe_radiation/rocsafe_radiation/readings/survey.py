@@ -238,16 +238,16 @@ def _counted(
     """Return counts, exposures and dark counts of the readings of one detector, (3, n)."""
     with np.errstate(divide='ignore', invalid='ignore'):
         known = calibration_of(counts, live_s, rates)
-        dark = known.dark_rate_cps * live_s
+        dark = known.dark_rate_cps * np.nan_to_num(live_s)
         exposures = (sensitivity or known.sensitivity_cps_per_usvh) * live_s
         if not sensitivity:
             # Dose rates may allow for what a live time does not tell, or come from elsewhere.
             other = (rates > 0.0) & ~known.agrees(counts, live_s, rates)
             exposures = np.where(other, np.maximum(counts - dark, 0.0) / rates, exposures)
         # Without a count, the standard deviation is that of one.
-        lone = (live_s > 0.0) & (stds > 0.0) & ~((exposures > 0.0) | (rates > 0.0))
+        lone = (stds > 0.0) & ~((exposures > 0.0) | (rates > 0.0))
         exposures = np.where(lone, 1.0 / stds, exposures)
-        values = np.stack([counts, exposures, dark])
+        values = np.stack([np.where(lone, 0.0, counts), exposures, dark])
         told = np.where(stds > 0.0, rates / np.maximum(stds, SMALLEST_STD_SHARE * rates), 0.0) ** 2
         nominal = np.where(told > 0.0, told / rates, NOMINAL_COUNTS_PER_USVH)
     doses = np.stack([np.maximum(rates, 0.0) * nominal, nominal, np.zeros_like(rates)])
