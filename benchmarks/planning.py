@@ -298,6 +298,10 @@ def main() -> int:
                 lines.append(line)
         except AbsentError as error:
             print(f'{part}: {error}', file=sys.stderr)
+    if not lines:
+        wish = f' that --only names: {", ".join(options.only)}' if options.only else ''
+        print(f'no case of {", ".join(options.part)}{wish}', file=sys.stderr)
+        return 1
     show(lines, options)
     if options.json:
         options.json.write_text(json.dumps([asdict(line) for line in lines], indent=1))

@@ -57,6 +57,12 @@ def test_arguments_become_a_situation(plan: SurveyPlan) -> None:
     [
         ({'lost': ('x',)}, 'x: must be a vehicle of the plan: rav1, rav2, rav3'),
         ({'visited': '1-x'}, '--visited 1-x: must be a number or a range'),
+        ({'visited': '1-'}, '--visited 1-: must be a number or a range'),
+        ({'visited': '7-3'}, '--visited 7-3: must be viewpoints of the plan, 0 to'),
+        ({'visited': '0-1000000000'}, '--visited 0-1000000000: must be viewpoints of the plan'),
+        ({'visited': '500'}, '--visited 500: must be viewpoints of the plan'),
+        ({'lost': ('rav1', 'rav1')}, 'rav1: must be named once'),
+        ({'lost': ('rav1',), 'aloft': (('rav1', '53.28', '-9.06', '5'),)}, 'rav1: must be named'),
         ({'aloft': (('rav1', 'here', '0', '0'),)}, '--at rav1: here: must be a number'),
         ({'aloft': (('rav1', '99', '0', '0'),)}, '--at rav1: latitude_deg is 99'),
         ({'new_places': ((91.0, 0.0),)}, '--add: latitude_deg is 91'),
@@ -78,7 +84,6 @@ def test_wrong_arguments_are_named(
     ('changes', 'message'),
     [
         ({'lost': ('rav1', 'rav2', 'rav3')}, 'no vehicle is left'),
-        ({'visited': '500'}, 'visited has viewpoint 500'),
     ],
 )
 def test_a_situation_without_a_plan_is_told(

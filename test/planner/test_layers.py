@@ -12,7 +12,6 @@ from hypothesis import HealthCheck, assume, given, settings
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError, NoFreeHeightError, NoWayError
 from rocsafe_planner.flights.keeping_apart import _turns
-from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.plan.plan_json import plan_document
 from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_planner.plan.situation import Situation
@@ -102,8 +101,7 @@ def test_layered_plans_are_valid(survey):
 def test_flights_that_take_turns_are_all_flown_once(landing, aloft, count):
     """Also of a vehicle in the air that lands elsewhere, whose only flight is first and last."""
     flights = [[number] for number in range(count)]
-    route = Route(vehicle=vehicle(aloft=aloft, **landing), sorties=(), flight_height_m=32.0)
-    turns = _turns(route, flights)
+    turns = _turns(vehicle(aloft=aloft, **landing), flights)
     assert turns[0] == flights
     for turn in turns:
         assert sorted(turn) == flights

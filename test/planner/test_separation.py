@@ -12,7 +12,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import PlannerError
 from rocsafe_planner.flights.flight_track import FlightTrack
-from rocsafe_planner.flights.keeping_apart import _points, in_layers
+from rocsafe_planner.flights.keeping_apart import in_layers
 from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import SeparationOptions
 from rocsafe_planner.plan.vehicle import Aloft
@@ -49,7 +49,9 @@ def aloft(plan, share):
             continue
         done = int(len(route.viewpoints) * min(1.0, since_s / route.duration_s))
         visited |= {view.id for view in route.viewpoints[:done]}
-        track = FlightTrack(problem, number, _points(site, route))
+        point = {view.id: at for at, view in enumerate(site.viewpoints)}
+        flights = [[point[view.id] for view in one.viewpoints] for one in route.sorties]
+        track = FlightTrack(problem, number, flights)
         place = track.places(np.array([min(since_s, track.duration_s)]))[0]
         if place[2] < route.flight_height_m - 0.1:
             continue

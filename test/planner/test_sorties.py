@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.errors import BeyondEnduranceError
+from rocsafe_planner.flights.flight_choice import FlightChoice
 from rocsafe_planner.flights.flight_track import FlightTrack
-from rocsafe_planner.flights.separation import TOLERANCE_M, delays_apart, minimum_separation_m
+from rocsafe_planner.flights.separation import TOLERANCE_M, minimum_separation_m
+from rocsafe_planner.flights.timetable import timetable
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.planning import plan_survey
 from rocsafe_planner.routing.methods import nearest_to_shortest
@@ -98,10 +100,10 @@ def test_flights_take_their_turns_to_keep_apart():
     plan = plan_survey(wish)
     as_cut = survey_site(wish)
     before = [
-        FlightTrack(as_cut.problem, k, sorties(as_cut.problem, k, order))
+        sorties(as_cut.problem, k, order)
         for k, order in enumerate(nearest_to_shortest(as_cut.problem))
     ]
-    assert max(route.delay_s for route in plan.routes) < max(delays_apart(before, 8.0))
+    assert max(route.delay_s for route in plan.routes) < max(delays(as_cut.problem, before, 8.0))
     assert check_plan(plan) == []
 
 
@@ -112,6 +114,13 @@ def test_the_sensor_goes_where_it_is_needed():
     region = dataclasses.replace(plain.regions[0], sensors=('gamma',))
     plan = plan_survey(dataclasses.replace(plain, regions=(region,)))
     assert [len(route.viewpoints) > 0 for route in plan.routes] == [True, False, False]
+
+
+def delays(world, flights, separation_m):
+    """Return how long vehicles wait that fly these flights and no others."""
+    only = {k: [FlightChoice(world, k, own, 0.0, [])] for k, own in enumerate(flights)}
+    starts = timetable(only, separation_m).starts_s
+    return [float(starts[k]) for k in only]
 
 
 def tracks(world, orders):
@@ -140,12 +149,13 @@ def test_delays_keep_vehicles_apart(seed, separation):
     generator = np.random.default_rng(seed)
     homes = [(0.0, 0.0), (0.0, 0.0), (200.0, 0.0)]
     world = problem(generator.uniform(0.0, 200.0, (12, 2)), homes)
-    flown = tracks(world, [list(range(k, 12, 3)) for k in range(3)])
-    delays = delays_apart(flown, separation) if separation else [0.0] * 3
-    least = minimum_separation_m(flown, delays)
+    orders = [list(range(k, 12, 3)) for k in range(3)]
+    flown = tracks(world, orders)
+    late = delays(world, [[order] for order in orders], separation) if separation else [0.0] * 3
+    least = minimum_separation_m(flown, late)
     assert least >= separation - TOLERANCE_M
     times = np.arange(0.0, 600.0, 0.5)
-    for (a, late_a), (b, late_b) in combinations(zip(flown, delays, strict=True), 2):
+    for (a, late_a), (b, late_b) in combinations(zip(flown, late, strict=True), 2):
         flying = (
             (times >= late_a)
             & (times >= late_b)

@@ -98,7 +98,7 @@ AUTOPILOT = Autopilot()
         {'vehicles': ENDS},
         {'vehicles': SWAPPING, 'method': 'boustrophedon_minmax'},
         {'vehicles': CLOSE, 'distance_m': 12.0},
-        {'vehicles': CLOSE, 'distance_m': 12.0, 'by': 'layers'},
+        {'vehicles': CLOSE, 'distance_m': 15.0, 'by': 'layers'},
         {'vehicles': ENDS, 'wind_mps': (3.0, -2.0)},
         {'terrain': HILLS},
         {'terrain': RIDGE, 'vehicles': ENDS},

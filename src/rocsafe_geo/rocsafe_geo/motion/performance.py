@@ -19,6 +19,7 @@ GRAVITY_MPS2 = 9.80665
 # passed at 0.6 to 0.8 of the radius.
 _CORNER_SHARE = 0.8
 _WINDIEST = 0.95
+_SAMPLE_S = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -132,6 +133,25 @@ class Performance:
         """Return the time from arrival above home at `height_m` to standing motors."""
         high = (0.0, 0.0, height_m)
         return self.autopilot.home_wait_s + self._motion(self.descent(high, 0.0), high).duration_s
+
+    def low_s(self, height_m: float, low_m: float) -> tuple[float, float]:
+        """Return how long a vehicle that climbs to and descends from a height is low.
+
+        That is less than `low_m` above ground: after the take-off command, and before its motors
+        stand still; a tenth of a second less at most.
+        """
+        high = (0.0, 0.0, height_m)
+        climb = self._motion(self.ascent((0.0, 0.0, 0.0), height_m))
+        descent = self._motion(self.descent(high, 0.0), high)
+        low_m = min(low_m, height_m)
+        longest_s = max(climb.duration_s, descent.duration_s)
+        times = _SAMPLE_S * np.arange(int(longest_s / _SAMPLE_S) + 1, dtype=np.float64)
+        is_low = climb.positions(times)[:, 2] < low_m
+        is_high = descent.positions(times)[:, 2] >= low_m
+        return (
+            float(times[is_low].max(initial=0.0)),
+            descent.duration_s - float(times[is_high].max(initial=0.0)) - _SAMPLE_S,
+        )
 
     def _motion(self, ways: list[Way], start: Enu = (0.0, 0.0, 0.0)) -> RouteMotion:
         return RouteMotion(start, ways, self.corner_radius_m)

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rocsafe replan`: plan the rest of a survey."""
 
+import re
+from collections import Counter
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -103,13 +106,18 @@ def situation_of(request: ReplanRequest, plan: SurveyPlan) -> Situation:
     strangers = [name for name in (*request.lost, *aloft) if name not in names]
     if strangers:
         raise ScenarioError(f'{strangers[0]}: must be a vehicle of the plan: {", ".join(names)}')
+    told = Counter((*request.lost, *(words[0] for words in request.aloft)))
+    for name in (name for name, times in told.items() if times > 1):
+        raise ScenarioError(f'{name}: must be named once, by --lost or by --at')
+    rest = plan.request.continuation
+    views = (*rest.visited, *rest.viewpoints, *(v for r in plan.routes for v in r.viewpoints))
     return Situation(
         alive={
             name: _aloft(aloft[name]) if name in aloft else None
             for name in names
             if name not in request.lost
         },
-        visited=frozenset(_ids(request.visited)),
+        visited=frozenset(_ids(request.visited, {view.id for view in views})),
         new_places=tuple(_place('--add', *place) for place in request.new_places),
         new_exclusions=tuple(a for path in request.exclusions for a in areas_of(path)),
     )
@@ -138,12 +146,18 @@ def _number(option: str, word: str) -> float:
         raise ScenarioError(f'{option}: {word}: must be a number') from error
 
 
-def _ids(text: str) -> list[int]:
-    """Return the numbers of a list such as 0-20,33."""
-    ids: list[int] = []
+def _ids(text: str, known: Collection[int]) -> set[int]:
+    """Return the numbers of a list such as 0-20,33, which are all known."""
+    ids: set[int] = set()
     for part in filter(None, text.split(',')):
-        first, _, last = part.strip().partition('-')
-        if not first.isdigit() or (last and not last.isdigit()):
+        found = re.fullmatch(r'\s*([0-9]+)(?:-([0-9]+))?\s*', part)
+        if found is None:
             raise ScenarioError(f'--visited {part}: must be a number or a range such as 0-20')
-        ids.extend(range(int(first), int(last or first) + 1))
+        first, last = int(found[1]), int(found[2] or found[1])
+        if not (first <= last and {first, last} <= set(known)):
+            raise ScenarioError(
+                f'--visited {part}: must be viewpoints of the plan, {min(known)} to {max(known)}, '
+                'the lower one first'
+            )
+        ids |= set(range(first, last + 1))
     return ids

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a vehicle is at any time of its route, in the planner's time model."""
 
+from functools import cached_property
+
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 
 # In a corner two legs overlap: their speeds add up to a little more than the limit of each.
@@ -19,6 +21,8 @@ class FlightTrack:
         (begin, end) of the times in the air, shape (flights, 2), seconds since first take-off.
     is_aloft
         Whether it begins in the air. It waits there, on its battery.
+    keeps_to_batteries
+        Whether no flight takes longer than its battery lasts.
     longest_wait_s
         Time that it can wait before it flies, seconds.
     top_speed_mps
@@ -39,6 +43,9 @@ class FlightTrack:
         ends = np.cumsum(durations + swap_s) - swap_s
         self.windows: FloatArray = np.column_stack([ends - durations, ends]).reshape(-1, 2)
         self.is_aloft = spec.aloft is not None
+        limits = np.full(len(durations), spec.endurance_s)
+        limits[:1] = spec.first_endurance_s
+        self.keeps_to_batteries = bool((durations <= limits).all())
         left_s = spec.first_endurance_s - float(durations[0])
         self.longest_wait_s = max(0.0, left_s) if self.is_aloft else np.inf
         places = [place for motion in self._motions for place in motion.places_enu]
@@ -57,6 +64,13 @@ class FlightTrack:
     def duration_s(self) -> float:
         """Time from the first take-off to the last touch-down."""
         return float(self.windows[-1, 1])
+
+    @cached_property
+    def samples(self) -> tuple[IndexArray, FloatArray]:
+        """Whole seconds in the air, shape (n,), and the places at them, shape (n, 3)."""
+        spans = [np.arange(int(np.ceil(a)), int(b) + 1) for a, b in self.windows.tolist()]
+        times = np.concatenate(spans)
+        return times, self.places(times.astype(np.float64))
 
     def windows_after(self, wait_s: float) -> FloatArray:
         """Return the times in the air of a vehicle that waits before its first flight."""

@@ -2,22 +2,19 @@
 """Routes of vehicles that keep apart: they wait, or fly in layers of height."""
 
 import dataclasses
-import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rocsafe_planner.errors import BeyondEnduranceError, NoFreeHeightError
-from rocsafe_planner.flights.flight_track import FlightTrack
-from rocsafe_planner.flights.routes import route_of, routes_of
-from rocsafe_planner.flights.separation import (
-    TOLERANCE_M,
-    Placed,
-    delays_apart,
-    flying_order,
-    minimum_separation_m,
-)
-from rocsafe_planner.flights.unheard_space import UnheardSpace, keeps_away, unheard_spaces
+from rocsafe_planner.flights.flight_choice import FlightChoice
+from rocsafe_planner.flights.routes import route_of
+from rocsafe_planner.flights.separation import TOLERANCE_M, minimum_separation_m
+from rocsafe_planner.flights.timetable import Timetable, timetable
+from rocsafe_planner.flights.unheard_space import unheard_spaces
 from rocsafe_planner.plan.plan import Route
+from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import Order
+from rocsafe_planner.routing.sorties import sorties
 from rocsafe_planner.site.survey_site import SurveySite
 
 MAX_LAYERS = 8
@@ -45,82 +42,109 @@ class KeptApart:
 def kept_apart(site: SurveySite, orders: Orders) -> KeptApart:
     """Return the routes of these orders, apart as the site's request wants it.
 
-    Where batteries are changed, flights may take their turns in another order. Vehicles in the air
-    that meet are given their places in another order.
+    Vehicles wait, fly their routes backwards, begin with another of their flights between battery
+    changes, or fly in layers if the request says so, where that lets all land earlier.
+
+    Raises
+    ------
+    BeyondEnduranceError
+        If a battery does not last and cannot be swapped in between.
+    NoFreeHeightError
+        If layers are wanted and vehicles that nobody hears leave none.
     """
-    apart = _kept_apart(site, orders)
-    aloft = sum(vehicle.aloft is not None for vehicle in site.problem.vehicles)
-    for turn in range(1, aloft if aloft > 1 else 0):
-        if apart.separation_m >= site.request.separation.distance_m:
-            break
-        other = _kept_apart(site, orders, turn)
-        apart = max(apart, other, key=lambda one: one.separation_m)
-    turned = _turned(site, apart.routes) if any(r.delay_s for r in apart.routes) else orders
-    if turned == orders:
-        return apart
-    other = _kept_apart(site, turned)
-    return min(apart, other, key=lambda one: max(route.finish_s for route in one.routes))
+    separation_m = site.request.separation.distance_m
+    choices = {k: FlightChoices(site, k, order) for k, order in enumerate(orders)}
+    flying = {k: one for k, one in choices.items() if next(iter(one)).flights}
+    if separation_m > 0.0:
+        found = timetable(flying, separation_m)
+    else:
+        found = Timetable(
+            choices={k: next(iter(one)) for k, one in flying.items()},
+            starts_s=dict.fromkeys(flying, 0),
+        )
+    return _flown(site, choices, found)
 
 
-def _kept_apart(site: SurveySite, orders: Orders, turn: int = 0) -> KeptApart:
-    request = site.request
-    is_wanted = request.separation.distance_m > 0.0
-    layers = site.problem.layers_m or (0.0,) * len(orders)
-    routes, spaces = routes_of(site, orders), unheard_spaces(site)
-    if is_wanted and request.separation.by == 'layers':
-        layers = _layers(site, orders, routes, turn, spaces)
-        site = in_layers(site, layers)
-        routes = routes_of(site, orders)
-    flying = [k for k, route in enumerate(routes) if route.sorties]
-    tracks = [_track(site, k, routes[k]) for k in flying]
-    delays = [0.0] * len(tracks)
-    if is_wanted:
-        delays = delays_apart(tracks, request.separation.distance_m, turn)
-    late = dict(zip(flying, delays, strict=True))
-    delayed = tuple(
-        dataclasses.replace(route, delay_s=late.get(k, 0.0)) for k, route in enumerate(routes)
+def _flown(site: SurveySite, choices: 'dict[int, FlightChoices]', found: Timetable) -> KeptApart:
+    """Return what is flown by a timetable."""
+    chosen = [found.choices.get(k, next(iter(one))) for k, one in choices.items()]
+    layers = tuple(choice.layer_m for choice in chosen)
+    higher = in_layers(site, layers)
+    routes = tuple(
+        dataclasses.replace(
+            route_of(higher, k, choice.flights), delay_s=float(found.starts_s.get(k, 0))
+        )
+        for k, choice in enumerate(chosen)
     )
+    tracks = [choice.track for choice in found.choices.values()]
     return KeptApart(
-        routes=delayed,
+        routes=routes,
         layers_m=layers,
-        separation_m=minimum_separation_m(tracks, delays),
+        separation_m=minimum_separation_m(tracks, [found.starts_s[k] for k in found.choices]),
         near_unheard=tuple(
-            routes[k].vehicle.name
-            for k, track in zip(flying, tracks, strict=True)
-            if not keeps_away(spaces, track, site.problem.flight_height_m(k))
+            site.problem.vehicles[k].name
+            for k, choice in sorted(found.choices.items())
+            if choice.is_near
         ),
     )
 
 
-def _turned(site: SurveySite, routes: tuple[Route, ...]) -> Orders:
-    """Return the orders of routes whose flights take the turns that let them take off earliest.
+class FlightChoices:
+    """What a vehicle may fly to visit its points in order, the preferred first."""
 
-    In the order in which places are given, each vehicle tries all turns of its flights.
-    """
-    orders = [_points(site, route) for route in routes]
-    flying = [k for k, route in enumerate(routes) if route.sorties]
-    tracks = {k: FlightTrack(site.problem, k, orders[k]) for k in flying}
-    placed = Placed(site.request.separation.distance_m)
-    for k in (flying[i] for i in flying_order(list(tracks.values()))):
-        best = (math.inf, tracks[k], orders[k])
-        for flights in _turns(routes[k], orders[k]):
-            track = FlightTrack(site.problem, k, flights)
-            delay_s = placed.delay_s(track, best[0])
-            if delay_s < best[0]:
-                best = (delay_s, track, flights)
-            if best[0] == 0.0:
-                break
-        orders[k] = best[2]
-        placed.add(best[1], best[0])
-    return [[point for flight in flights for point in flight] for flights in orders]
+    def __init__(self, site: SurveySite, vehicle: int, order: Order) -> None:
+        self._made: list[FlightChoice] = []
+        self._more = self._all(site, vehicle, order)
+
+    def __iter__(self) -> Iterator[FlightChoice]:
+        number = 0
+        while True:
+            if number == len(self._made):
+                made = next(self._more, None)
+                if made is None:
+                    return
+                self._made.append(made)
+            yield self._made[number]
+            number += 1
+
+    @staticmethod
+    def _all(site: SurveySite, vehicle: int, order: Order) -> Iterator[FlightChoice]:
+        problem, spaces = site.problem, unheard_spaces(site)
+        layers = [problem.layer_m(vehicle)]
+        if site.request.separation.by == 'layers' and site.request.separation.distance_m > 0.0:
+            layers = _free_layers(site)
+        for number, layer_m in enumerate(layers):
+            own = [problem.layer_m(k) for k in range(len(problem.vehicles))]
+            own[vehicle] = layer_m
+            higher = problem.in_layers(tuple(own))
+            try:
+                flights = sorties(higher, vehicle, order)
+            except BeyondEnduranceError:
+                if number == 0:
+                    raise
+                return
+            yield FlightChoice(higher, vehicle, flights, layer_m, spaces)
+            for other in _others(site, vehicle, flights) if number == 0 else []:
+                choice = FlightChoice(higher, vehicle, other, layer_m, spaces)
+                if choice.track.keeps_to_batteries:
+                    yield choice
 
 
-def _turns(route: Route, flights: Orders) -> list[Orders]:
+def _others(site: SurveySite, vehicle: int, flights: Orders) -> Iterator[Orders]:
+    """Yield the flights beginning with another of them, and then all backwards."""
+    spec = site.problem.vehicles[vehicle]
+    turns = _turns(spec, flights)
+    yield from turns[1:]
+    is_round = spec.aloft is None and spec.end is None and not spec.is_open
+    if is_round and not site.request.continuation.last:
+        yield from ([flight[::-1] for flight in turn] for turn in turns)
+
+
+def _turns(spec: Vehicle, flights: Orders) -> list[Orders]:
     """Return the flights, and them again beginning with each that begins and ends at home."""
-    vehicle = route.vehicle
-    first = 0 if vehicle.aloft is None else 1
+    first = 0 if spec.aloft is None else 1
     # One flight may be both: the first of a vehicle in the air, and the one that ends elsewhere.
-    last = max(first, len(flights) - (1 if vehicle.is_open or vehicle.end is not None else 0))
+    last = max(first, len(flights) - (1 if spec.is_open or spec.end is not None else 0))
     head, free, tail = flights[:first], flights[first:last], flights[last:]
     turns = [free[k:] + free[:k] for k in range(min(len(free), MAX_TURNS))]
     return [[*head, *turn, *tail] for turn in turns or [free]]
@@ -131,79 +155,30 @@ def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
     return dataclasses.replace(site, problem=site.problem.in_layers(layers_m))
 
 
-def _layers(
-    site: SurveySite,
-    orders: Orders,
-    routes: tuple[Route, ...],
-    turn: int,
-    spaces: list[UnheardSpace],
-) -> tuple[float, ...]:
-    """Return the height above the others at which each vehicle lands earliest.
-
-    In the order in which places are given each vehicle takes the layer in which it lands first,
-    waiting included; the lowest of those that are equal. Layers nearer than the separation to the
-    height of a vehicle that nobody hears are left out, and, where there are others, those in which
-    it comes near to where that one may be.
+def _free_layers(site: SurveySite) -> list[float]:
+    """Return the layers that may be flown in, as heights above the lowest.
 
     Raises
     ------
     NoFreeHeightError
-        If there is no other.
+        If vehicles that nobody hears leave none.
     """
-    step = site.request.separation.distance_m
-    placed = Placed(step)
-    airspace, coverage = site.request.airspace, site.request.coverage
-    highest_m = airspace.max_height_agl_m - coverage.height_agl_m
-    layers = [0.0] * len(orders)
-    flying = [k for k, route in enumerate(routes) if route.sorties]
-    tracks = [_track(site, k, routes[k]) for k in flying]
-    for k in (flying[i] for i in flying_order(tracks, turn)):
-        free = [layer for layer in _free_layers(site) if layer <= highest_m]
-        if not free:
-            unheard = site.request.continuation.unheard
-            heights = ', '.join(f'{one.flight_height_m:g} m' for one in unheard)
-            raise NoFreeHeightError(
-                f'no flight height up to {airspace.max_height_agl_m:g} m keeps {step:g} m from '
-                f'vehicles that nobody hears, at {heights}'
-            )
-        best = (True, math.inf, 0.0, free[0], tracks[flying.index(k)])
-        for layer in free:
-            trial = in_layers(site, tuple(layer if i == k else 0.0 for i in range(len(orders))))
-            try:
-                track = _track(trial, k, route_of(trial, k, orders[k]))
-            except BeyondEnduranceError:
-                break
-            is_near = not keeps_away(spaces, track, trial.problem.flight_height_m(k))
-            limit_s = best[1] if is_near == best[0] else math.inf
-            if is_near > best[0]:
-                continue
-            delay = placed.delay_s(track, limit_s - track.duration_s)
-            if delay + track.duration_s < limit_s - 1e-9:
-                best = (is_near, delay + track.duration_s, delay, layer, track)
-            if not best[0] and best[2] == 0.0:
-                break
-        layers[k] = best[3]
-        placed.add(best[4], best[2])
-    return tuple(layers)
-
-
-def _free_layers(site: SurveySite) -> list[float]:
-    """Return the layers that are not occupied, as heights above the lowest."""
     step, base_m = site.request.separation.distance_m, site.request.coverage.height_agl_m
-    occupied_m = [one.flight_height_m for one in site.request.continuation.unheard]
-    layers = [number * step for number in range(MAX_LAYERS)]
-    return [
-        layer
-        for layer in layers
-        if all(abs(base_m + layer - height_m) >= step - TOLERANCE_M for height_m in occupied_m)
+    unheard = site.request.continuation.unheard
+    highest_m = site.request.airspace.max_height_agl_m
+    free = [
+        number * step
+        for number in range(MAX_LAYERS)
+        if base_m + number * step <= highest_m
+        and all(
+            abs(base_m + number * step - one.flight_height_m) >= step - TOLERANCE_M
+            for one in unheard
+        )
     ]
-
-
-def _track(site: SurveySite, vehicle: int, route: Route) -> FlightTrack:
-    return FlightTrack(site.problem, vehicle, _points(site, route))
-
-
-def _points(site: SurveySite, route: Route) -> Orders:
-    """Return the points of each of a route's flights."""
-    points = {view.id: point for point, view in enumerate(site.viewpoints)}
-    return [[points[view.id] for view in sortie.viewpoints] for sortie in route.sorties]
+    if not free:
+        heights = ', '.join(f'{one.flight_height_m:g} m' for one in unheard)
+        raise NoFreeHeightError(
+            f'no flight height up to {highest_m:g} m keeps {step:g} m from vehicles that nobody '
+            f'hears, at {heights}'
+        )
+    return free

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the orders of points to routes: flights within the battery, bends, figures."""
+"""From the points of flights to routes: bends, figures."""
 
 from itertools import pairwise
 
@@ -7,37 +7,24 @@ import numpy as np
 
 from rocsafe_planner.plan.plan import Bends, Route, Sortie
 from rocsafe_planner.problem.fleet_problem import Order
-from rocsafe_planner.routing.sorties import sorties
 from rocsafe_planner.site.survey_site import SurveySite
 
 SECONDS_PER_HOUR = 3600.0
 
 
-def routes_of(site: SurveySite, orders: list[Order]) -> tuple[Route, ...]:
-    """Return the routes that visit the points in these orders, one a vehicle.
-
-    Raises
-    ------
-    BeyondEnduranceError
-        If a battery does not last and cannot be swapped in between.
-    """
-    return tuple(route_of(site, k, order) for k, order in enumerate(orders))
-
-
-def route_of(site: SurveySite, vehicle: int, order: Order) -> Route:
-    """Return the route of one vehicle."""
+def route_of(site: SurveySite, vehicle: int, flights: list[Order]) -> Route:
+    """Return the route of a vehicle that visits these points on each of its flights."""
     return Route(
         vehicle=site.problem.vehicles[vehicle],
-        sorties=_sorties(site, vehicle, order),
+        sorties=_sorties(site, vehicle, flights),
         flight_height_m=site.problem.flight_height_m(vehicle),
         ground_altitude_m=site.ground_altitude_m(vehicle),
         landing_height_m=site.landing_height_m(vehicle),
     )
 
 
-def _sorties(site: SurveySite, vehicle: int, order: Order) -> tuple[Sortie, ...]:
+def _sorties(site: SurveySite, vehicle: int, flights: list[Order]) -> tuple[Sortie, ...]:
     problem = site.problem
-    flights = sorties(problem, vehicle, order)
     made = []
     for number, flight in enumerate(flights, start=1):
         # All flights but the last come home, whatever the vehicle's end.

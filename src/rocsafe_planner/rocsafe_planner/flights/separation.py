@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Own vehicles kept apart: their least distance in the air, and starts late enough for it.
+"""Distances of own vehicles in the air, and the starts of two that keep them apart.
 
 A vehicle on the ground waits for its take-off, one in the air waits where it is.
 
@@ -8,114 +8,105 @@ samples half an interval apart that gives a lower bound in between, and the inte
 hold the minimum are halved until it is known to a centimetre.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 from rocsafe_planner.flights.flight_track import FlightTrack
 
 TOLERANCE_M = 0.01
 """Least distances are exact to this."""
 
 _SAMPLE_S = 1.0
-_DELAY_STEP_S = 2.0
-# Nobody hovers longer to let others pass.
-_LONGEST_HOVER_S = 300.0
 
 
 def minimum_separation_m(tracks: Sequence[FlightTrack], delays_s: Sequence[float]) -> float:
     """Return the least distance of any two vehicles in the air, infinite if no two ever are."""
     least = np.inf
-    for i, j in _pairs_by_distance(tracks):
-        if _box_distance_m(tracks[i], tracks[j]) >= least:
-            continue
+    for apart_m, i, j in box_distances(tracks):
+        if apart_m >= least:
+            break
         pair = _Pair((tracks[i], delays_s[i]), (tracks[j], delays_s[j]))
         least = min(least, pair.least_distance_m(least))
     return float(least)
 
 
-def delays_apart(tracks: Sequence[FlightTrack], separation_m: float, turn: int = 0) -> list[float]:
-    """Return how long each vehicle waits so that no two come nearer than `separation_m`.
+class Conflicts:
+    """Which starts of two tracks keep a distance between them, whole seconds apart.
 
-    The one that flies longest goes first; each next one as soon as it stays apart from those
-    before. On the ground there is always a way: to wait until they have landed. A vehicle in the
-    air for which no wait is long enough does not wait, whoever it meets.
+    Samples tell quickly which do not; those that remain are looked at exactly when asked for.
     """
-    placed = Placed(separation_m)
-    delays = [0.0] * len(tracks)
-    for k in flying_order(tracks, turn):
-        delays[k] = placed.add(tracks[k], placed.delay_s(tracks[k]))
-    return delays
-
-
-def flying_order(tracks: Sequence[FlightTrack], turn: int = 0) -> list[int]:
-    """Return who is given its place first: who is in the air, then who flies longest.
-
-    With `turn` so many of those in the air are given theirs after the others in the air.
-    """
-    order = sorted(
-        range(len(tracks)), key=lambda k: (not tracks[k].is_aloft, -tracks[k].duration_s)
-    )
-    count = sum(track.is_aloft for track in tracks)
-    aloft = order[:count]
-    return [*aloft[turn:], *aloft[:turn], *order[count:]]
-
-
-class Placed:
-    """Tracks with their delays, which others are to keep away from."""
 
     def __init__(self, separation_m: float) -> None:
         self._separation = separation_m
-        self._flights: list[tuple[FlightTrack, float]] = []
+        self._lags: dict[tuple[FlightTrack, FlightTrack], tuple[int, BoolArray]] = {}
+        self._exact: dict[tuple[FlightTrack, int, FlightTrack, int], bool] = {}
 
-    def add(self, track: FlightTrack, delay_s: float) -> float:
-        """Keep a place for a track, and return its delay: 0 s if no wait is long enough."""
-        delay_s = delay_s if np.isfinite(delay_s) else 0.0
-        self._flights.append((track, delay_s))
-        return delay_s
+    def open_starts(
+        self, track: FlightTrack, starts: IndexArray, others: Sequence[tuple[FlightTrack, int]]
+    ) -> Iterator[int]:
+        """Yield those starts, in seconds, with which a track keeps away from others begun."""
+        is_open = np.ones(len(starts), dtype=bool)
+        for other, begun in others:
+            first, blocked = self._blocked(other, track)
+            is_open &= ~blocked[np.clip(starts - begun - first, 0, len(blocked) - 1)]
+        for start in starts[is_open].tolist():
+            if all(self._is_apart(other, begun, track, start) for other, begun in others):
+                yield start
 
-    def delay_s(self, track: FlightTrack, limit_s: float = np.inf) -> float:
-        """Return the least delay with which a track keeps away; infinite if above a limit.
+    def _is_apart(self, one: FlightTrack, begun: int, other: FlightTrack, start: int) -> bool:
+        # Waiting in the air counts, so that then not only the time between the starts matters.
+        since = begun if one.is_aloft or other.is_aloft else 0
+        key = (one, since, other, start - begun + since)
+        if key not in self._exact:
+            pair = _Pair((one, float(key[1])), (other, float(key[3])))
+            self._exact[key] = pair.stays_apart(self._separation)
+        return self._exact[key]
 
-        A vehicle in the air must keep away while it waits, too.
+    def _blocked(self, one: FlightTrack, other: FlightTrack) -> tuple[int, BoolArray]:
+        """Return the first of consecutive seconds from a start to the other's, and which are not.
+
+        The first and the last stand for all before and after.
         """
-        if track.is_aloft:
-            limit_s = min(limit_s, track.longest_wait_s, _LONGEST_HOVER_S)
-        near = [
-            (other, delay)
-            for other, delay in self._flights
-            if _box_distance_m(track, other) < self._separation
-        ]
-        delay = 0.0
-        while not self._is_apart(track, delay, near):
-            delay += _DELAY_STEP_S
-            if delay > limit_s:
-                return np.inf
-        return delay
+        if (one, other) not in self._lags:
+            self._lags[one, other] = self._found(one, other)
+        return self._lags[one, other]
 
-    def _is_apart(
-        self, track: FlightTrack, delay_s: float, near: list[tuple[FlightTrack, float]]
-    ) -> bool:
-        return all(
-            _Pair((track, delay_s), (other, delay)).stays_apart(self._separation)
-            for other, delay in near
-        )
+    def _found(self, one: FlightTrack, other: FlightTrack) -> tuple[int, BoolArray]:
+        # Loaded here: it takes a while that vehicles which never meet can do without.
+        from scipy.spatial import KDTree
+
+        first = -int(other.duration_s) - 2
+        blocked = np.zeros(int(one.duration_s) + 3 - first, dtype=bool)
+        (times, places), (other_times, other_places) = one.samples, other.samples
+        tree, other_tree = KDTree(places), KDTree(other_places)
+        near = tree.sparse_distance_matrix(other_tree, self._separation, output_type='ndarray')
+        blocked[times[near['i']] - other_times[near['j']] - first] = True
+        if one.is_aloft and len(near_j := self._passing(one, other)):
+            blocked[: max(0, 1 - int(near_j[0]) - first)] = True
+        if other.is_aloft and len(near_i := self._passing(other, one)):
+            blocked[int(near_i[0]) - first :] = True
+        return first, blocked
+
+    def _passing(self, waiting: FlightTrack, other: FlightTrack) -> IndexArray:
+        """Return the seconds of a track at which it is near to where another waits in the air."""
+        times, places = other.samples
+        gaps = np.sqrt(((places - waiting.samples[1][0]) ** 2).sum(axis=1))
+        return times[gaps < self._separation]
 
 
-def _pairs_by_distance(tracks: Sequence[FlightTrack]) -> list[tuple[int, int]]:
-    """Return all pairs, those whose boxes are near first: they bound the rest."""
-    low = np.array([track.low for track in tracks])
-    high = np.array([track.high for track in tracks])
+def box_distances(tracks: Sequence[FlightTrack]) -> list[tuple[float, int, int]]:
+    """Return the horizontal distances of the boxes of all pairs, the near ones first."""
+    low = np.array([track.low for track in tracks]).reshape(-1, 3)
+    high = np.array([track.high for track in tracks]).reshape(-1, 3)
     i, j = np.triu_indices(len(tracks), k=1)
     gaps = np.maximum(0.0, np.maximum(low[i] - high[j], low[j] - high[i]))
-    nearest = np.argsort(np.hypot(gaps[:, 0], gaps[:, 1]), kind='stable')
-    return list(zip(i[nearest].tolist(), j[nearest].tolist(), strict=True))
-
-
-def _box_distance_m(a: FlightTrack, b: FlightTrack) -> float:
-    gaps = np.maximum(0.0, np.maximum(a.low - b.high, b.low - a.high))
-    return float(np.hypot(gaps[0], gaps[1]))
+    apart = np.hypot(gaps[:, 0], gaps[:, 1])
+    nearest = np.argsort(apart, kind='stable')
+    return list(
+        zip(apart[nearest].tolist(), i[nearest].tolist(), j[nearest].tolist(), strict=True)
+    )
 
 
 class _Pair:

@@ -56,6 +56,8 @@ class FleetProblem:
     start_ups_m
         Height of each vehicle where it begins in the air, above the frame's origin, shape (m,),
         NaN: that of the legs.
+    separation_m
+        Least distance of two vehicles in the air; 0: none is kept.
     layers_m
         How much higher than `height_m` each vehicle flies; empty: none does.
     ground, relief
@@ -80,6 +82,7 @@ class FleetProblem:
     starts: FloatArray | None = None
     insides: FloatArray | None = None
     start_ups_m: FloatArray | None = None
+    separation_m: float = 0.0
     layers_m: tuple[float, ...] = ()
     ground: LocalGround | None = None
     relief: Relief | None = None

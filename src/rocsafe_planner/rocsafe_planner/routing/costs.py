@@ -10,6 +10,7 @@ from rocsafe_geo.arrays import IndexArray
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
+from rocsafe_planner.routing.queues import waits_s
 from rocsafe_planner.routing.sorties import sorties
 
 
@@ -21,12 +22,16 @@ def finish_s(problem: FleetProblem, orders: list[Order]) -> float:
 def objective_value(problem: FleetProblem, orders: list[Order], objective: str) -> float:
     """Return the value of an objective, flights to change batteries included.
 
-    It is in seconds, metres or watt seconds; infinite if a battery is too weak.
+    It is in seconds, metres or watt seconds; infinite if a battery is too weak. The longest time
+    is that with the waits for others at the same place.
     """
     try:
         costs = [vehicle_value(problem, k, order, objective) for k, order in enumerate(orders)]
     except BeyondEnduranceError:
         return math.inf
+    if objective == 'longest_time':
+        flying = [k for k, order in enumerate(orders) if problem.flies(k, order)]
+        costs = [c + w for c, w in zip(costs, waits_s(problem, flying), strict=True)]
     return max(costs) if objective in PEAK_OBJECTIVES else sum(costs)
 
 

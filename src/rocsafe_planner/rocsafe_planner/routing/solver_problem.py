@@ -6,6 +6,7 @@ half of what a stay at each of its ends costs goes with it. Endurance limits the
 route, unless batteries are swapped: then routes are cut afterwards.
 """
 
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -16,6 +17,7 @@ from rocsafe_geo.motion import MotionLimits, leg_duration_s
 from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import FleetProblem
+from rocsafe_planner.routing.queues import interval_s, waits_s, worthwhile
 from rocsafe_planner.solver import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver import Vehicle as RoutedVehicle
 
@@ -41,13 +43,26 @@ def routing_problem(
     """
     table = LegTable(problem, is_bounded)
     vehicles = tuple(_vehicle(problem, k, table, objective) for k in range(len(problem.vehicles)))
+    apart_s, allowed = 0.0, problem.may_visit
+    if objective == 'longest_time':
+        apart_s, flying = interval_s(problem), worthwhile(problem)
+        # Who stays on the ground would wait longer than all others.
+        waits = dict.fromkeys(range(len(vehicles)), apart_s * len(vehicles))
+        waits |= {k: waits_s(problem, flying)[k] for k in flying}
+        vehicles = tuple(
+            dataclasses.replace(vehicle, wait_cost=waits[k]) for k, vehicle in enumerate(vehicles)
+        )
+        if not is_bounded and len(flying) < len(vehicles):
+            allowed = np.zeros((len(vehicles), len(problem.points)), dtype=bool)
+            allowed[flying] = True
     return RoutingProblem(
         customers=len(problem.points),
         vehicles=vehicles,
         legs=tuple(table.legs),
         points=problem.sites,
-        allowed=problem.may_visit,
+        allowed=allowed,
         objective='max' if objective in PEAK_OBJECTIVES else 'sum',
+        apart=apart_s,
     )
 
 

@@ -180,6 +180,7 @@ def _problem_of(
         height_m=request.coverage.height_agl_m,
         ground=ground,
         relief=relief,
+        separation_m=request.separation.distance_m,
         layers_m=request.layers_m,
         wind_mps=request.airspace.wind_mps,
         detours=None if detours is None or detours.is_straight else detours,

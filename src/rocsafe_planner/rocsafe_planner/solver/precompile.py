@@ -4,6 +4,7 @@
 The set-up runs this, so that the first plan of a new user does not wait for the compiler.
 """
 
+import dataclasses
 import shutil
 import sys
 
@@ -39,7 +40,7 @@ def compile_kernels() -> None:
     )
     for _ in zip(range(6), improving_bounds(one_depot(points, points[0], 2), 0.0), strict=False):
         pass
-    next(price_bounds(problem, 1e3))
+    next(price_bounds(dataclasses.replace(problem, apart=1.0), 1e3))
 
 
 def load_kernels() -> None:

@@ -107,7 +107,7 @@ def _relax_tables(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         own=_own(vehicles, own_starts, own_ends),
         around=_allowed_around(problem, crew, around) if closed else np.zeros(n),
         shares=_shares([factors[v.legs] for v in vehicles]),
-        fixed=np.full(len(vehicles), min(v.fixed_cost for v in vehicles)),
+        fixed=_fixed(problem, vehicles, factors),
         closed=closed,
         one_depot=symmetric
         and len({(v.start, v.end) for v in vehicles}) == 1
@@ -135,7 +135,7 @@ def _relax_points(problem: RoutingProblem, crew: tuple[int, ...]) -> Relaxation:
         own=_own(vehicles, starts, ends),
         around=_allowed_around(problem, crew, around),
         shares=_shares([1.0] * len(vehicles)),
-        fixed=np.full(len(vehicles), min(v.fixed_cost for v in vehicles)),
+        fixed=_fixed(problem, vehicles, {}),
         closed=True,
         one_depot=len({(v.start, v.end) for v in vehicles}) == 1
         and vehicles[0].start == vehicles[0].end,
@@ -187,6 +187,16 @@ def _own(vehicles: list[Vehicle], starts: list[Floats], ends: list[Floats]) -> F
     if len({(v.start, v.end) for v in vehicles}) == 1:
         return np.zeros((2, 0, len(starts[0])))
     return np.array([starts, ends])
+
+
+def _fixed(problem: RoutingProblem, vehicles: list[Vehicle], factors: dict[int, float]) -> Floats:
+    """Return at k the least mean of what k + 1 routes cost besides their legs.
+
+    Where legs of vehicles differ, waits for others are left out: whose they are would matter.
+    """
+    apart = problem.apart if set(factors.values()) <= {1.0} else 0.0
+    waits: Floats = 0.5 * apart * np.arange(len(vehicles), dtype=np.float64)
+    return waits + min(v.fixed_cost for v in vehicles)
 
 
 def _shares(factors: list[float]) -> Floats:

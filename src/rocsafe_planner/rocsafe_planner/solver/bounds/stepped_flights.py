@@ -79,11 +79,15 @@ class Kind:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Walks:
-    """All kinds of vehicles, the length of a step and their number."""
+    """All kinds of vehicles, the length of a step and their number.
+
+    `apart` are the steps that vehicles wait for each other, see `RoutingProblem`.
+    """
 
     kinds: tuple[Kind, ...]
     unit: float
     steps: int
+    apart: float = 0.0
 
     @property
     def work(self) -> float:
@@ -115,7 +119,9 @@ def walks_of(
     kinds = tuple(
         _kind(problem, members, tables, unit, changes[members[0]]) for members in alike.values()
     )
-    return Walks(kinds=kinds, unit=unit, steps=int(known / unit) + 1)
+    # Vehicles of different kinds could give each other the longer waits.
+    apart = problem.apart / unit if len(kinds) == 1 else 0.0
+    return Walks(kinds=kinds, unit=unit, steps=int(known / unit) + 1, apart=apart)
 
 
 def _kind(

@@ -8,11 +8,14 @@ those of the linear program that shares all customers among the walks found so f
 generation), drawn towards the best prices so far, which keeps them from jumping (Pessoa, Sadykov,
 Uchoa & Vanderbeck 2018, doi:10.1287/ijoc.2017.0784).
 
+Vehicles that wait for each other have less time for their walks, see `waiting`.
+
 Where a vehicle changes its battery its walks are flights, each as long as a battery lasts at most,
 one after another with the changes between them: what it can collect by some time is found by a
 second dynamic program, over its flights.
 """
 
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -25,6 +28,7 @@ from rocsafe_planner.solver.bounds.stepped_flights import (
     Walks,
     walks_of,
 )
+from rocsafe_planner.solver.bounds.waiting import Crew
 from rocsafe_planner.solver.model.problem import RoutingProblem
 from rocsafe_planner.solver.model.tables import Floats, Ints
 
@@ -130,19 +134,29 @@ class _Ascent:
         self._tables = [Table(len(price), walks.steps + 1) for _ in range(most)]
         self._visits: Floats = np.zeros((0, len(price)))
         self._owner: Ints = np.zeros(0, np.int64)
+        self._lasting: Ints = np.zeros(0, np.int64)
+        self._crews: list[Crew] = []
 
     def climb(self) -> bool:
         """Price all walks once; return whether there is more to come."""
-        kinds, price = self._walks.kinds, self._price
-        total = np.zeros(self._walks.steps + 1)
+        kinds, price, last = self._walks.kinds, self._price, self._walks.steps
+        self._crews = []
         for number, kind in enumerate(kinds):
             collected = Collected(kind, price * kind.allowed, self._tables)
-            total += kind.count * collected.whole
-            visits = collected.visits(min(self._reached, self._walks.steps), self._options.walks)
-            self._visits = np.vstack([self._visits, visits * kind.allowed])
-            self._owner = np.concatenate([self._owner, np.full(len(visits), number)])
-        refuted = np.flatnonzero(total < price.sum() * (1.0 - ROUNDING))
-        reached = int(refuted[-1]) + 1 if len(refuted) else 0
+            crew = Crew(collected.whole, kind.count, self._walks.apart)
+            self._crews.append(crew)
+            moments = crew.moments(min(self._reached, last))
+            for moment in moments:
+                visits = collected.visits(moment, self._options.walks // len(moments))
+                self._visits = np.vstack([self._visits, visits * kind.allowed])
+                self._owner = np.concatenate([self._owner, np.full(len(visits), number)])
+                self._lasting = np.concatenate([self._lasting, np.full(len(visits), moment)])
+        enough = price.sum() * (1.0 - ROUNDING)
+        reached = self._reached + bisect_left(
+            range(self._reached, last + 1),
+            enough,
+            key=lambda moment: sum(crew.collected(moment) for crew in self._crews),
+        )
         self._stalled += 1
         if reached > self._reached:
             self._reached, self.best_price, self._stalled = reached, price, 0
@@ -157,19 +171,25 @@ class _Ascent:
 
         walks, n = self._visits.shape
         counts = np.array([kind.count for kind in self._walks.kinds], float)
-        owners = csc_matrix((np.arange(len(counts))[:, None] == self._owner).astype(float))
-        rows = vstack([-csc_matrix(self._visits.T), owners])
-        unserved = vstack([-identity(n), csc_matrix((len(counts), n))])
+        is_own = np.arange(len(counts))[:, None] == self._owner
+        limits, most = is_own.astype(float), counts
+        if self._walks.apart > 0.0:
+            # Times beyond the shortest one, of which the vehicles share half of the longest.
+            span = self._walks.apart * (counts[0] - 1.0)
+            beyond = (self._lasting - self._reached) / span + 1.0
+            limits, most = np.vstack([limits, beyond]), np.append(counts, 0.5 * counts[0])
+        rows = vstack([-csc_matrix(self._visits.T), csc_matrix(limits)])
+        unserved = vstack([-identity(n), csc_matrix((len(most), n))])
         found = linprog(
             np.concatenate([np.zeros(walks), np.ones(n)]),
             A_ub=hstack([rows, unserved]).tocsc(),
-            b_ub=np.concatenate([-np.ones(n), counts]),
+            b_ub=np.concatenate([-np.ones(n), most]),
             method='highs-ds',
         )
         if not found.success or found.fun < ROUNDING * n:
             return False
         price, tolls = -found.ineqlin.marginals[:n], -found.ineqlin.marginals[n:]
-        self._forget(found.x[:walks], tolls[self._owner] - self._visits @ price)
+        self._forget(found.x[:walks], tolls @ limits - self._visits @ price)
         pull = self._options.pull if self._stalled < self._options.let_go else 0.0
         mixed = (1.0 - pull) * price / price.max() + pull * self.best_price / self.best_price.max()
         self._price = np.maximum(mixed, 0.0)
@@ -183,3 +203,4 @@ class _Ascent:
         kept = shares > ROUNDING
         kept[np.argsort(reduced, kind='stable')[: int(0.7 * most)]] = True
         self._visits, self._owner = self._visits[kept], self._owner[kept]
+        self._lasting = self._lasting[kept]

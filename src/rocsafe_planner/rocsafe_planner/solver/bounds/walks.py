@@ -132,6 +132,33 @@ def chain_flights(
                 best[t], flown[t] = collected, s
 
 
+@kernel
+def find_corners(values: Floats, corners: Ints) -> int:
+    """Find the corners of the least concave function that is nowhere less than some values.
+
+    Parameters
+    ----------
+    values : (n,)
+        At equal intervals.
+    corners : (n,)
+        Written: the numbers of those at the corners, ascending.
+
+    Returns
+    -------
+    How many there are.
+    """
+    count = 0
+    for i in range(len(values)):
+        while count > 1:
+            a, b = Long(corners[count - 2]), Long(corners[count - 1])
+            if (values[b] - values[a]) * (i - a) > (values[i] - values[a]) * (b - a):
+                break
+            count -= 1
+        corners[count] = i
+        count += 1
+    return count
+
+
 def best_ends(best: Floats, last: Ints, steps: int, most: int) -> tuple[Ints, Ints]:
     """Return last customers and times of the best walks that are done by `steps`."""
     best = best[: steps + 1]

@@ -34,7 +34,7 @@ def tables_of(problem: RoutingProblem) -> Tables:
         last=np.array([nowhere if v.end is None else v.end for v in vehicles], np.int32),
         measure=np.array([v.legs for v in vehicles], np.int32),
         limit_measure=np.array([v.limiting_legs for v in vehicles], np.int32),
-        fixed=np.array([v.fixed_cost for v in vehicles]),
+        fixed=np.array([v.fixed_cost + v.wait_cost for v in vehicles]),
         idle=np.array([v.idle_cost for v in vehicles]),
         limit=limit,
         ability=ability,

@@ -107,6 +107,8 @@ class Vehicle:
     """Which legs of the problem the objective counts."""
     fixed_cost: float = 0.0
     """Cost of a route that serves anybody, besides its legs (climb, descent)."""
+    wait_cost: float = 0.0
+    """Cost of a route that serves anybody, for waits for other routes; see `RoutingProblem`."""
     idle_cost: float = 0.0
     """Cost of a route that serves nobody (a vehicle that must fly home)."""
     limit: float = np.inf
@@ -116,7 +118,7 @@ class Vehicle:
 
     def __post_init__(self) -> None:
         """Refuse wrong costs and limits."""
-        for name in ('fixed_cost', 'idle_cost', 'limit'):
+        for name in ('fixed_cost', 'wait_cost', 'idle_cost', 'limit'):
             value = getattr(self, name)
             if not value >= 0 or (name != 'limit' and not np.isfinite(value)):
                 raise ValueError(f'{name} is {value}: it must be finite and not negative')
@@ -148,6 +150,9 @@ class RoutingProblem:
     allowed: BoolArray | None = None
     """(vehicles, customers) who may serve whom; none: anybody."""
     objective: str = 'max'
+    apart: float = 0.0
+    """What routes wait for each other: k routes at least k (k - 1) / 2 times this, all together.
+    Bounds count it; the cost of a route has its `wait_cost` instead."""
 
     def __post_init__(self) -> None:
         """Refuse parts that do not fit together."""
@@ -267,7 +272,7 @@ def route_cost(problem: RoutingProblem, vehicle: int, route: Sequence[int]) -> f
     who = problem.vehicles[vehicle]
     if not route:
         return who.idle_cost
-    return who.fixed_cost + path_cost(problem, who.legs, who, route)
+    return who.fixed_cost + who.wait_cost + path_cost(problem, who.legs, who, route)
 
 
 def route_load(problem: RoutingProblem, vehicle: int, route: Sequence[int]) -> float:
