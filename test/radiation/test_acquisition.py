@@ -6,6 +6,7 @@ import os
 import pty
 import socket
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,6 +19,7 @@ from rocsafe_radiation.acquisition.line_format import (
 )
 from rocsafe_radiation.acquisition.line_source import DatagramSource, SerialSource
 from rocsafe_radiation.errors import DetectorLostError
+from rocsafe_radiation.readings.survey import LocalReading, survey_of
 
 NOW_S = 1_767_225_600.0
 START = (47.0, 8.0, 500.0)
@@ -80,6 +82,37 @@ def test_counts_become_a_dose_rate_by_the_sensitivity():
         name='x', columns=columns('count_rate 1/min'), window_s=1.0, sensitivity_cps_per_usvh=10.0
     )
     assert by_minute.measurement('600').dose_rate_usvh == pytest.approx(1.0)
+
+
+def test_dark_counts_are_no_dose_rate():
+    """Neither in a line nor in the survey of many: a tube over 0.10 uSv/h."""
+    kind = LineFormat(
+        name='tube',
+        columns=columns('counts'),
+        window_s=1.0,
+        sensitivity_cps_per_usvh=2.5,
+        dark_rate_cps=0.2,
+    )
+    assert kind.measurement('0').dose_rate_usvh == 0.0
+    two = kind.measurement('2')
+    assert (two.dose_rate_usvh, two.live_time_s) == (pytest.approx(0.72), 1.0)
+    assert two.dose_rate_std_usvh == pytest.approx(math.sqrt(2.0) / 2.5)
+    counts = np.random.default_rng(1).poisson(0.45, 10_000)
+    lines = [kind.measurement(str(count)) for count in counts.tolist()]
+    survey = survey_of(
+        [
+            LocalReading(
+                position_enu_m=(0.0, 0.0, 30.0),
+                dose_rate_usvh=one.dose_rate_usvh,
+                dose_rate_std_usvh=one.dose_rate_std_usvh,
+                counts=one.counts,
+                live_time_s=one.live_time_s,
+            )
+            for one in lines
+        ]
+    )
+    level = survey.net_counts.sum() / survey.exposures.sum()
+    assert level == pytest.approx((counts.mean() - 0.2) / 2.5)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@
 import itertools
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,11 @@ import rasterio
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
+from rocsafe_radiation.command_line.file_survey import file_survey
+from rocsafe_radiation.command_line.localize_arguments import parser
 from rocsafe_radiation.command_line.localize_command import main
 from rocsafe_radiation.readings.readings_file import ReadingsFileError, read_readings
+from rocsafe_radiation.readings.survey import survey_of
 
 from .simulated_survey import survey
 
@@ -369,3 +373,70 @@ def test_notes_are_part_of_the_json(table, capsys):
     assert main([str(table(text)), '--json', '--ground', '66']) == 0
     (note,) = json.loads(capsys.readouterr().out)['notes']
     assert note == '1 rows left out: a place at 0, 0 (line 444)'
+
+
+@pytest.mark.parametrize(
+    ('lines', 'words'),
+    [
+        (['# of a detector', '', 'sep=,'], ''),
+        (['50,"rav1,53.28,-9.06,98.0,0.1'], 'a quotation mark before line'),
+        (['latitude;longitude'], "in its first line: 'latitude, longitude'"),
+    ],
+)
+def test_what_stands_above_the_names_of_columns_is_passed_over_or_refused(table, lines, words):
+    """Comments, empty lines and a line of Excel; not a quotation mark that takes all rows in."""
+    rows = ''.join(ROW.format(number, number) for number in range(20))
+    is_after = words.startswith('a quotation')
+    above = ''.join(f'{line}\n' for line in lines)
+    path = table(HEAD + above + rows if is_after else above + HEAD + rows)
+    if words:
+        with pytest.raises(ReadingsFileError, match=re.escape(words)):
+            read_readings(path)
+    else:
+        bad = read_readings(table(above + HEAD + 'x\n' + rows)).dropped
+        assert [*bad.values()] == [(len(lines) + 2,)]
+
+
+def caveats_of(path, *options):
+    """Return why the readings of a file prove nothing."""
+    given = parser().parse_args([str(path), *options])
+    return file_survey(read_readings(path, ground_altitude_m=given.ground), given).caveats
+
+
+COUNTED = 'time_ns,vehicle,east_m,north_m,up_m,dose_rate_usvh,counts,live_time_s\n'
+
+
+def counted(counts, unit=550.0, east=lambda k: k):
+    """Return rows of counts and their dose rates."""
+    return COUNTED + ''.join(
+        f'{k},a,{east(k)},0,30,{count / unit},{count},1\n' for k, count in enumerate(counts)
+    )
+
+
+def test_readings_that_prove_nothing_say_why(table):
+    """A detector read five times a count, a wrong unit, and rows that may be the right ones."""
+    drawn = np.random.default_rng(1).poisson(55.0, 100).tolist()
+    assert caveats_of(table(counted(drawn))) == ()
+    (repeated,) = caveats_of(table(counted(np.repeat(drawn, 5).tolist())))
+    assert 'counts are those before again' in repeated
+    (unit,) = caveats_of(table(counted(drawn, 550_000.0)))
+    assert 'is below that of nature' in unit
+    (far,) = caveats_of(table(counted(drawn, east=lambda k: k + 5e4 * (k % 5 < 2))))
+    assert '40 of 100 rows are left out, or the others are wrong' in far
+    assert caveats_of(table(counted(drawn, east=lambda k: k + 5e4 * (k % 5 < 1)))) == ()
+
+
+def test_a_lowest_altitude_that_no_climb_leads_to_is_no_ground(table, capsys):
+    """As of a fix without an altitude, 0."""
+    rows = ''.join(f'{k},rav1,53.28,-9.{k:04d},430.0,0.1\n' for k in range(600, 700))
+    path = str(table(HEAD + '1,rav1,53.28,-9.065,0.0,0.1\n' + rows))
+    assert main([path]) == 2
+    assert 'with a gap in between' in capsys.readouterr().err
+
+
+def test_counts_that_are_no_number_leave_the_dose_rate(table):
+    """They are not 0 counts."""
+    rows = ''.join(f'{k},a,{k},0,30,0.1,{"nan" if k % 2 else 55},1\n' for k in range(20))
+    readings = read_readings(table(COUNTED + rows))
+    survey = survey_of(readings.observations)
+    assert (survey.net_counts / survey.exposures) == pytest.approx(0.1)

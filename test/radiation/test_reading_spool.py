@@ -94,3 +94,19 @@ def test_a_log_takes_what_is_of_use_and_each_once():
         assert not log.add(useless)
     assert len(log) == 1
     assert log.vehicles == ('rav1',)
+
+
+def test_a_detector_that_dies_in_flight_proves_nothing_from_then_on():
+    """Its counts are left out, and the survey says so; if none lives, all are kept."""
+    log = ReadingLog(GeoPosition(53.28, -9.06, 66.0))
+    dead = {'counts': 0.0, 'dose_rate_usvh': 0.0}
+    for number in range(20):
+        log.add(reading(number, **(dead if number >= 10 else {})))
+    survey = log.survey()
+    assert survey.size == 10
+    assert survey.counts.min() == 55.0
+    assert '10 readings are of a dead detector' in survey.caveats[0]
+    log = ReadingLog(GeoPosition(53.28, -9.06, 66.0))
+    for number in range(20):
+        log.add(reading(number, **dead))
+    assert log.survey().size == 20

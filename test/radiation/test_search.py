@@ -19,6 +19,7 @@ from rocsafe_radiation.localization.estimates import Localization, SourceEstimat
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.localize import localize
 from rocsafe_radiation.physics.kernel import Kernel
+from rocsafe_radiation.readings.row_checks import dead_caveats
 
 from .simulated_survey import LOSSLESS, survey
 
@@ -149,8 +150,8 @@ def test_a_survey_is_enough_when_number_and_place_are_sure():
         '1 source, placed within 6.0 m (95 %): 5 m are wanted',
     )
     assert not rule.verdict(found(4.0, (0.0, 0.9, 0.1)), evidence).is_enough
-    unread = dataclasses.replace(found(4.0, (0.0, 1.0)), unread_count=9)
-    assert rule.verdict(unread, evidence).reason == '9 readings are of a dead detector: no proof'
+    unread = dataclasses.replace(found(4.0, (0.0, 1.0)), caveats=dead_caveats(9))
+    assert rule.verdict(unread, evidence).reason.startswith('9 readings are of a dead detector')
     with pytest.raises(ValueError, match='false_alarm = 0'):
         StoppingRule(false_alarm=0.0)
 

@@ -86,7 +86,7 @@ class LineMeasurement:
     window_s
         Length of the window; 0: not told.
     live_time_s
-        Window less dead time; NaN: not told.
+        Window less dead time, as far as this is told; NaN: it does not count.
     is_saturated
         Whether the dose rate is only a lower limit.
     """
@@ -120,6 +120,8 @@ class LineFormat:
         Length of a window where no column tells it; 0: not known.
     sensitivity_cps_per_usvh
         Counts a second for each uSv/h; needed where only counts are told; 0: not known.
+    dark_rate_cps
+        Counts a second without radiation, which are no dose where only counts are told.
     relative_std
         Standard deviation as a share of the dose rate, where neither it nor counts are told.
     saturation_usvh
@@ -133,11 +135,15 @@ class LineFormat:
     comment: str = '#'
     window_s: float = 0.0
     sensitivity_cps_per_usvh: float = 0.0
+    dark_rate_cps: float = 0.0
     relative_std: float = 0.0
     saturation_usvh: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ('window_s', 'sensitivity_cps_per_usvh', 'relative_std', 'saturation_usvh'):
+        for name in (
+            'window_s', 'sensitivity_cps_per_usvh', 'dark_rate_cps', 'relative_std',
+            'saturation_usvh',
+        ):  # fmt: skip
             if not 0.0 <= getattr(self, name) < math.inf:
                 raise ValueError(f'{name} is {getattr(self, name)}: must be at least 0')
         told = self.quantities
@@ -179,6 +185,7 @@ class LineFormat:
         window_s = values.get('window', self.window_s)
         counts = values.get('counts', round(values.get('count_rate', 0.0) * window_s))
         rate_usvh, std_usvh = self._dose_rate_usvh(values, counts, window_s)
+        does_count = window_s > 0.0 and bool({'counts', 'count_rate'} & values.keys())
         is_over = 0.0 < self.saturation_usvh <= rate_usvh
         return LineMeasurement(
             clock_s=values.get('unix_time', values.get('uptime')),
@@ -186,7 +193,7 @@ class LineFormat:
             dose_rate_std_usvh=std_usvh,
             counts=int(counts),
             window_s=window_s,
-            live_time_s=values.get('live_time', math.nan),
+            live_time_s=values.get('live_time', window_s if does_count else math.nan),
             is_saturated=is_over or bool(values.get('saturated', 0.0)),
         )
 
@@ -205,11 +212,11 @@ class LineFormat:
         """Return the dose rate and its standard deviation, uSv/h."""
         per_usvh, live_s = self.sensitivity_cps_per_usvh, values.get('live_time', window_s)
         if 'dose_rate' in values:
-            rate_usvh = values['dose_rate']
-        elif 'count_rate' in values:
-            rate_usvh = values['count_rate'] / per_usvh
-        elif live_s > 0.0:
-            rate_usvh = counts / live_s / per_usvh
+            told_usvh = rate_usvh = values['dose_rate']
+        elif 'count_rate' in values or live_s > 0.0:
+            rate_cps = values['count_rate'] if 'count_rate' in values else counts / live_s
+            told_usvh = rate_cps / per_usvh
+            rate_usvh = max(0.0, rate_cps - self.dark_rate_cps) / per_usvh
         else:
             raise LineError('no time: the window is 0 s long')
         if 'dose_rate_std' in values:
@@ -217,7 +224,7 @@ class LineFormat:
         if self.relative_std:
             return rate_usvh, self.relative_std * rate_usvh
         if counts:
-            return rate_usvh, rate_usvh / math.sqrt(counts)
+            return rate_usvh, told_usvh / math.sqrt(counts)
         # No count: up to about one may have been missed.
         known = per_usvh > 0.0 and live_s > 0.0
         return rate_usvh, 1.0 / live_s / per_usvh if known else rate_usvh

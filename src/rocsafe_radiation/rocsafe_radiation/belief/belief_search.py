@@ -11,7 +11,7 @@ cell.
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,6 +72,8 @@ def believe(
         With too few readings.
     """
     require_enough(survey)
+    height_m = np.array([survey.height_m(options.source_up_m)])
+    options = replace(options, kernel=options.kernel.at_heights(height_m))
     grid = _Grid.over(survey, options.source_up_m)
     names = list(agents) if len(agents) == survey.size else ['all'] * survey.size
     beliefs = _beliefs(survey, options, grid, names, smallest_usvh)
@@ -128,7 +130,7 @@ def _beliefs(
     """Return the grid of each agent."""
     prior: FloatArray = np.full(grid.shape, min(0.1, EXPECTED_SOURCES / math.prod(grid.shape)))
     beliefs = {name: BeliefGrid(prior, name) for name in dict.fromkeys(names)}
-    background = survey.exposures * _median_level_usvh(survey)
+    background = survey.exposures * _median_level_usvh(survey) + survey.dark_counts
     height = survey.height_m(options.source_up_m)
     # A source at the edge of a cell gives the weakest signal.
     square = np.array([height**2 + 0.5 * grid.cell_m**2])
@@ -150,7 +152,7 @@ def _beliefs(
 
 def _median_level_usvh(survey: RadiationSurvey) -> float:
     """Return the median rate as background: sources raise fewer than half of the readings."""
-    return max(float(np.median(survey.counts / survey.exposures)), 1e-6)
+    return max(float(np.median(survey.net_counts / survey.exposures)), 1e-6)
 
 
 def poisson_below(limits: FloatArray, means: FloatArray) -> FloatArray:
@@ -221,7 +223,7 @@ def _source(
     centres = np.array(grid.corner_m) + cells[:, ::-1] * grid.cell_m
     below = grid.cells(survey.positions_enu_m[:, :2])
     own = np.array([cell in set(cluster) for cell in below])
-    excess = np.maximum(survey.counts / survey.exposures - _median_level_usvh(survey), 0.0)
+    excess = np.maximum(survey.net_counts / survey.exposures - _median_level_usvh(survey), 0.0)
     weights = np.where(own, excess, 0.0)
     places = survey.positions_enu_m[:, :2]
     centre = np.average(places, axis=0, weights=weights) if weights.any() else centres.mean(axis=0)
@@ -257,7 +259,7 @@ def _strength(
     kernel: Kernel = options.kernel
     squares = ((survey.positions_enu_m - place) ** 2).sum(axis=1)
     added = survey.exposures * kernel.values(squares)
-    excess = survey.counts - survey.exposures * _median_level_usvh(survey)
+    excess = survey.net_counts - survey.exposures * _median_level_usvh(survey)
     reach = PEAK_HEIGHTS * survey.height_m(options.source_up_m)
     near = squares <= squares.min() + reach**2
     weights = near * added / np.maximum(survey.counts, 1.0)
@@ -283,7 +285,6 @@ def _localization(
         dispersion=0.0,
         rho=0.0,
         is_structured=False,
-        is_ground_guessed=survey.is_ground_guessed,
-        unread_count=survey.unread_count,
+        caveats=survey.caveats,
         method=BELIEF_METHOD,
     )

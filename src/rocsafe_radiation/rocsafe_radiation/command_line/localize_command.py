@@ -2,16 +2,13 @@
 """The command `localize`: sources from a survey file, without ROS."""
 
 import argparse
-import dataclasses
 import json
-import math
 import sys
 from collections.abc import Sequence
 
 import numpy as np
 
-from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.solids.ground_heights import ShiftedHeights, read_heights, shift_to_m
+from rocsafe_radiation.command_line.file_survey import file_survey
 from rocsafe_radiation.command_line.localize_arguments import AUTO, parser
 from rocsafe_radiation.decision.stopping import StoppingRule
 from rocsafe_radiation.decision.waypoint_choice import Waypoint
@@ -35,23 +32,10 @@ from rocsafe_radiation.products.source_document import (
     place_of,
     source_document,
 )
-from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
-from rocsafe_radiation.readings.readings_file import (
-    DEAD,
-    ReadingsFile,
-    ReadingsFileError,
-    read_readings,
-)
-from rocsafe_radiation.readings.spectral_window import background_shape
-from rocsafe_radiation.readings.survey import RadiationSurvey, survey_of
+from rocsafe_radiation.readings.readings_file import ReadingsFile, read_readings
 
 EXIT_OK, EXIT_REFUSED = 0, 2
 MOST_LINES_NAMED = 5
-# A file whose readings rise less above the lowest one does not begin on the ground.
-LEAST_CLIMB_M = 5.0
-# Nor does one that rises by less than so many times the median deviation of its altitudes: the
-# lowest of 10 000 readings with Gaussian errors lies 6 of them below the median.
-LEAST_CLIMB_SPREADS = 9.0
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -61,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         readings = read_readings(options.file, options.height, options.ground)
         notes = _notes(readings)
-        survey = _survey(readings, options)
+        survey = file_survey(readings, options)
         assessment = assess(survey, _options(options, readings), largest_cells=LARGEST_CELLS)
         if options.out is not None:
             write_products(options.out, assessment, readings.frame)
@@ -109,71 +93,6 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
         ),
         levels_usvh=tuple(options.levels or DEFAULT_LEVELS_USVH),
     )
-
-
-def _survey(readings: ReadingsFile, options: argparse.Namespace) -> RadiationSurvey:
-    if not options.sensitivity > 0.0 and any(
-        math.isnan(one.dose_rate_usvh) for one in readings.observations
-    ):
-        raise ReadingsFileError(
-            f'{options.file}: has counts without dose rates: --sensitivity must tell the counts a '
-            'second for 1 uSv/h'
-        )
-    survey = survey_of(readings.observations, options.sensitivity)
-    survey = dataclasses.replace(survey, unread_count=len(readings.dropped.get(DEAD, ())))
-    if survey.size and not options.terrain and readings.is_ground_guessed:
-        _require_climb(survey)
-        survey = dataclasses.replace(survey, is_ground_guessed=True)
-    if survey.size and options.terrain:
-        survey = dataclasses.replace(survey, ground=_ground(readings, survey, options))
-    if survey.size:
-        _require_above_ground(survey)
-    reference = np.array(readings.reference_counts, np.float64)
-    if not reference.sum() > 0.0:
-        return survey
-    shape = background_shape(survey.positions_enu_m, reference)
-    return dataclasses.replace(survey, background_shape=shape)
-
-
-def _ground(
-    readings: ReadingsFile, survey: RadiationSurvey, options: argparse.Namespace
-) -> Ground:
-    """Return the ground of ``--terrain``.
-
-    Raises
-    ------
-    GroundError
-        In one line, if there is none.
-    """
-    if readings.frame is None:
-        raise GroundError('--terrain needs places in degrees: the file has east_m and north_m')
-    try:
-        heights = read_heights(options.terrain)
-        known = [GeoPosition(*place) for place in options.terrain_at]
-        shifted = ShiftedHeights(heights=heights, shift_m=shift_to_m(heights, known))
-    except ValueError as error:
-        raise GroundError(str(error)) from error
-    return ground_over(shifted, readings.frame, survey.positions_enu_m[:, :2])
-
-
-def _require_climb(survey: RadiationSurvey) -> None:
-    climb_m = float(np.median(survey.heights_m))
-    spread_m = float(np.median(np.abs(survey.heights_m - climb_m)))
-    least_m = max(LEAST_CLIMB_M, LEAST_CLIMB_SPREADS * spread_m)
-    if climb_m < least_m:
-        raise GroundError(
-            f'the ground is not known: the lowest reading is only {climb_m:.1f} m below the '
-            f'median, {least_m:.1f} m show a take-off; give --ground or --terrain'
-        )
-
-
-def _require_above_ground(survey: RadiationSurvey) -> None:
-    height_m = float(np.median(survey.heights_m))
-    if height_m <= 0.0:
-        raise GroundError(
-            f'the readings are {-height_m:.1f} m below the ground: must be above; give --ground '
-            'in the datum of the file, or with --terrain a place of known altitude by --terrain-at'
-        )
 
 
 def _advice(

@@ -83,9 +83,11 @@ def sequential_evidence(
     kernel = grid_kernel(survey, setting, grid)
     shape = np.ones(survey.size) if survey.background_shape is None else survey.background_shape
     natural = survey.exposures * shape
-    level = _level(survey, natural)
+    mean = max(float(survey.net_counts.sum() / natural.sum()), 1e-9)
+    dark = np.broadcast_to(survey.dark_counts, survey.size)
+    level = float(_levels(survey, dark[None], natural, mean)[0])
     strengths = smallest_usvh * np.geomspace(1.0, 10.0**DECADES, STRENGTHS)
-    logs = np.stack([_log_ratios(survey, kernel * s, natural, level) for s in strengths])
+    logs = np.stack([_log_ratios(survey, kernel * s + dark, natural, level) for s in strengths])
     return SequentialEvidence(
         log_ratio=_log_mean(logs),
         log_ratio_smallest=_log_mean(logs[0]),
@@ -101,18 +103,10 @@ def _within(grid: FloatArray, survey: RadiationSurvey) -> FloatArray:
     return grid[inside] if inside.any() else grid
 
 
-def _level(survey: RadiationSurvey, natural: FloatArray) -> float:
-    """Return the background without a source, uSv/h: the mean, by maximum likelihood."""
-    return max(float(survey.counts.sum() / natural.sum()), 1e-9)
-
-
-def _log_ratios(
+def _levels(
     survey: RadiationSurvey, added: FloatArray, natural: FloatArray, level: float
 ) -> FloatArray:
-    """Return the log likelihood ratio of each place, each hypothesis with its best background.
-
-    `added` are the counts that a source at each place adds, shape (places, n).
-    """
+    """Return the background beside each of `added` (k, n) by maximum likelihood, uSv/h, (k,)."""
     counts = survey.counts
     levels = np.full(len(added), level)
     for _ in range(ROUNDS):
@@ -121,10 +115,20 @@ def _log_ratios(
         slopes = inverse @ (counts * natural) - natural.sum()
         bends = np.square(inverse, out=inverse) @ (counts * natural**2)
         levels = np.maximum(levels + slopes / np.maximum(bends, 1e-300), LOWEST_LEVEL * level)
-    expected = np.outer(levels, natural) + added
-    null = level * natural
+    return levels
+
+
+def _log_ratios(
+    survey: RadiationSurvey, added: FloatArray, natural: FloatArray, level: float
+) -> FloatArray:
+    """Return the log likelihood ratio of each place, each hypothesis with its best background.
+
+    `added` are the counts of a source at each place and dark ones, shape (places, n).
+    """
+    expected = np.outer(_levels(survey, added, natural, level), natural) + added
+    null = level * natural + survey.dark_counts
     excess = expected.sum(axis=1) - null.sum()
-    return np.asarray(np.log(expected / null) @ counts - excess)
+    return np.asarray(np.log(expected / null) @ survey.counts - excess)
 
 
 def _log_mean(logs: FloatArray) -> float:

@@ -61,13 +61,8 @@ class StoppingRule:
 
     def verdict(self, found: Localization, evidence: SequentialEvidence) -> StoppingVerdict:
         """Return whether the number of sources is decided and each is placed well enough."""
-        if found.is_ground_guessed:
-            return StoppingVerdict(is_enough=False, reason='the height of the ground is not given')
-        if found.unread_count:
-            return StoppingVerdict(
-                is_enough=False,
-                reason=f'{found.unread_count} readings are of a dead detector: no proof',
-            )
+        if found.caveats:
+            return StoppingVerdict(is_enough=False, reason=found.caveats[0])
         if not found.is_understood:
             return StoppingVerdict(
                 is_enough=False, reason='sources and background do not explain the readings'

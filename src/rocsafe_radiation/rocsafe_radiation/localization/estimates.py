@@ -91,10 +91,8 @@ class Localization:
         Whether sources and background explain the readings, but for few spikes.
     is_lopsided
         Whether something beside the sources may take part of their dose rate on one side.
-    is_ground_guessed
-        Whether nobody has stated where the ground is.
-    unread_count
-        Readings of a dead detector, which are left out.
+    caveats
+        Why the readings prove nothing, in words.
     method
         Method by which they were found, one of `METHODS`.
     """
@@ -111,20 +109,13 @@ class Localization:
     spike_count: int = 0
     is_understood: bool = True
     is_lopsided: bool = False
-    is_ground_guessed: bool = False
-    unread_count: int = 0
+    caveats: tuple[str, ...] = ()
     method: str = ML_METHOD
 
     @property
     def doubts(self) -> tuple[str, ...]:
         """What differs from counts of sources over a constant background, in words."""
-        found = []
-        if self.is_ground_guessed:
-            found.append('the ground is not given: taken to be as low as the lowest reading')
-        if self.unread_count:
-            found.append(
-                f'{self.unread_count} readings are of a dead detector: nothing is known there'
-            )
+        found = [*self.caveats]
         if self.is_lopsided:
             found.append('something beside the sources may take part of their dose rate')
         if self.is_structured:

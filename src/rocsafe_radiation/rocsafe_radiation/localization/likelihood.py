@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The likelihood of counts given sources and background, its maximum and its evidence.
 
-Expected counts m = x (b + sum of s_k g(d_k) f_k), with the exposure x, the kernel g and the
-background
+Expected counts m = x (b + sum of s_k g(d_k) f_k) + z, with the exposure x, dark counts z, the
+kernel g and the background
 
     b = exp(c0 + ch (h0 - h) / 120 m + cx e + cy n + sum of c_j phi_j)
 
@@ -143,7 +143,8 @@ class Likelihood:
                 shades = sources[:, SOURCE_PARAMETERS:]
                 values = values * left(paths(offsets, np.sqrt(squares), shades))
             rates = rates + np.exp(sources[:, STRENGTH]) @ values
-        return np.asarray(np.maximum(self.survey.exposures * rates, SMALLEST_COUNTS))
+        counts = self.survey.exposures * rates + self.survey.dark_counts
+        return np.asarray(np.maximum(counts, SMALLEST_COUNTS))
 
     def weights(self, parameters: FloatArray) -> FloatArray:
         """Return the share of the variance of each reading that is that of its counts, (n,)."""
@@ -158,7 +159,7 @@ class Likelihood:
         extra = setting.position_std_m**2 * (slopes * slopes).sum(axis=0)
         extra += (setting.rho * added) ** 2
         natural = self.survey.exposures * self.background_usvh(parameters)
-        expected = np.maximum(natural + added, SMALLEST_COUNTS)
+        expected = np.maximum(natural + added + self.survey.dark_counts, SMALLEST_COUNTS)
         return np.asarray(expected / (expected + extra))
 
     def objective(self, parameters: FloatArray, weights: FloatArray | None = None) -> float:
@@ -288,7 +289,7 @@ class Likelihood:
                     slopes[rows, columns] = -parts[:, axis].sum(axis=0)[:, None]
             self.survey.ground.follow(parts, sources)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
-        expected = np.maximum(exposures * rates, SMALLEST_COUNTS)
+        expected = np.maximum(exposures * rates + self.survey.dark_counts, SMALLEST_COUNTS)
         return slopes * exposures[:, None], expected
 
     def _source_slopes(self, parameters: FloatArray) -> FloatArray:

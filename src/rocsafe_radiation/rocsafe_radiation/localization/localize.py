@@ -109,7 +109,7 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     merged = survey.merged(cell_m, options.search.most_readings)
     require_enough(merged)
     setting = Setting(
-        kernel=options.kernel.at_height(survey.height_m(options.source_up_m)),
+        kernel=options.kernel.at_heights(merged.heights_m - options.source_up_m),
         source_up_m=options.source_up_m,
         source_up_std_m=options.source_up_std_m,
         position_std_m=options.position_std_m,
@@ -151,16 +151,16 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         _estimate(best, source, covariance[own, own])
         for source, own in zip(means, _blocks(len(means)), strict=True)
     ]
-    background = likelihood.background_usvh(fit.parameters)
+    rates = likelihood.background_usvh(fit.parameters)
+    background_usvh = float(np.average(rates, weights=likelihood.survey.exposures))
     level_std = math.sqrt(min(fit.covariance[0, 0], 100.0))
     return Localization(
         sources=tuple(sorted(estimates, key=lambda one: one.detection_llr, reverse=True)),
         order_probabilities=found.probabilities(),
-        background_usvh=float(background.mean()),
-        background_std_usvh=float(background.mean() * level_std),
+        background_usvh=background_usvh,
+        background_std_usvh=background_usvh * level_std,
         reading_count=survey.size,
-        is_ground_guessed=survey.is_ground_guessed,
-        unread_count=survey.unread_count,
+        caveats=survey.caveats,
         dispersion=dispersion,
         rho=likelihood.setting.rho,
         is_structured=likelihood.setting.background_std > 0.0,

@@ -27,9 +27,9 @@ AMOUNTS, APART, LEAST_GAIN = (0.2, 4.0), 0.5, 2.0
 def without_sources(likelihood: Likelihood) -> Fit:
     """Return the fit of the background alone, begun at the mean of the lowest readings."""
     survey = likelihood.survey
-    rates = survey.counts / survey.exposures
+    rates = survey.net_counts / survey.exposures
     quiet = rates <= np.quantile(rates, QUIET_SHARE)
-    level = float(survey.counts[quiet].sum() / survey.exposures[quiet].sum())
+    level = float(survey.net_counts[quiet].sum() / survey.exposures[quiet].sum())
     start = np.zeros(likelihood.head_size)
     start[:HEAD_SIZE] = HEAD_MEANS
     start[0] = math.log(max(level, 1e-6))

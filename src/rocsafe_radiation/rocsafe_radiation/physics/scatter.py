@@ -7,6 +7,7 @@ dose than of those of the source. Their fluences are tabulated by height and dis
 """
 
 import json
+import math
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -22,12 +23,15 @@ from rocsafe_radiation.physics.photons import (
     dose_per_kerma_sv_gy,
     material,
 )
-from rocsafe_radiation.physics.transmission import STEP_M, air_transmission
+from rocsafe_radiation.physics.transmission import air_transmission
 
 # Energies in keV, ascending, and counts for a dose relative to those for Cs-137.
 Response = tuple[tuple[float, float], ...]
 REFERENCE_NUCLIDE = 'Cs-137'
-COUNTED_REACH_M = 3000.0
+# Steps of distance of tables of counts: counts for a dose change by less than 1 % in one.
+STEP_M = 1.0
+# Distances at a time: their arrays stay in the cache of a core.
+BLOCK = 16384
 
 
 def mean_response(nuclide_name: str, response: Response) -> float:
@@ -61,18 +65,49 @@ def counts_for_dose(
     return np.asarray(near + low * (far - near))
 
 
-@cache
-def counted_table(
-    nuclide_name: str, response: Response, height_m: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return counts at a height by distance, in steps of `STEP_M`, and differences to the next."""
-    distances = np.arange(0.0, COUNTED_REACH_M, STEP_M, dtype=np.float64)
-    heights = np.full_like(distances, height_m)
-    values = air_transmission(nuclide_name, distances)
-    values = values * counts_for_dose(nuclide_name, response, heights, distances)
-    slopes = np.diff(values)
-    slopes[-1] = 0.0
-    return values[:-1], slopes
+@dataclass(frozen=True, slots=True, eq=False)
+class CountedTable:
+    """Counts for a dose at n heights, each by distance in steps of `STEP_M`, linear in between.
+
+    Attributes
+    ----------
+    values
+        Shape (n, steps). The last is that of all farther distances.
+    """
+
+    values: FloatArray
+
+    def at(self, distances_m: FloatArray) -> FloatArray:
+        """Return counts for a dose at distances, shape (..., n)."""
+        rows = np.atleast_2d(distances_m)
+        found = np.empty_like(rows)
+        size = max(1, BLOCK // rows.shape[1])
+        for start in range(0, len(rows), size):
+            block = slice(start, start + size)
+            found[block] = self.at_with_slope(rows[block])[0]
+        return found.reshape(distances_m.shape)
+
+    def at_with_slope(self, distances_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return counts for a dose at distances, shape (..., n), and their derivatives, 1/m."""
+        steps = self.values.shape[1]
+        places = np.minimum(distances_m * (1.0 / STEP_M), steps - 1.001)
+        indices = places.astype(np.intp)
+        places -= indices
+        indices += steps * np.arange(len(self.values))
+        flat = self.values.ravel()
+        values = flat[indices]
+        indices += 1
+        rises = flat[indices] - values
+        return values + places * rises, rises * (1.0 / STEP_M)
+
+
+def counted_table(nuclide_name: str, response: Response, heights_m: FloatArray) -> CountedTable:
+    """Return counts for a dose by distance at heights above the source, shape (n,)."""
+    farthest_m = math.hypot(_table()['distances_m'][-1], _table()['heights_m'][-1])
+    distances = np.arange(0.0, farthest_m + 2.0 * STEP_M, STEP_M, dtype=np.float64)
+    shape = len(heights_m), len(distances)
+    heights, away = np.repeat(heights_m, shape[1]), np.tile(distances, shape[0])
+    return CountedTable(counts_for_dose(nuclide_name, response, heights, away).reshape(shape))
 
 
 @dataclass(frozen=True, slots=True)

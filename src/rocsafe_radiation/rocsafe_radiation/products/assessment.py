@@ -117,13 +117,13 @@ def assess(
     """
     known = options.known
     found, belief = FINDERS[options.method](survey, options, agents)
-    counted = known.kernel.at_height(survey.height_m(known.source_up_m))
-    setting = Setting(kernel=counted, source_up_m=known.source_up_m, rho=found.rho)
     cell_m = 0.25 * survey.height_m(known.source_up_m)
     merged = survey.merged(cell_m, known.search.most_readings)
+    counted = known.kernel.at_heights(merged.heights_m - known.source_up_m)
+    setting = Setting(kernel=counted, source_up_m=known.source_up_m, rho=found.rho)
     evidence = sequential_evidence(merged, setting, options.rule.smallest_usvh)
     lowest = min(options.levels_usvh)
-    dose = dose_map(found, survey, counted, lowest, largest_cells=largest_cells)
+    dose = dose_map(found, survey, known.kernel, lowest, largest_cells=largest_cells)
     return Assessment(
         options=options,
         survey=survey,
@@ -154,7 +154,8 @@ def suggested_waypoints(
         return ()
     if assessment.found.sources:
         exposure = float(np.median(assessment.survey.exposures))
-        counted = known.kernel.at_height(assessment.survey.height_m(known.source_up_m))
+        height_m = np.array([assessment.survey.height_m(known.source_up_m)])
+        counted = known.kernel.at_heights(height_m)
         return next_waypoints(assessment.found, candidates, exposure, counted, count)
     return _doubtful(assessment, count, area)
 

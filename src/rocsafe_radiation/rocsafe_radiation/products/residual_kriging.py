@@ -47,11 +47,13 @@ def residual(
     """Return the residual at all nodes, None where readings agree with the estimate."""
     sources = np.array([source.position_enu_m for source in found.sources]).reshape(-1, 3)
     above = sources[:, 2] - survey.ground.ups_at(sources[:, :2])
-    height = survey.height_m(float(np.median(above)) if len(above) else 0.0)
+    source_up_m = float(np.median(above)) if len(above) else 0.0
+    height = survey.height_m(source_up_m)
     thin = survey.merged(0.25 * height, MOST_READINGS)
-    expected = thin.exposures * _rates_usvh(found, thin, kernel)
+    counted = kernel.at_heights(thin.heights_m - source_up_m)
+    expected = thin.exposures * _rates_usvh(found, thin, counted) + thin.dark_counts
     values = np.log((thin.counts + 0.5) / (expected + 0.5))
-    excess = np.maximum(expected - thin.exposures * found.background_usvh, 0.0)
+    excess = np.maximum(expected - thin.exposures * found.background_usvh - thin.dark_counts, 0.0)
     noise = 1.0 / (expected + 0.5) + (found.rho * excess / (expected + 0.5)) ** 2
     misfit = float((values**2 / noise).sum() - thin.size) / np.sqrt(2.0 * thin.size)
     sill = float(((values**2 - noise) / noise).sum() / (1.0 / noise).sum())

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Readings of a running flight, each once."""
 
+import itertools
 import math
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.ground_heights import GroundHeights
 from rocsafe_radiation.readings.ground import LEVEL, ground_over
+from rocsafe_radiation.readings.row_checks import dead, dead_caveats
 from rocsafe_radiation.readings.survey import LocalReading, RadiationSurvey, survey_of
 
 
@@ -108,8 +112,14 @@ class ReadingLog:
         return True
 
     def survey(self) -> RadiationSurvey:
-        """Return all readings so far, over the ground as far as it is known."""
-        survey = survey_of(tuple(self._observations.values()), self._sensitivity)
+        """Return all readings so far but those of a dead detector, over the ground if known."""
+        observations = tuple(self._observations.values())
+        amounts = np.array([one.counts + one.dose_rate_usvh for one in observations], np.float64)
+        are_dead = dead(self.vehicles, amounts)
+        if are_dead.any() and not are_dead.all():
+            observations = tuple(itertools.compress(observations, ~are_dead))
+        survey = survey_of(observations, self._sensitivity)
+        survey = replace(survey, caveats=dead_caveats(int(are_dead.sum())))
         if self._heights is None or self.frame is None or not survey.size:
             return survey
         places = survey.positions_enu_m[:, :2]

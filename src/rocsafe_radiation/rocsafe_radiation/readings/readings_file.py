@@ -54,8 +54,10 @@ HEADER, FIELDS, FAR, DEAD, UNIT = (
     'counts and dose rate that do not agree as in the others: another unit',
 )
 # So many dose rates among those of another size are no accident.
-FEWEST_JUMPS, MOST_LINES_NAMED = 5, 5
+FEWEST_JUMPS, MOST_LINES_NAMED, LONGEST_SHOWN = 5, 5, 60
 SEPARATORS = ';\t,'
+# Lines above the names of the columns begin so: comments, and what Excel writes.
+NO_NAMES = ('#', 'sep=')
 ENCODINGS = ('utf-8-sig', 'cp1252')
 
 
@@ -138,15 +140,16 @@ def read_readings(
     try:
         require_file(path)
         with path.open(encoding=_encoding(path), newline='') as stream:
-            head = stream.readline()
+            head, above = stream.readline(), 1
+            while head and (not head.strip() or head.startswith(NO_NAMES)):
+                head, above = stream.readline(), above + 1
             separator = max(SEPARATORS, key=head.count)
             names = next(csv.reader([head], delimiter=separator), [])
             table = csv.DictReader(stream, [name.strip() for name in names], delimiter=separator)
             columns = _columns(path, table.fieldnames or (), height_m)
             rows = _Rows(columns, height_m)
             for row in table:
-                # The row of names was read before.
-                rows.add(row, table.line_num + 1)
+                rows.add(row, table.line_num + above)
     except OSError as error:
         raise ReadingsFileError(f'{path}: cannot be read: {error.strerror}') from error
     except (UnicodeDecodeError, csv.Error) as error:
@@ -180,7 +183,8 @@ def _columns(path: Path, names: Sequence[str], height_m: float) -> _Columns:
     )
     if place is None:
         raise ReadingsFileError(
-            f'{path}: has no columns latitude_deg and longitude_deg, nor east_m and north_m'
+            f'{path}: has no columns latitude_deg and longitude_deg, nor east_m and north_m, in '
+            f'its first line: {", ".join(names)[:LONGEST_SHOWN]!r}'
         )
     up = 'altitude_m' if place == GEODETIC_COLUMNS else 'up_m'
     if up not in known and not math.isfinite(height_m):
@@ -235,6 +239,8 @@ class _Rows:
         if not reason and _number(row.get('saturated')) > 0.0:
             reason = SATURATED
         if isinstance(values, str) or reason:
+            if any('\n' in str(field) for field in row.values()):
+                raise csv.Error(f'a quotation mark before line {line} is not closed')
             self.dropped[reason].append(line)
             return
         seen.add(stamp)
@@ -263,9 +269,6 @@ def _checked(path: Path, rows: _Rows, ground_altitude_m: float) -> ReadingsFile:
     table, columns = rows.table(), rows.columns
     is_geodetic = columns.place == GEODETIC_COLUMNS
     rates, counts, live_s = table[:, 3], table[:, 5], table[:, 6]
-    is_far = far(table[:, :2], is_geodetic)
-    is_dead = dead(rows.vehicles, counts + np.nan_to_num(rates)) & ~is_far
-    is_other = of_other_units(rows.vehicles, counts, live_s, rates) & ~(is_far | is_dead)
     if not columns.has_counts:
         jumps = jumping(rows.vehicles, rates)
         if jumps.sum() >= FEWEST_JUMPS:
@@ -273,10 +276,15 @@ def _checked(path: Path, rows: _Rows, ground_altitude_m: float) -> ReadingsFile:
                 f'{path}: {jumps.sum()} dose rates are 300 times those beside them or a 300th '
                 f'(lines {rows.named(jumps)}): several units in one column'
             )
-    for reason, is_wrong in ((FAR, is_far), (DEAD, is_dead), (UNIT, is_other)):
-        if is_wrong.any():
-            rows.dropped[reason] += [rows.lines[k] for k in np.flatnonzero(is_wrong)]
-    kept = ~(is_far | is_dead | is_other)
+    kept = np.ones(len(table), dtype=bool)
+    for reason, are_wrong in (
+        (FAR, far(table[:, :2], is_geodetic)),
+        (DEAD, dead(rows.vehicles, counts + np.nan_to_num(rates))),
+        (UNIT, of_other_units(rows.vehicles, counts, live_s, rates)),
+    ):
+        if (are_wrong & kept).any():
+            rows.dropped[reason] += [rows.lines[k] for k in np.flatnonzero(are_wrong & kept)]
+        kept &= ~are_wrong
     table, times_s = table[kept], np.array(rows.times_s)[kept]
     vehicles = list(itertools.compress(rows.vehicles, kept))
     if not columns.up:
@@ -325,7 +333,7 @@ def _values(row: Row, columns: _Columns, height_m: float) -> tuple[float, ...] |
         rate,
         std,
         counts if counted else 0.0,
-        live_s,
+        live_s if counted else math.nan,
         reference,
     )
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+from rocsafe_radiation.readings.calibration import calibration_of
 
 # No detector reads more, no vehicle of a survey flies higher or farther.
 RANGES = {
@@ -29,6 +30,9 @@ FAR_MEDIANS, FAR_M = 20.0, 1000.0
 # So many readings in a row without a single count show a detector that is switched off or broken,
 # if half of the others have so many counts.
 FEWEST_EMPTY, FEWEST_COUNTS = 8, 5.0
+# Probability that two readings in a row have equal counts, of so many; less of more. That of the
+# difference 0 of two Poisson numbers (Skellam 1946).
+ALIKE_BY_CHANCE = 0.128
 # Units of dose rates differ by 1000 or more; responses of one detector differ by less than this.
 LARGEST_RATIO = 300.0
 # Lesser steps, beside a true source, for each one of such a ratio.
@@ -71,12 +75,30 @@ def dead(vehicles: Sequence[str], amounts: FloatArray) -> BoolArray:
         Counts, or the dose rate where the detector does not count.
     """
     found = np.zeros(len(amounts), dtype=bool)
-    for rows in _by_vehicle(vehicles):
+    for rows in rows_by_vehicle(vehicles):
         own = amounts[rows]
         others = own[own > 0.0]
         if not others.size or np.median(others) >= FEWEST_COUNTS:
             found[rows] = _in_long_runs(own == 0.0)
     return found
+
+
+def dead_caveats(count: int) -> tuple[str, ...]:
+    """Return what is to be said of so many readings of a dead detector."""
+    return (f'{count} readings are of a dead detector: nothing is known there',) if count else ()
+
+
+def repeat_caveats(vehicles: Sequence[str], counts: FloatArray) -> tuple[str, ...]:
+    """Return what is to be said of counts (n,) that are more often those before than by chance."""
+    repeats = 0
+    for rows in rows_by_vehicle(vehicles):
+        own = counts[rows]
+        alike, by_chance = int((np.diff(own) == 0.0).sum()), ALIKE_BY_CHANCE * len(own)
+        if np.median(own) >= FEWEST_COUNTS and alike > by_chance + 5.0 * by_chance**0.5:
+            repeats += alike
+    if not repeats:
+        return ()
+    return (f'{repeats} counts are those before again: the detector is read too often, or stuck',)
 
 
 def of_other_units(
@@ -87,14 +109,15 @@ def of_other_units(
     All arrays have shape (n,). Rows without counts or without a dose rate agree with all.
     """
     found = np.zeros(len(counts), dtype=bool)
-    with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-        responses = np.log(counts / (live_s * rates))
-    known = np.isfinite(responses)
-    for rows in _by_vehicle(vehicles):
-        own = rows[known[rows]]
-        if own.size:
-            misses = responses[own] - np.median(responses[own])
-            found[own] = np.abs(misses) > math.log(LARGEST_RATIO)
+    for rows in rows_by_vehicle(vehicles):
+        own = counts[rows], live_s[rows], rates[rows]
+        dark_cps = calibration_of(*own).dark_rate_cps
+        with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
+            responses = np.log((own[0] / own[1] - dark_cps) / own[2])
+        known = np.isfinite(responses)
+        if known.any():
+            misses = responses[known] - np.median(responses[known])
+            found[rows[known]] = np.abs(misses) > math.log(LARGEST_RATIO)
     return found
 
 
@@ -106,7 +129,7 @@ def jumping(vehicles: Sequence[str], rates: FloatArray) -> BoolArray:
     """
     levels = np.zeros(len(rates), np.int64)
     sudden, lesser = 0, 0
-    for rows in _by_vehicle(vehicles):
+    for rows in rows_by_vehicle(vehicles):
         own = rows[rates[rows] > 0.0]
         steps = np.diff(np.log(rates[own]))
         are_far = np.abs(steps) > math.log(LARGEST_RATIO)
@@ -117,7 +140,7 @@ def jumping(vehicles: Sequence[str], rates: FloatArray) -> BoolArray:
     return np.asarray((levels != 0) & (lesser < FEWEST_BETWEEN * sudden), dtype=bool)
 
 
-def _by_vehicle(vehicles: Sequence[str]) -> Iterator[IndexArray]:
+def rows_by_vehicle(vehicles: Sequence[str]) -> Iterator[IndexArray]:
     """Yield the rows of each vehicle."""
     _, owner = np.unique(np.array(vehicles, dtype=str), return_inverse=True)
     order = np.argsort(owner, kind='stable')

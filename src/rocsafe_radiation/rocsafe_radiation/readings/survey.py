@@ -3,12 +3,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
+from rocsafe_radiation.readings.calibration import calibration_of
 from rocsafe_radiation.readings.ground import LEVEL, Ground
+from rocsafe_radiation.readings.row_checks import rows_by_vehicle
 
 # A reading without statistics counts as that of a large scintillator: errors of position and model
 # limit it then, not counts.
@@ -62,15 +64,15 @@ class RadiationSurvey:
         Counts of each reading, or the number with the same relative error, shape (n,).
     exposures
         Expected counts for one microsievert per hour, shape (n,).
+    dark_counts
+        Expected counts without any radiation, shape (n,), or (1,): the same for all.
     background_shape
         The background at each reading relative to its mean, as known from other data, for instance
         a window of the spectrum above the source's lines, shape (n,); None: constant.
     ground
         Ground below the readings.
-    is_ground_guessed
-        Whether nobody has stated where the ground is.
-    unread_count
-        Readings of a dead detector, which are left out.
+    caveats
+        Why these readings prove nothing, in words: a ground that nobody gave, a dead detector.
     legs
         Stretches of flight of each reading, over which errors of the fixes are alike, of several
         lengths, numbered from 0, shape (n, scales); None: not known.
@@ -79,11 +81,11 @@ class RadiationSurvey:
     positions_enu_m: FloatArray
     counts: FloatArray
     exposures: FloatArray
+    dark_counts: FloatArray = field(default_factory=lambda: np.zeros(1))
     legs: IndexArray | None = None
     background_shape: FloatArray | None = None
     ground: Ground = LEVEL
-    is_ground_guessed: bool = False
-    unread_count: int = 0
+    caveats: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         size = len(self.counts)
@@ -96,11 +98,18 @@ class RadiationSurvey:
             raise ValueError('positions and counts of a survey must be finite')
         if not (self.counts >= 0).all() or not (self.exposures > 0).all():
             raise ValueError('counts must be at least 0, exposures above 0')
+        if self.dark_counts.shape not in ((1,), (size,)) or not (self.dark_counts >= 0.0).all():
+            raise ValueError('dark_counts must be at least 0 and as many as readings')
 
     @property
     def size(self) -> int:
         """Number of readings."""
         return len(self.counts)
+
+    @property
+    def net_counts(self) -> FloatArray:
+        """Counts less those expected without radiation, shape (n,)."""
+        return self.counts - self.dark_counts
 
     @property
     def heights_m(self) -> FloatArray:
@@ -144,16 +153,17 @@ class RadiationSurvey:
             np.bincount(owner, self.exposures * axis) / exposures
             for axis in self.positions_enu_m.T
         ]
+        dark = np.broadcast_to(self.dark_counts, self.size)
         shape = self.background_shape
         if shape is not None:
             shape = np.bincount(owner, self.exposures * shape) / exposures
         return RadiationSurvey(
             background_shape=shape,
             ground=self.ground,
-            is_ground_guessed=self.is_ground_guessed,
-            unread_count=self.unread_count,
+            caveats=self.caveats,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
+            dark_counts=np.asarray(np.bincount(owner, dark), np.float64),
             exposures=exposures,
             legs=None if legs is None else legs[first],
         )
@@ -192,34 +202,53 @@ def survey_of(
     """Return the survey of `observations`.
 
     Counts are used where there are any and the sensitivity of the detector is known: as given, or
-    else from counts and dose rate of the reading. A dose rate with a standard deviation stands for
-    the number of counts with the same relative error. A dose rate alone counts as that of a large
-    scintillator over 0.2 s.
+    else from counts and dose rates of its vehicle, which tell its dark counts, too. A dose rate
+    with a standard deviation stands for the number of counts with the same relative error. A dose
+    rate alone counts as that of a large scintillator over 0.2 s.
     """
-    rows = [_row(observation, sensitivity_cps_per_usvh) for observation in observations]
-    values = np.array(rows, np.float64).reshape(len(rows), 2)
-    places = np.array([o.position_enu_m for o in observations], np.float64).reshape(len(rows), 3)
-    times_s = np.array([o.time_s for o in observations], np.float64)
+    size = len(observations)
+    vehicles = [one.vehicle for one in observations]
+    rates = np.array([one.dose_rate_usvh for one in observations], np.float64)
+    stds = np.array([one.dose_rate_std_usvh for one in observations], np.float64)
+    counts = np.array([one.counts for one in observations], np.float64)
+    live_s = np.array([one.live_time_s for one in observations], np.float64)
+    times_s = np.array([one.time_s for one in observations], np.float64)
+    places = np.array([one.position_enu_m for one in observations], np.float64).reshape(size, 3)
+    values: FloatArray = np.empty((3, size))
+    for own in rows_by_vehicle(vehicles):
+        values[:, own] = _counted(
+            rates[own], stds[own], counts[own], live_s[own], sensitivity_cps_per_usvh
+        )
     return RadiationSurvey(
         positions_enu_m=places,
-        counts=values[:, 0],
-        exposures=values[:, 1],
-        legs=_legs([o.vehicle for o in observations], times_s),
+        counts=values[0],
+        exposures=values[1],
+        dark_counts=values[2],
+        legs=_legs(vehicles, times_s),
     )
 
 
-def _row(reading: LocalReading, sensitivity: float) -> tuple[float, float]:
-    """Return counts and exposure of a reading."""
-    rate, std = reading.dose_rate_usvh, reading.dose_rate_std_usvh
-    if reading.live_time_s > 0.0:
-        if sensitivity > 0.0:
-            return reading.counts, sensitivity * reading.live_time_s
-        if reading.counts > 0.0 and rate > 0.0:
-            return reading.counts, reading.counts / rate
-        if std > 0.0:
-            # Without a count, the standard deviation is that of one.
-            return 0.0, 1.0 / std
-    if std > 0.0 and rate > 0.0:
-        counts = (rate / max(std, SMALLEST_STD_SHARE * rate)) ** 2
-        return counts, counts / rate
-    return max(rate, 0.0) * NOMINAL_COUNTS_PER_USVH, NOMINAL_COUNTS_PER_USVH
+def _counted(
+    rates: FloatArray,
+    stds: FloatArray,
+    counts: FloatArray,
+    live_s: FloatArray,
+    sensitivity: float,
+) -> FloatArray:
+    """Return counts, exposures and dark counts of the readings of one detector, (3, n)."""
+    with np.errstate(divide='ignore', invalid='ignore'):
+        known = calibration_of(counts, live_s, rates)
+        dark = known.dark_rate_cps * np.nan_to_num(live_s)
+        exposures = (sensitivity or known.sensitivity_cps_per_usvh) * live_s
+        if not sensitivity:
+            # Dose rates may allow for what a live time does not tell, or come from elsewhere.
+            other = (rates > 0.0) & ~known.agrees(counts, live_s, rates)
+            exposures = np.where(other, np.maximum(counts - dark, 0.0) / rates, exposures)
+        # Without a count, the standard deviation is that of one.
+        lone = (stds > 0.0) & ~((exposures > 0.0) | (rates > 0.0))
+        exposures = np.where(lone, 1.0 / stds, exposures)
+        values = np.stack([np.where(lone, 0.0, counts), exposures, dark])
+        told = np.where(stds > 0.0, rates / np.maximum(stds, SMALLEST_STD_SHARE * rates), 0.0) ** 2
+        nominal = np.where(told > 0.0, told / rates, NOMINAL_COUNTS_PER_USVH)
+    doses = np.stack([np.maximum(rates, 0.0) * nominal, nominal, np.zeros_like(rates)])
+    return np.asarray(np.where(values[1] > 0.0, values, doses))
