@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
 from scipy import ndimage
@@ -13,6 +14,9 @@ from rocsafe_geo.arrays import FloatArray
 
 REGION_SHARE = 0.95
 SAMPLES = 100
+RATE_ERROR = math.sqrt(math.log(1.6))
+"""Standard deviation of the logarithm of a plume model's own error: a good one scatters by about a
+factor of two, a geometric variance of 1.6 (Chang & Hanna 2004, doi:10.1007/s00703-003-0070-7)."""
 # The density of places is smoothed over neighbouring cells.
 _SMOOTHING = np.array([0.25, 0.5, 0.25])
 _MEDIAN_ROUNDS, _MEDIAN_LEAST_M = 50, 0.3
@@ -57,7 +61,8 @@ class FoundRelease:
     mean_m, covariance_m2
         Mean and covariance of its place, (2,) and (2, 2).
     rate_g_s, rate_low_g_s, rate_high_g_s
-        Rate: median, and the bounds of the middle 0.95, g/s.
+        Rate: median, and the bounds of the middle 0.95, g/s; with the error of the plume model,
+        which many readings share.
     region_m : (r, 2)
         Cells that together hold the place with a probability of 0.95.
     cell_m
@@ -96,7 +101,9 @@ def found_release(samples: ReleaseSamples, area: SearchArea) -> FoundRelease:
     """Return a release from equally probable samples."""
     places = samples.places_m
     tail = (1.0 - REGION_SHARE) / 2.0
-    low, middle, high = np.quantile(samples.rates_g_s, (tail, 0.5, 1.0 - tail)).tolist()
+    bounds = np.log(np.quantile(samples.rates_g_s, (tail, 0.5, 1.0 - tail)))
+    wider = np.hypot(bounds - bounds[1], NormalDist().inv_cdf(1.0 - tail) * RATE_ERROR)
+    low, middle, high = np.exp(bounds[1] + wider * (-1.0, 0.0, 1.0)).tolist()
     east, north = _spatial_median(places).tolist()
     return FoundRelease(
         place_m=(east, north),
