@@ -107,7 +107,8 @@ def test_releases_zones_and_places_to_measure_come_from_readings(ros, tmp_path):
     assert miss @ np.linalg.solve(covariance, miss) < 5.991
     assert np.hypot(*miss) < 25.0
     assert release.rate_low_g_s < RELEASE.rate_g_s < release.rate_high_g_s
-    ros.spin_until(lambda: bool(plumes) and bool(zones), DEADLINE_S)
+    # Estimates of fewer readings may have come before, with nothing in their maps.
+    ros.spin_until(lambda: bool(plumes and len(plumes[-1].data) and zones), DEADLINE_S)
     assert max(plumes[-1].data) > 0
     client = drone.create_client(SuggestViewpoints, calls.SUGGEST_GAS_VIEWPOINTS.name)
     ros.spin_until(client.service_is_ready, DEADLINE_S)

@@ -14,7 +14,7 @@ from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_dispersion.identification.evidence import Evidence, Report
 from rocsafe_dispersion.identification.flight_reports import flight_reports
 from rocsafe_dispersion.identification.posterior import IdentificationOptions, identify
-from rocsafe_dispersion.identification.sensor_report import SensorReport
+from rocsafe_dispersion.identification.sensor_report import SensorReport, seen_share
 from rocsafe_dispersion.identification.signatures import NO_AGENT, SOMETHING_ELSE, signatures
 from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading
 
@@ -109,7 +109,8 @@ def test_silence_counts_only_where_the_other_detector_shows_enough():
     """2 ppm of ammonia read 0.2 ppm in the lamp, near its limit: its silence is no evidence."""
     few = dict(identify(sensed(electrochemical_ammonia=1.5, pid_10_6_ev=0.0)).probabilities)
     much = dict(identify(sensed(electrochemical_ammonia=150.0, pid_10_6_ev=0.0)).probabilities)
-    assert few['ammonia'] > 5.0 * much['ammonia']
+    odds = [found['ammonia'] / found[SOMETHING_ELSE] for found in (few, much)]
+    assert odds[0] > 3.0 * odds[1]
 
 
 def test_detectors_that_agree_on_the_amount_name_the_agent():
@@ -290,3 +291,12 @@ def test_drawn_cases_are_named_and_calibrated():
     assert hits >= 0.93 * 400
     # Three standard errors of a share of 400.
     assert abs(float(np.mean(stated)) - float(np.mean(right))) < 0.07
+
+
+def test_a_selective_cell_names_its_gas():
+    """It sees few other substances; a reading just above the limit of a lamp may be its drift."""
+    found = identify(sensed(electrochemical_chlorine=8.0, pid_10_6_ev=0.05)).probabilities
+    assert found[0][0] == 'chlorine'
+    drifted = identify(sensed(electrochemical_chlorine=8.0, pid_10_6_ev=0.12)).probabilities
+    assert 'chlorine' in [name for name, _ in drifted[:3]]
+    assert seen_share('electrochemical_chlorine') < 0.1 < seen_share('metal_oxide')

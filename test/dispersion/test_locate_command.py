@@ -92,10 +92,7 @@ def test_beams_are_means_along_their_way(tmp_path: Path):
     means = plume.concentrations_g_m3(survey.places_m.reshape(-1, 3)).reshape(6, -1)
     assert means @ survey.weights + 1e-3 == pytest.approx(survey.values_g_m3, rel=0.02)
     area = SearchArea(west_m=-38.0, south_m=-40.0, east_m=42.0, north_m=40.0, cell_m=8.0)
-    quick = LocateOptions(
-        spread_y=(1.0,), spread_z=(1.0,), turns_deg=(0.0,), fluctuations=((0.0, 0.4),),
-        most_releases=1, information_share=1.0, least_gain=0.0,
-    )  # fmt: skip
+    quick = LocateOptions(most_releases=1, least_gain=0.0)
     (found,) = locate_releases(survey, area, LAYER, options=quick).releases
     assert found.holds(-20.0, 5.0)
 

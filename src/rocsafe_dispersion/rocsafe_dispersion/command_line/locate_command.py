@@ -36,7 +36,7 @@ from rocsafe_geo.wind.stability import CLASSES, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
 # More readings of a table are averaged: time and memory grow with their number.
-MOST_FITTED = 1000
+MOST_FITTED = 300
 EXIT_OK, EXIT_REFUSED = 0, 2
 PARAMETER_FILES = ('.yaml', '.yml')
 # Assumptions about a table of readings that says nothing of them.
@@ -197,12 +197,13 @@ def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, A
             'rate_g_s': found.hidden.smallest_g_s,
             'ground_share': round(found.hidden.share, 4),
         },
+        'number_probabilities': [round(one, 4) for one in found.number_probabilities],
         'gains_of_one_release_more': [round(gain, 2) for gain in found.gains],
         'backgrounds_g_m3': found.background_g_m3.tolist(),
         'plume': {
-            'width_factor': found.shape.spread_y,
-            'height_factor': found.shape.spread_z,
-            'wind_turned_anticlockwise_deg': round(float(np.degrees(found.shape.turn_rad)), 3),
+            'width_factor': found.spread_y,
+            'height_factor': found.spread_z,
+            'wind_turned_anticlockwise_deg': round(float(np.degrees(found.turn_rad)), 3),
         },
     }
 

@@ -1,22 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A release that was found: its place, its rate, and samples of what is possible."""
+"""A release that was found: place, region that holds it, rate, and samples of what is possible."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 
 import numpy as np
+from scipy import ndimage
 
-from rocsafe_dispersion.estimation.plume_kernel import PlumeShape
+from rocsafe_dispersion.estimation.fluctuating_plume import Shapes
+from rocsafe_dispersion.estimation.release_options import SearchArea
 from rocsafe_geo.arrays import FloatArray
 
 REGION_SHARE = 0.95
 SAMPLES = 100
+RATE_ERROR = math.sqrt(math.log(1.6))
+"""Standard deviation of the logarithm of a plume model's own error: a good one scatters by about a
+factor of two, a geometric variance of 1.6 (Chang & Hanna 2004, doi:10.1007/s00703-003-0070-7)."""
+# The density of places is smoothed over neighbouring cells.
+_SMOOTHING = np.array([0.25, 0.5, 0.25])
+_MEDIAN_ROUNDS, _MEDIAN_LEAST_M = 50, 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReleaseSamples:
-    """Equally probable releases.
+    """Equally probable releases; those of several releases belong together one by one.
 
     Attributes
     ----------
@@ -30,7 +38,16 @@ class ReleaseSamples:
 
     places_m: FloatArray
     rates_g_s: FloatArray
-    shapes: tuple[PlumeShape, ...]
+    shapes: Shapes
+
+    def thinned(self, count: int = SAMPLES) -> 'ReleaseSamples':
+        """Return `count` of them, evenly taken; some repeatedly if there are fewer."""
+        index = (np.arange(count) * len(self.rates_g_s)) // count
+        return ReleaseSamples(
+            places_m=self.places_m[index],
+            rates_g_s=self.rates_g_s[index],
+            shapes=self.shapes.at(index),
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -40,11 +57,12 @@ class FoundRelease:
     Attributes
     ----------
     place_m
-        Most probable place, east and north, metres.
+        Place with the least expected distance to the true one (spatial median), metres.
     mean_m, covariance_m2
         Mean and covariance of its place, (2,) and (2, 2).
     rate_g_s, rate_low_g_s, rate_high_g_s
-        Rate: median, and the bounds of the middle 0.95, g/s.
+        Rate: median, and the bounds of the middle 0.95, g/s; with the error of the plume model,
+        which many readings share.
     region_m : (r, 2)
         Cells that together hold the place with a probability of 0.95.
     cell_m
@@ -79,60 +97,51 @@ class FoundRelease:
         return math.sqrt(self.region_m2 / math.pi)
 
 
-def found_release(
-    weights: FloatArray,
-    rates_g_s: FloatArray,
-    places_m: FloatArray,
-    shapes: Sequence[PlumeShape],
-    cell_m: float,
-) -> FoundRelease:
-    """Return a release from weights and rates, (shapes, places, multiples)."""
-    weights = weights / weights.sum()
-    masses = weights.sum(axis=(0, 2))
-    mean = masses @ places_m
-    offset = places_m - mean
-    order = np.argsort(-masses)
-    count = int(np.searchsorted(np.cumsum(masses[order]), REGION_SHARE)) + 1
-    low, middle, high = _quantiles(weights.ravel(), rates_g_s.ravel())
-    east, north = places_m[order[0]].tolist()
+def found_release(samples: ReleaseSamples, area: SearchArea) -> FoundRelease:
+    """Return a release from equally probable samples."""
+    places = samples.places_m
+    tail = (1.0 - REGION_SHARE) / 2.0
+    bounds = np.log(np.quantile(samples.rates_g_s, (tail, 0.5, 1.0 - tail)))
+    wider = np.hypot(bounds - bounds[1], NormalDist().inv_cdf(1.0 - tail) * RATE_ERROR)
+    low, middle, high = np.exp(bounds[1] + wider * (-1.0, 0.0, 1.0)).tolist()
+    east, north = _spatial_median(places).tolist()
     return FoundRelease(
         place_m=(east, north),
-        mean_m=mean,
-        covariance_m2=np.einsum('m,mi,mj->ij', masses, offset, offset),
+        mean_m=places.mean(axis=0),
+        covariance_m2=np.asarray(np.cov(places.T), float),
         rate_g_s=middle,
         rate_low_g_s=low,
         rate_high_g_s=high,
-        region_m=places_m[order[:count]],
-        cell_m=cell_m,
-        samples=drawn(weights, rates_g_s, places_m, shapes),
+        region_m=_region(places, area),
+        cell_m=area.cell_m,
+        samples=samples.thinned(),
     )
 
 
-def drawn(
-    weights: FloatArray,
-    rates_g_s: FloatArray,
-    places_m: FloatArray,
-    shapes: Sequence[PlumeShape],
-    count: int = SAMPLES,
-) -> ReleaseSamples:
-    """Return releases drawn evenly by their weights, (shapes, places, rates): always the same."""
-    total = np.cumsum(weights.ravel())
-    wanted = (np.arange(count) + 0.5) / count * total[-1]
-    chosen = np.minimum(np.searchsorted(total, wanted), total.size - 1)
-    shape, place, _ = np.unravel_index(chosen, weights.shape)
-    return ReleaseSamples(
-        places_m=places_m[place],
-        rates_g_s=rates_g_s.ravel()[chosen],
-        shapes=tuple(shapes[index] for index in shape.tolist()),
-    )
+def _spatial_median(places_m: FloatArray) -> FloatArray:
+    """Return the place with the least mean distance (Weiszfeld 1937)."""
+    found = np.median(places_m, axis=0)
+    for _ in range(_MEDIAN_ROUNDS):
+        distances = np.hypot(*(places_m - found).T)
+        weights = 1.0 / np.maximum(distances, _MEDIAN_LEAST_M)
+        found = weights @ places_m / weights.sum()
+    return np.asarray(found)
 
 
-def _quantiles(weights: FloatArray, values: FloatArray) -> tuple[float, float, float]:
-    """Return median of weighted values between the bounds of their middle 0.95."""
-    order = np.argsort(values)
-    total = np.cumsum(weights[order])
-    low, middle, high = (
-        float(values[order[min(int(np.searchsorted(total, share)), len(total) - 1)]])
-        for share in ((1.0 - REGION_SHARE) / 2.0, 0.5, (1.0 + REGION_SHARE) / 2.0)
-    )
-    return low, middle, high
+def _region(places_m: FloatArray, area: SearchArea) -> FloatArray:
+    """Return the middles of the fewest cells that hold 0.95 of the places, (r, 2)."""
+    middles = area.cells_m()
+    east, north = (np.unique(middles[:, axis]) for axis in (0, 1))
+    column, row = (
+        np.clip(((places_m[:, axis] - axis_m[0]) / area.cell_m + 0.5).astype(int), 0,
+                len(axis_m) - 1)
+        for axis, axis_m in ((0, east), (1, north))
+    )  # fmt: skip
+    counts = np.zeros((len(north), len(east)))
+    np.add.at(counts, (row, column), 1.0)
+    for axis in (0, 1):
+        counts = ndimage.convolve1d(counts, _SMOOTHING, axis=axis, mode='nearest')
+    order = np.argsort(-counts.ravel(), kind='stable')
+    total = np.cumsum(counts.ravel()[order])
+    count = int(np.searchsorted(total, REGION_SHARE * total[-1])) + 1
+    return middles[order[:count]]

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rocsafe_dispersion.estimation.gas_survey import LARGEST_READINGS, GasSurvey
+from rocsafe_dispersion.estimation.gas_survey import LARGEST_READINGS, GasSurvey, usual_noise
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between
@@ -34,8 +34,6 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 LIMITS = ('', 'below', 'above')
 # Units of readings, g/m^3; what ppm are depends on the gas.
 UNITS = {'g_m3': 1.0, 'mg_m3': 1e-3, 'ppm': math.nan}
-# Without a column: noise as this share of the largest reading.
-DEFAULT_NOISE_SHARE = 0.01
 LARGEST_EXTENT_M = 20_000.0
 LONGEST_BEAM_M = 500.0
 # Readings and their noise, in the unit of the file: beyond, they are no concentrations.
@@ -177,11 +175,11 @@ def _winds(rows: Sequence[Row], names: set[str]) -> FloatArray:
 def _stds(
     rows: Sequence[Row], names: set[str], unit: str, factor: float, values: FloatArray
 ) -> FloatArray:
-    name, largest = f'std_{unit}', float(np.abs(values).max())
+    name = f'std_{unit}'
     if name not in names:
-        if not largest:
+        if not values.any():
             raise ValueError(f'all values are 0: a column {name} must tell the noise')
-        return np.full(len(rows), DEFAULT_NOISE_SHARE * largest)
+        return np.full(len(rows), usual_noise(values))
     found = column(rows, name)
     for row, value in zip(rows, found.tolist(), strict=True):
         require_between(f'line {row.line}: {name}', value, LEAST_NOISE, LARGEST_VALUE)

@@ -11,6 +11,10 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 LARGEST_READINGS = 20_000
 # Readings of a mean are no further apart in any direction than this from the middle one, metres.
 NEAR_M = 2.0
+# Of a normal distribution: the share below one standard deviation under the mean, and the median
+# of what is away from the mean, in standard deviations.
+LOWER_SIGMA, PROBABLE_ERROR = 0.1587, 0.6745
+NOISE_SHARE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,6 +110,19 @@ def point_survey(
         times_s=np.arange(count, dtype=float) if times_s is None else times_s,
         instruments=np.zeros(count, int),
     )
+
+
+def usual_noise(values: FloatArray) -> float:
+    """Return the standard deviation of the noise of readings that mostly are of clean air.
+
+    The larger one of two estimates for normal noise: what the lower half spreads, and how far
+    readings that follow each other differ (a sensor that shows no value below 0 has no lower
+    half). At least `NOISE_SHARE` of the largest reading: readings that were computed have none.
+    """
+    low, middle = np.quantile(values, (LOWER_SIGMA, 0.5)).tolist()
+    steps = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
+    found = max(middle - low, steps / (PROBABLE_ERROR * math.sqrt(2.0)))
+    return max(found, NOISE_SHARE * float(np.abs(values).max()))
 
 
 def averaged(survey: GasSurvey, most: int) -> GasSurvey:

@@ -5,11 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_dispersion.estimation.found_release import ReleaseSamples
+from rocsafe_dispersion.estimation.found_release import SAMPLES, ReleaseSamples
+from rocsafe_dispersion.estimation.release_sampler import Population, ReleaseSampler
 from rocsafe_geo.arrays import FloatArray
 
 # Rates of a hidden release, as multiples of the smallest one that matters.
-HIDDEN_MULTIPLES = np.array([1.0, 4.0, 16.0, 64.0])
+MULTIPLES = (1.0, 4.0, 16.0, 64.0)
+# Hypotheses over which the likelihood of one release more is averaged, all places together.
+_MOST_TRIED = 10_000
+_LARGEST_GAIN = 50.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,3 +45,33 @@ class HiddenReleases:
         A place counts by the likelihood ratio, at most as one.
         """
         return float(np.minimum(self.ratios, 1.0).mean())
+
+
+def hidden_releases(
+    sampler: ReleaseSampler, found: Population, places_m: FloatArray, smallest_g_s: float
+) -> HiddenReleases:
+    """Return what hypotheses say of a release more at each of places (m, 2)."""
+    count = len(found.logs)
+    repeats = min(max(_MOST_TRIED // len(places_m), 1), count)
+    # Each place is tried beside `repeats` hypotheses, spread evenly over all.
+    chosen = np.arange(repeats * len(places_m)) % count
+    places = np.repeat(places_m, repeats, axis=0)
+    rates = smallest_g_s * np.array(MULTIPLES)
+    gains = np.array([
+        sampler.gains_of_one_more(found, chosen, places, float(rate)) for rate in rates
+    ])  # fmt: skip
+    weights = np.exp(np.minimum(gains, _LARGEST_GAIN))
+    total = np.cumsum(weights.ravel())
+    wanted = (np.arange(SAMPLES) + 0.5) / SAMPLES * total[-1]
+    drawn = np.minimum(np.searchsorted(total, wanted), total.size - 1)
+    rate, trial = np.unravel_index(drawn, weights.shape)
+    return HiddenReleases(
+        smallest_g_s=smallest_g_s,
+        places_m=places_m,
+        ratios=weights[0].reshape(len(places_m), repeats).mean(axis=1),
+        samples=ReleaseSamples(
+            places_m=places[trial],
+            rates_g_s=rates[rate],
+            shapes=sampler.shapes_of(found.shared[chosen[trial]]),
+        ),
+    )

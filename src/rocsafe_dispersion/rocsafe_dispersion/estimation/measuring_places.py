@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_dispersion.estimation.fluctuating_plume import PlumeReadings
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.gas_survey import point_survey
-from rocsafe_dispersion.estimation.plume_kernel import PlumeShape, unit_readings
 from rocsafe_dispersion.plume.spread import Travel
 from rocsafe_geo.arrays import FloatArray
 
@@ -60,18 +60,9 @@ def predicted(samples: ReleaseSamples, places_m: FloatArray, air: MeanAir) -> Fl
     survey = point_survey(
         places_m, np.tile(air.towards_mps, (count, 1)), np.zeros(count), np.ones(count)
     )
-    found = np.zeros((len(samples.rates_g_s), count))
-    for shape in dict.fromkeys(samples.shapes):
-        own = np.array([each == shape for each in samples.shapes])
-        still = PlumeShape(
-            spread_y=shape.spread_y, spread_z=shape.spread_z, turn_rad=shape.turn_rad, meander=0.0
-        )
-        units = unit_readings(
-            survey, samples.places_m[own], air.release_height_m, air.travel, air.reference_mps,
-            still,
-        )  # fmt: skip
-        found[own] = samples.rates_g_s[own][:, None] * units[0].T
-    return found
+    readings = PlumeReadings(survey, air.release_height_m, air.travel, air.reference_mps)
+    means, _ = readings.of(samples.places_m, samples.shapes)
+    return np.asarray(samples.rates_g_s[:, None] * means)
 
 
 def measuring_places(

@@ -3,6 +3,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_between, require_count, require_positive
 
 
@@ -15,7 +18,7 @@ class SearchArea:
     west_m, south_m, east_m, north_m
         Edges, metres.
     cell_m
-        Distance of the places that are tried, metres.
+        Size of the cells of regions, metres.
     height_m
         Height of a release above the ground, metres.
     """
@@ -35,6 +38,13 @@ class SearchArea:
         cells = (self.east_m - self.west_m) * (self.north_m - self.south_m) / self.cell_m**2
         require_between('number of cells of the area', cells, 4.0, 40_000.0)
 
+    def cells_m(self) -> FloatArray:
+        """Return the middles of all cells, row by row from the south, (m, 2)."""
+        half = self.cell_m / 2.0
+        east = np.arange(self.west_m + half, self.east_m, self.cell_m)
+        north = np.arange(self.south_m + half, self.north_m, self.cell_m)
+        return np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocateOptions:
@@ -42,63 +52,40 @@ class LocateOptions:
 
     Attributes
     ----------
-    spread_y, spread_z
-        Factors of the crosswind and the vertical size of the plume that are tried first; where
-        the readings ask for others, the row goes on by the same factor.
+    turn_std_deg
+        Standard deviation of the error of the wind direction before readings, degrees.
     spread_std
-        Standard deviation of the logarithm of these factors before readings.
-    turns_deg, turn_std_deg
-        Errors of the wind direction that are tried, degrees, and their standard deviation.
-    fluctuations
-        How readings fluctuate about the mean, as pairs that are tried: the share of the crosswind
-        variance that is meander during one reading, and the standard deviation of the
-        concentration as a share of its mean within the meandering plume. Readings of seconds
-        see the second pair, means over minutes the first.
-    missed_probability
-        Probability that a sensor within the plume reads nothing of it.
-    information_share
-        Largest share of the readings' information that counts beside a release: readings that
-        follow each other see the same eddies. Whether there is any release
-        is asked of more where the noise of the readings is independent. Chosen so that regions
-        of simulated surveys hold what they state (docs/dispersion.md).
-    shared_error
-        Correlation of any two readings within a plume because the plume is not the Gaussian one
-        of the model: however many there are, of its place and rate they tell together no more
-        than 1 / `shared_error` independent ones. Chosen as `information_share`.
+        Standard deviation of the logarithm of the factors of the crosswind and of the vertical
+        size of the plume before readings.
     most_releases
         Largest number of releases, at most 3.
     least_gain
-        Logarithm of the odds that one release more needs, where one more and none more were
-        equally probable before: 4.6 stands for 99 to 1.
+        Logarithm of the odds that any release needs, where all numbers were equally probable
+        before: 4.6 stands for 99 to 1.
+    least_gain_more
+        That one release more needs beside others: 0.7 stands for 2 to 1. Less (0.5) tells the
+        number as often rightly and more releases that do not exist; more (1.0) fewer of both.
     smallest_g_s
         Rate of the weakest release that matters, g/s: what is said of releases that were not
         found is said of this rate.
+    particles, sweeps
+        Number of hypotheses (fewer for large surveys), and how often each is moved at each power
+        of the likelihood.
     """
 
-    spread_y: tuple[float, ...] = (0.7, 1.4)
-    spread_z: tuple[float, ...] = (0.7, 1.4)
-    spread_std: float = 0.7
-    turns_deg: tuple[float, ...] = (-8.0, 0.0, 8.0)
     turn_std_deg: float = 6.0
-    fluctuations: tuple[tuple[float, float], ...] = ((0.0, 0.4), (0.6, 0.6))
-    missed_probability: float = 0.1
-    information_share: float = 0.3
-    shared_error: float = 0.6
+    spread_std: float = 0.7
     most_releases: int = 3
     least_gain: float = 4.6
+    least_gain_more: float = 0.7
     smallest_g_s: float = 0.5
+    particles: int = 600
+    sweeps: int = 2
 
     def __post_init__(self) -> None:
-        for name in ('spread_y', 'spread_z'):
-            for value in getattr(self, name):
-                require_between(name, value, 0.05, 20.0)
-        for meander, scatter in self.fluctuations:
-            require_between('meander of fluctuations', meander, 0.0, 0.95)
-            require_between('scatter of fluctuations', scatter, 0.05, 5.0)
-        require_positive('spread_std', self.spread_std)
         require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
-        require_between('missed_probability', self.missed_probability, 0.0, 0.9)
-        require_between('information_share', self.information_share, 0.0, 1.0)
-        require_between('shared_error', self.shared_error, 0.0, 1.0)
+        require_positive('spread_std', self.spread_std)
         require_between('smallest_g_s', self.smallest_g_s, 1e-9, 1e9, 'g/s')
         require_count('most_releases', self.most_releases, 0, 3)
+        require_count('particles', self.particles, 100, 100_000)
+        require_count('sweeps', self.sweeps, 1, 100)

@@ -4,9 +4,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from statistics import median
 
-from rocsafe_dispersion.agents.agent_table import Agent
+from rocsafe_dispersion.agents.agent_table import Agent, agents
 from rocsafe_dispersion.detection.gas_sensor import GasSensor
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_geo.limits import require_between, require_not_negative
@@ -78,25 +79,44 @@ def clean_air_likelihood(reports: Sequence[SensorReport]) -> float:
     """Return how probable it is that detectors show what they show in air without an agent."""
     likelihood = 1.0
     for report in reports:
-        likelihood *= FALSE_ALARM if report.is_seen else 1.0 - FALSE_ALARM
+        likelihood *= _false(report) if report.is_seen else 1.0 - FALSE_ALARM
     return likelihood
 
 
 def _one(report: SensorReport, agent: Agent | None, mg_m3: float | None) -> float:
     sees = None if agent is None else report.kind.sees(agent)
+    share = seen_share(report.sensor) if sees is None else float(sees)
     if report.is_seen:
-        return _mean(sees, 1.0 - MISS, FALSE_ALARM)
+        return _mixed(share, (1.0 - MISS) / DECADES, _false(report))
     if not report.is_in_gas and not _is_enough(report, agent, mg_m3):
         # Nothing says that there was anything to see: the same for all agents.
         return 1.0 - FALSE_ALARM
-    return _mean(sees, MISS, 1.0 - FALSE_ALARM)
+    return _mixed(share, MISS, 1.0 - FALSE_ALARM)
 
 
-def _mean(sees: bool | None, seeing: float, blind: float) -> float:
-    """Return the value for a detector that sees the agent or is blind to it, or between them."""
-    if sees is None:
-        return 0.5 * (seeing + blind)
-    return seeing if sees else blind
+def _false(report: SensorReport) -> float:
+    """Return the density of the logarithm of a reading that is a false alarm.
+
+    It decreases from the limit of detection on: noise and drift are seldom far above it.
+    """
+    excess = math.log(report.reading / report.kind.limit)
+    return FALSE_ALARM / SPREAD * math.exp(-excess / SPREAD)
+
+
+@lru_cache(maxsize=len(GAS_SENSORS))
+def seen_share(sensor: str) -> float:
+    """Return how probable it is that a kind of detector sees a substance of which it is unknown.
+
+    The rule of succession (Laplace 1774) over the agents of which it is known: a selective cell
+    sees few substances that no table has, a metal oxide most.
+    """
+    known = [GAS_SENSORS[sensor].sees(one) for one in agents().values()]
+    return (known.count(True) + 1.0) / (len(known) - known.count(None) + 2.0)
+
+
+def _mixed(share: float, seeing: float, blind: float) -> float:
+    """Return the value for a detector that sees the agent with the probability `share`."""
+    return share * seeing + (1.0 - share) * blind
 
 
 def _is_enough(report: SensorReport, agent: Agent | None, mg_m3: float | None) -> bool:

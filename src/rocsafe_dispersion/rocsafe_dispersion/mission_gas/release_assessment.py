@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import shapely
 
+from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import (
@@ -14,7 +15,6 @@ from rocsafe_dispersion.estimation.measuring_places import (
     MeasuringPlace,
     measuring_places,
 )
-from rocsafe_dispersion.estimation.plume_kernel import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.mission_gas.gas_log import FlightSurvey, NoSurveyError
 from rocsafe_dispersion.mission_gas.release_map import PlumeMap, plume_map

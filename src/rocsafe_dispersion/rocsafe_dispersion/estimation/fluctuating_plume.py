@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Mean and intensity of the gas of a release at many readings, for many hypotheses at once.
+
+The mean is the Gaussian plume. The intensity is that of a plume that meanders as a whole
+(Gifford 1959, Adv. Geophys. 6, 117): with the share m of its variance in the motion of its middle
+and the relative intensity r within the moving plume, the mean square over the squared mean at u
+and v standard deviations beside and above the axis is
+
+    1 + i^2 = (1 + r^2) / (1 - m^2) exp((u^2 + v^2) m / (1 + m))
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_dispersion.plume.spread import NEAREST_M, Travel, at_rows
+from rocsafe_geo.arrays import FloatArray, IndexArray
+
+# Slower wind does not carry a plume anywhere: readings in it count as in this wind, m/s.
+LEAST_SPEED_MPS = 0.3
+# Farther beside a plume, in its crosswind standard deviations, there is nothing of it.
+_REACH = 5.0
+LARGEST_SQUARE, _LARGEST_GROWTH = 100.0, 20.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shapes:
+    """How plumes differ from the one that the air suggests, each (particles,).
+
+    Attributes
+    ----------
+    turn_rad
+        Angle by which the true wind is turned anticlockwise from the measured one, radians.
+    spread_y, spread_z
+        Factors of the crosswind and vertical size.
+    meander
+        Share of the variance that is motion of the whole plume, 0 to below 1.
+    relative
+        Intensity within the moving plume.
+    """
+
+    turn_rad: FloatArray
+    spread_y: FloatArray
+    spread_z: FloatArray
+    meander: FloatArray
+    relative: FloatArray
+
+    def at(self, index: IndexArray) -> 'Shapes':
+        """Return those of an index."""
+        return Shapes(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})
+
+
+class PlumeReadings:
+    """Readings of a survey, ready for any release in an air."""
+
+    def __init__(
+        self, survey: GasSurvey, height_m: float, travel: Travel, reference_mps: float
+    ) -> None:
+        count = len(survey.weights)
+        self._points = survey.places_m.reshape(-1, 3).astype(np.float32)
+        self.points = len(self._points)
+        winds = np.repeat(survey.wind_towards_mps, count, axis=0)
+        speeds = np.maximum(np.hypot(winds[:, 0], winds[:, 1]), 1e-9)
+        self._heading = (winds / speeds[:, None]).astype(np.float32)
+        slow = np.maximum(np.repeat(survey.speeds_mps, count), LEAST_SPEED_MPS)
+        self._factor = (reference_mps / slow).astype(np.float32)
+        self._weights, self._height_m, self._travel = survey.weights, height_m, travel
+
+    def of(self, places_m: FloatArray, shapes: Shapes) -> tuple[FloatArray, FloatArray]:
+        """Return mean and standard deviation for 1 g/s at places (p, 2), each (p, n), s/m^3."""
+        row, column, along, across = self._reached(places_m, shapes)
+        rows = self._travel.rows(along)
+        sigma_y = at_rows(self._travel.sigma_y_m, rows) * shapes.spread_y[row]
+        sigma_z = at_rows(self._travel.sigma_z_m, rows) * shapes.spread_z[row]
+        flow = at_rows(self._travel.airborne / self._travel.speeds_mps, rows)
+        above = self._points[column, 2]
+        middle = at_rows(self._travel.heights_m(), rows)
+        u, v = across / sigma_y, (above - middle) / sigma_z
+        reflected = np.exp(-2.0 * above * middle / sigma_z**2)
+        shape = np.exp(-0.5 * (u**2 + v**2)) * (1.0 + reflected) / (2.0 * np.pi)
+        mean = self._factor[column] * flow * shape / (sigma_y * sigma_z)
+        meander, relative = shapes.meander[row], shapes.relative[row]
+        growth = np.minimum((u**2 + v**2) * meander / (1.0 + meander), _LARGEST_GROWTH)
+        square = np.exp(growth) / (1.0 - meander**2)
+        intensity = np.sqrt(np.minimum((1.0 + relative**2) * square - 1.0, LARGEST_SQUARE))
+        size = (len(places_m), len(self._points))
+        return self._over_points(row, column, mean, size), self._over_points(
+            row, column, mean * intensity, size
+        )
+
+    def _reached(
+        self, places_m: FloatArray, shapes: Shapes
+    ) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray]:
+        """Return particles and points that a plume may reach, with distances along and across."""
+        cosine = np.cos(shapes.turn_rad).astype(np.float32)[:, None]
+        sine = np.sin(shapes.turn_rad).astype(np.float32)[:, None]
+        place = places_m.astype(np.float32)
+        first = self._points[:, 0] - place[:, :1]
+        second = self._points[:, 1] - place[:, 1:]
+        plain = first * self._heading[:, 0] + second * self._heading[:, 1]
+        beside = second * self._heading[:, 0] - first * self._heading[:, 1]
+        along, across = plain * cosine + beside * sine, beside * cosine - plain * sine
+        # sigma_y grows at most as fast as the distance.
+        slope = float(self._travel.sigma_y_m[0] / self._travel.distances_m[0])
+        wide = (_REACH * slope * shapes.spread_y.astype(np.float32))[:, None]
+        row, column = np.nonzero((along > NEAREST_M) & (np.abs(across) < wide * along))
+        return row, column, along[row, column], across[row, column]
+
+    def _over_points(
+        self, row: IndexArray, column: IndexArray, values: FloatArray, size: tuple[int, int]
+    ) -> FloatArray:
+        """Return the weighted sum over the points of each reading, (particles, readings)."""
+        full = np.zeros(size)
+        full[row, column] = values
+        return np.asarray(full.reshape(size[0], -1, len(self._weights)) @ self._weights)

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Samples of the posterior of a number of releases, and the evidence of that number.
+
+Sequential Monte Carlo (Del Moral and others 2006): hypotheses are drawn from the prior, the
+likelihood is raised to a power that grows from 0 to 1, and at each power hypotheses are resampled
+and moved. Moves are differences of two other hypotheses (differential evolution, ter Braak 2006),
+which follow correlations and jump between separate modes.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import optimize, special
+
+from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
+from rocsafe_dispersion.estimation.fluctuating_plume import PlumeReadings, Shapes
+from rocsafe_dispersion.estimation.release_options import LocateOptions
+from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+
+# Before readings: the meander is even between 0 and its largest share; medians and standard
+# deviations of the logarithms of the intensity within the moving plume, of the factor of the
+# noise, and of the drift in the whole time, in noises. They are choices, wide enough for what
+# `benchmarks/release_families.py` draws.
+_MOST_MEANDER = 0.9
+_RELATIVE, _RELATIVE_STD = 0.4, 0.5
+_NOISE_STD = 0.25
+_DRIFT, _DRIFT_STD = 0.3, 1.5
+# Coordinates that all releases share, see `shapes_of`, and those of each release.
+SHARED, OWN = 7, 3
+_ESS_SHARE = 0.7
+# Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
+# as many as time allows.
+_MOST_PAIRS, _FEWEST = 120_000, 200
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bounds:
+    """Where releases may be and how strong they are: west, south, east, north; g/s."""
+
+    edges_m: tuple[float, float, float, float]
+    rates_g_s: tuple[float, float]
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class Population:
+    """Hypotheses (p): shared coordinates (p, SHARED), releases (p, k, OWN), and their readings.
+
+    Shared coordinates are standard normal before readings; those of a release are even in 0 to 1.
+    `means` and `spreads` (p, k, n) are for the rates; `backgrounds` (p, instruments).
+    """
+
+    shared: FloatArray
+    own: FloatArray
+    means: FloatArray
+    spreads: FloatArray
+    logs: FloatArray
+    backgrounds: FloatArray
+
+    def take(self, index: FloatArray) -> None:
+        """Keep the hypotheses of an index."""
+        for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
+            setattr(self, name, getattr(self, name)[index])
+
+    def accept(self, other: 'Population', is_taken: BoolArray) -> None:
+        """Take those hypotheses of another population."""
+        for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
+            getattr(self, name)[is_taken] = getattr(other, name)[is_taken]
+
+
+class ReleaseSampler:
+    """Samples numbers of releases for one survey."""
+
+    def __init__(
+        self,
+        readings: PlumeReadings,
+        backgrounds: BackgroundFilter,
+        bounds: Bounds,
+        options: LocateOptions,
+        generator: np.random.Generator,
+    ) -> None:
+        self._readings, self._backgrounds, self._bounds = readings, backgrounds, bounds
+        self._options, self._generator = options, generator
+
+    def shapes_of(self, shared: FloatArray) -> Shapes:
+        """Return the shapes of plumes of shared coordinates."""
+        options = self._options
+        return Shapes(
+            turn_rad=np.radians(options.turn_std_deg) * shared[:, 0],
+            spread_y=np.exp(options.spread_std * shared[:, 1]),
+            spread_z=np.exp(options.spread_std * shared[:, 2]),
+            meander=_MOST_MEANDER * special.ndtr(shared[:, 3]),
+            relative=_RELATIVE * np.exp(_RELATIVE_STD * shared[:, 4]),
+        )
+
+    def places_of(self, own: FloatArray) -> FloatArray:
+        """Return places, (..., 2), of coordinates of releases."""
+        west, south, east, north = self._bounds.edges_m
+        return np.asarray((west, south) + own[..., :2] * (east - west, north - south))
+
+    def rates_of(self, own: FloatArray) -> FloatArray:
+        """Return rates of coordinates of releases, g/s."""
+        low, high = self._bounds.rates_g_s
+        return np.asarray(low * (high / low) ** own[..., 2])
+
+    def sample(self, number: int) -> tuple[Population, float]:
+        """Return hypotheses with a number of releases, and the logarithm of its evidence."""
+        most = _MOST_PAIRS // self._readings.points
+        count = max(min(self._options.particles, most), min(_FEWEST, self._options.particles))
+        shared = self._generator.standard_normal((count, SHARED))
+        own = self._generator.random((count, number, OWN))
+        now = self._made(shared, own)
+        power = evidence = 0.0
+        while power < 1.0:
+            step = _next_step(now.logs, 1.0 - power)
+            weights = step * now.logs
+            evidence += float(special.logsumexp(weights) - np.log(count))
+            power += step
+            now.take(self._resampled(np.exp(weights - weights.max())))
+            self._move(now, power)
+        return now, evidence
+
+    def gains_of_one_more(
+        self, now: Population, index: IndexArray, places_m: FloatArray, rate_g_s: float
+    ) -> FloatArray:
+        """Return logarithms of the likelihood of a release more at places, (q, 2), over none.
+
+        Beside the hypotheses `index`, (q,).
+        """
+        found = np.empty(len(index))
+        for start in range(0, len(index), len(now.logs)):
+            rows = slice(start, start + len(now.logs))
+            own = index[rows]
+            mean, spread = self._readings.of(places_m[rows], self.shapes_of(now.shared[own]))
+            logs, _ = self._log_likelihoods(
+                now.shared[own],
+                np.concatenate([now.means[own], rate_g_s * mean[:, None]], axis=1),
+                np.concatenate([now.spreads[own], rate_g_s * spread[:, None]], axis=1),
+            )
+            found[rows] = logs - now.logs[own]
+        return found
+
+    def _log_likelihoods(
+        self, shared: FloatArray, means: FloatArray, spreads: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return logarithms of the likelihood and backgrounds; means are (p, releases, n)."""
+        return self._backgrounds.log_likelihoods(
+            means.sum(axis=1),
+            np.sqrt((spreads**2).sum(axis=1)),
+            np.exp(_NOISE_STD * shared[:, 5]),
+            _DRIFT * np.exp(_DRIFT_STD * shared[:, 6]),
+        )
+
+    def _made(self, shared: FloatArray, own: FloatArray) -> Population:
+        """Return a population of coordinates."""
+        shapes = self.shapes_of(shared)
+        parts = []
+        for release in range(own.shape[1]):
+            place, rate = self.places_of(own[:, release]), self.rates_of(own[:, release])
+            mean, spread = self._readings.of(place, shapes)
+            parts.append((rate[:, None] * mean, rate[:, None] * spread))
+        size = (len(shared), own.shape[1], self._backgrounds.readings)
+        means = np.array([mean for mean, _ in parts]).swapaxes(0, 1) if parts else np.zeros(size)
+        spreads = np.array([one for _, one in parts]).swapaxes(0, 1) if parts else np.zeros(size)
+        logs, backgrounds = self._log_likelihoods(shared, means, spreads)
+        return Population(
+            shared=shared, own=own, means=means, spreads=spreads, logs=logs,
+            backgrounds=backgrounds,
+        )  # fmt: skip
+
+    def _resampled(self, weights: FloatArray) -> FloatArray:
+        """Return the numbers of hypotheses, each as often as its weight says."""
+        total = np.cumsum(weights)
+        places = (np.arange(len(weights)) + self._generator.random()) / len(weights) * total[-1]
+        return np.minimum(np.searchsorted(total, places), len(weights) - 1)
+
+    def _move(self, now: Population, power: float) -> None:
+        """Move all hypotheses at a power of the likelihood."""
+        others = (now.shared.copy(), now.own.copy())
+        releases = range(now.own.shape[1])
+        for _ in range(self._options.sweeps):
+            self._try(now, others, power, releases)
+            for release in releases:
+                self._try(now, others, power, range(release, release + 1))
+
+    def _try(
+        self,
+        now: Population,
+        others: tuple[FloatArray, FloatArray],
+        power: float,
+        changed: range,
+    ) -> None:
+        """Move some shared coordinates and those of some releases by a difference of two others.
+
+        Each hypothesis moves all its coordinates of these, or about a third (crossover).
+        """
+        generator, count = self._generator, len(now.logs)
+        first, second = generator.integers(count, size=(2, count))
+        size = SHARED + OWN * len(changed)
+        kept = generator.random((count, size)) < generator.choice([0.3, 1.0], count)[:, None]
+        scale = (
+            2.38
+            / np.sqrt(2.0 * np.maximum(kept.sum(axis=1), 1))
+            * 10.0 ** (generator.uniform(-0.7, 0.1, count))
+        )
+        # The whole difference leads from one mode to another.
+        scale[generator.random(count) < 0.1] = 1.0
+        shared, own = now.shared.copy(), now.own.copy()
+        step = scale[:, None] * kept
+        jitter = 1e-3 * generator.standard_normal((count, size)) * kept
+        shared += step[:, :SHARED] * (others[0][first] - others[0][second]) + jitter[:, :SHARED]
+        for number, release in enumerate(changed):
+            part = slice(SHARED + OWN * number, SHARED + OWN * (number + 1))
+            difference = others[1][first, release] - others[1][second, release]
+            own[:, release] += step[:, part] * difference + jitter[:, part]
+        inside = ((own > 0.0) & (own < 1.0)).all(axis=(1, 2))
+        own = np.clip(own, 0.0, 1.0)
+        tried = self._made(shared, own)
+        gained = power * (tried.logs - now.logs)
+        gained -= 0.5 * ((shared**2).sum(axis=1) - (now.shared**2).sum(axis=1))
+        taken = inside & (np.log(generator.random(count)) < gained)
+        now.accept(tried, taken)
+
+
+def _next_step(logs: FloatArray, most: float) -> float:
+    """Return the step of the power that leaves `_ESS_SHARE` of the hypotheses their weight."""
+
+    def left(step: float) -> float:
+        weights = np.exp(step * (logs - logs.max()))
+        return float(weights.sum() ** 2 / (weights**2).sum() / len(logs)) - _ESS_SHARE
+
+    if left(most) >= 0.0:
+        return most
+    found: Callable[..., float] = optimize.brentq
+    return float(found(left, 0.0, most))
