@@ -19,6 +19,8 @@ Found = Sequence[tuple[GeoPosition, float]]
 LEAST_RATE_USVH, LEAST_M2 = 0.1, 1.0
 # A budget that is used up: the router then says what the least one would be.
 LEAST_BUDGET_USV = 1e-6
+# What is found nearer than this to what was found before is the same: one photograph shows both.
+SAME_M = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,12 +37,21 @@ class DriveSoFar:
         Where it stands; None: at home.
     blocked
         Where something stood in its way.
+    found
+        Sources and releases that were asked for.
     """
 
     evidence: tuple[str, ...] = ()
     dose_usv: float = 0.0
     position: GeoPoint | None = None
     blocked: tuple[GeoPoint, ...] = ()
+    found: tuple[EvidencePoint, ...] = ()
+
+    def asked(self, evidence: Sequence[EvidencePoint]) -> 'DriveSoFar':
+        """Return it after a request for a drive to evidence."""
+        known = {one.id for one in self.found}
+        new = (one for one in evidence if one.found_in and one.id not in known)
+        return replace(self, found=(*self.found, *new))
 
     def after(self, result: DriveRoute.Result) -> 'DriveSoFar':
         """Return it after another drive."""
@@ -64,7 +75,9 @@ def drive_goal(
     if block is None:
         return None
     evidence = [
-        one for one in _evidence(block, sources, releases) if one.id not in so_far.evidence
+        one
+        for one in _evidence(block, sources, releases, so_far.found)
+        if one.id not in so_far.evidence
     ]
     if not evidence:
         return None
@@ -83,7 +96,10 @@ def drive_goal(
 
 
 def _evidence(
-    block: GroundVehicleBlock, sources: Found, releases: Found
+    block: GroundVehicleBlock,
+    sources: Found,
+    releases: Found,
+    known: Sequence[EvidencePoint],
 ) -> Iterator[EvidencePoint]:
     for one in block.evidence:
         yield EvidencePoint(
@@ -91,19 +107,33 @@ def _evidence(
             priority=one.priority, dwell_s=one.dwell_s,
         )  # fmt: skip
     if block.to_sources:
-        yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s)
+        yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s, known)
     if block.to_releases:
-        yield from _found(RELEASE, 'g/s', releases, block.dwell_s)
+        yield from _found(RELEASE, 'g/s', releases, block.dwell_s, known)
 
 
-def _found(kind: str, unit: str, found: Found, dwell_s: float) -> Iterator[EvidencePoint]:
-    """Yield a point for each of what was found, the stronger the higher its priority."""
+def _found(
+    kind: str, unit: str, found: Found, dwell_s: float, known: Sequence[EvidencePoint]
+) -> Iterator[EvidencePoint]:
+    """Yield a point for each of what was found, the stronger the higher its priority.
+
+    Its name is that of the nearest one `known`: their order changes with each assessment.
+    """
     strongest = max((rate for _, rate in found), default=1.0)
-    for number, (place, rate) in enumerate(found, 1):
+    own = {one.id: position_of_point(one.position) for one in known if one.kind == kind}
+    names = set[str]()
+    for place, rate in found:
+        away = {name: distance_m(place, before) for name, before in own.items()}
+        name = min(away, key=away.__getitem__, default='')
+        if not name or away[name] >= SAME_M:
+            name = f'{kind}-{len(own.keys() | names) + 1}'
+        if name in names:
+            continue
+        names.add(name)
         yield EvidencePoint(
-            id=f'{kind}-{number}', kind=kind, position=point_of_position(place),
+            id=name, kind=kind, position=point_of_position(place),
             priority=max(0.1, rate / strongest), dwell_s=dwell_s,
-            found_in=f'{kind} {number}: {rate:.4g} {unit}',
+            found_in=f'{name.replace("-", " ")}: {rate:.4g} {unit}',
         )  # fmt: skip
 
 
