@@ -58,6 +58,8 @@ class DoseOutlook:
     is_rest_hotter
         Whether a line of the rest has much higher dose rates than those that were measured: the
         measured share of the prediction does not tell of them.
+    hotter_ratio
+        How many times the prediction such a rest may take, with 95 % confidence; 0: nobody told.
     back_usv
         Measured for the way back on its own tracks.
     """
@@ -70,6 +72,7 @@ class DoseOutlook:
     predicted_usv: float
     rest_usv: float
     is_rest_hotter: bool
+    hotter_ratio: float
     back_usv: float
 
 
@@ -100,7 +103,10 @@ def _must_save_dose(outlook: DoseOutlook, options: ReserveOptions) -> bool:
     # of a source: the measured share tells it the better the more of the way is behind.
     ahead = outlook.rest_usv / max(outlook.rest_usv + outlook.predicted_usv, 1e-9)
     own = 1.0 + (options.doubt - 1.0) * ahead
-    doubt = options.largest_ratio if outlook.is_rest_hotter else own
+    doubt = own
+    if outlook.is_rest_hotter:
+        told = outlook.hotter_ratio or options.largest_ratio
+        doubt = min(max(own, told), options.largest_ratio)
     rest = outlook.rest_usv * share * doubt
     # Stopping and leaving a hot place takes a dose of its own.
     back = outlook.back_usv + soon

@@ -173,7 +173,8 @@ def drive_watch(route: GroundRoute) -> DriveWatch:
         )
         for stop in route.stops
     ]
-    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh)
+    ratio = route.dose_upper_usv / route.dose_usv if route.dose_usv > 0.0 else 0.0
+    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh, ratio)
 
 
 def drive_text(route: GroundRoute) -> str:
