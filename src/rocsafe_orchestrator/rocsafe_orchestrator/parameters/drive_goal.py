@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
 from rocsafe_orchestrator.mission.drive_watch import DriveWatch, WatchedStop
@@ -65,18 +66,23 @@ class DriveSoFar:
 
 
 def drive_goal(
-    scenario: Scenario, sources: Found, releases: Found, so_far: DriveSoFar
+    scenario: Scenario,
+    sources: Found,
+    releases: Found,
+    so_far: DriveSoFar,
+    marks: Sequence[PlaceMark] = (),
 ) -> PlanGroundRoute.Goal | None:
     """Return the request to the router, None if nothing is left to be taken.
 
-    `sources` are places and dose rates at 1 m, `releases` places and rates in g/s.
+    `sources` are places and dose rates at 1 m, `releases` places and rates in g/s, `marks` are
+    those of operators.
     """
     block = scenario.ground_vehicle
     if block is None:
         return None
     evidence = [
         one
-        for one in _evidence(block, sources, releases, so_far.found)
+        for one in (*_named(block, marks), *_evidence(block, sources, releases, so_far.found))
         if one.id not in so_far.evidence
     ]
     if not evidence:
@@ -95,17 +101,25 @@ def drive_goal(
     )
 
 
+def _named(block: GroundVehicleBlock, marks: Sequence[PlaceMark]) -> Iterator[EvidencePoint]:
+    for one in block.evidence:
+        yield EvidencePoint(
+            id=one.name, kind=one.kind, position=point_of_position(GeoPosition(*one.position)),
+            priority=one.priority, dwell_s=one.dwell_s,
+        )  # fmt: skip
+    for number, mark in enumerate(marks if block.to_marks else (), 1):
+        yield EvidencePoint(
+            id=f'operator-{number}', kind='mark', position=point_of_position(mark.position),
+            priority=1.0, dwell_s=block.dwell_s, found_in=f'{mark.by}: {mark.text}',
+        )  # fmt: skip
+
+
 def _evidence(
     block: GroundVehicleBlock,
     sources: Found,
     releases: Found,
     known: Sequence[EvidencePoint],
 ) -> Iterator[EvidencePoint]:
-    for one in block.evidence:
-        yield EvidencePoint(
-            id=one.name, kind=one.kind, position=point_of_position(GeoPosition(*one.position)),
-            priority=one.priority, dwell_s=one.dwell_s,
-        )  # fmt: skip
     if block.to_sources:
         yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s, known)
     if block.to_releases:
