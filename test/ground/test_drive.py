@@ -33,7 +33,7 @@ from test.ground.villages import (
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceLog
-from rocsafe_ground.command_line.ground_command import main
+from rocsafe_ground.command_line.ground_command import lines_of, main
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.ground_classes import GroundClass, ground_classes
 from rocsafe_ground.drivable.labels import read_labels
@@ -357,6 +357,7 @@ def test_command_writes_every_file(village, tmp_path, capsys):
     assert 'drive to' in said
     assert 'gap' in said
     assert 'is kept with probability 1' in said
+    assert 'time by budget of dose' in said
     document = json.loads((out / 'route.json').read_text())
     assert {stop['evidence'] for stop in document['stops']} == {'', 'source-1', 'mark-2'}
     collection = json.loads((out / 'route.geojson').read_text())
@@ -367,6 +368,14 @@ def test_command_writes_every_file(village, tmp_path, capsys):
     for name in ('route.kml', 'route.gpx'):
         ElementTree.parse(out / name)  # noqa: S314 - our own file
     assert (out / 'ground.tif').stat().st_size > 1000
+
+
+def test_time_of_the_trade_off_is_printed_once(village):
+    """With the least budget that gives it."""
+    plan = plan_drive(request_of((20.0, -10.0)), ground_of(village))
+    curve = ((5.0, 100.2), (6.0, 100.1), (7.0, 90.0), (8.0, 90.0))
+    shown = lines_of(replace(plan, curve=curve))[-2:]
+    assert [line.split()[0] for line in shown] == ['5', '7']
 
 
 def test_marks_of_operators_propose_evidence(tmp_path, capsys):

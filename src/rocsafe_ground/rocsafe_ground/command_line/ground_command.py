@@ -183,7 +183,9 @@ def _price(plan: DrivePlan) -> list[str]:
 def _curve(plan: DrivePlan) -> list[str]:
     if not plan.curve:
         return []
-    rows = (f'  {dose:>10.4g} uSv  {duration_text(time)}' for dose, time in plan.curve)
+    # Of budgets with the same time the least tells all.
+    least = {duration_text(time): dose for dose, time in reversed(plan.curve)}
+    rows = (f'  {dose:>10.4g} uSv  {time}' for time, dose in reversed(least.items()))
     return ['time by budget of dose, by the upper 95 %:', *rows]
 
 
