@@ -362,6 +362,17 @@ def test_hotter_rest_is_doubted_by_what_the_router_stated(ratio, goes_on):
     assert (reason_to_end(half, CautionOptions()) is None) is goes_on
 
 
+@pytest.mark.parametrize(
+    ('rate', 'growth', 'goes_on'),
+    [(6e4, 1.0, True), (6e4, 1.8, False), (1e5, 0.5, False), (4e4, 9.0, True)],
+)
+def test_dose_rate_that_will_reach_the_level_turns_it_back(rate, growth, goes_on):
+    """Before it is there: it grows by as much again, at most to the double, until it stands."""
+    calm = outlook(dose_usv=0.0, predicted_usv=0.0, rest_usv=0.0, back_usv=0.0)
+    now = replace(calm, rate_usvh=rate, growth=growth)
+    assert (reason_to_end(now, CautionOptions()) is None) is goes_on
+
+
 def test_first_readings_tell_nothing_of_a_prediction():
     """After a detour the tracks home are long and hot, the planned rest is neither."""
     start = outlook(dose_usv=0.01, predicted_usv=0.0, rest_usv=20.0, back_usv=160.0)

@@ -82,18 +82,23 @@ def dose_reason(outlook: DoseOutlook, options: ReserveOptions) -> str:
     It turns back at the last moment at which the way back, as measured, still fits into the
     budget, unless the rest of the route fits, by the measured share of the prediction.
     """
-    if outlook.rate_usvh >= outlook.turn_back_usvh:
-        level = outlook.turn_back_usvh
-        return f'it reads {outlook.rate_usvh:.4g} uSv/h: the level is {level:.4g}'
+    level, growth = outlook.turn_back_usvh, _growth(outlook, options)
+    # It still goes some way towards the source before it stops.
+    if outlook.rate_usvh * growth >= level:
+        rising = f', {growth:.2g} times as much as just before' if growth > 1.0 else ''
+        return f'it reads {outlook.rate_usvh:.4g} uSv/h{rising}: the level is {level:.4g}'
     if _must_save_dose(outlook, options):
         return f'{outlook.dose_usv:.4g} of {outlook.budget_usv:.4g} uSv are used'
     return ''
 
 
+def _growth(outlook: DoseOutlook, options: ReserveOptions) -> float:
+    return min(max(outlook.growth, 1.0), options.largest_ratio)
+
+
 def _must_save_dose(outlook: DoseOutlook, options: ReserveOptions) -> bool:
     limit = outlook.budget_usv * (1.0 - options.reserve_fraction)
-    growth = min(max(outlook.growth, 1.0), options.largest_ratio)
-    soon = outlook.rate_usvh * growth * options.reaction_s / 3600.0
+    soon = outlook.rate_usvh * _growth(outlook, options) * options.reaction_s / 3600.0
     if outlook.dose_usv + soon + outlook.back_usv * options.doubt < limit:
         return False
     # Small doses tell nothing of the prediction: they count as if so much had gone as predicted.
