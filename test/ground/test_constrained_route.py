@@ -89,6 +89,24 @@ def test_search_ends_at_the_gap_that_is_enough():
         assert optimum * (1.0 - ROUNDING) <= near.path.time_s <= optimum / (1.0 - 0.02)
 
 
+@pytest.mark.parametrize('is_exact', [False, True])
+def test_bound_holds_whatever_gap_is_enough(is_exact):
+    """What is left out is no better than that; the less is asked for, the less is searched."""
+    counts = dict.fromkeys((0.0, 0.001, 0.01, 0.1), 0)
+    for seed in range(25):
+        search = search_of(random_edges(40, 40, seed, blocked=0.0))
+        budget = budget_between(search, 0.1 + 0.03 * seed)
+        optimum = search.within(budget).path.time_s
+        for gap in counts:
+            found = search.within(budget, SearchEffort(enough_gap=gap, is_exact=is_exact))
+            assert found.bound_s <= optimum * (1.0 + ROUNDING)
+            assert optimum * (1.0 - ROUNDING) <= found.path.time_s
+            assert found.path.dose_usv <= budget * (1.0 + ROUNDING)
+            assert not is_exact or found.gap_fraction <= gap + ROUNDING
+            counts[gap] += found.label_count
+    assert counts[0.01] <= 0.3 * counts[0.0]
+
+
 def test_search_that_runs_out_of_labels_says_how_good_it_is():
     """It keeps the path of the dual and a bound that holds."""
     edges = random_edges(40, 40, 3, blocked=0.0)

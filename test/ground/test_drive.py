@@ -32,7 +32,8 @@ from test.ground.villages import (
 )
 
 from rocsafe_geo.position import GeoPosition
-from rocsafe_ground.command_line.ground_command import main
+from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceLog
+from rocsafe_ground.command_line.ground_command import lines_of, main
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.ground_classes import GroundClass, ground_classes
 from rocsafe_ground.drivable.labels import read_labels
@@ -356,6 +357,7 @@ def test_command_writes_every_file(village, tmp_path, capsys):
     assert 'drive to' in said
     assert 'gap' in said
     assert 'is kept with probability 1' in said
+    assert 'time by budget of dose' in said
     document = json.loads((out / 'route.json').read_text())
     assert {stop['evidence'] for stop in document['stops']} == {'', 'source-1', 'mark-2'}
     collection = json.loads((out / 'route.geojson').read_text())
@@ -366,6 +368,35 @@ def test_command_writes_every_file(village, tmp_path, capsys):
     for name in ('route.kml', 'route.gpx'):
         ElementTree.parse(out / name)  # noqa: S314 - our own file
     assert (out / 'ground.tif').stat().st_size > 1000
+
+
+def test_time_of_the_trade_off_is_printed_once(village):
+    """With the least budget that gives it."""
+    plan = plan_drive(request_of((20.0, -10.0)), ground_of(village))
+    curve = ((5.0, 100.2), (6.0, 100.1), (7.0, 90.0), (8.0, 90.0))
+    shown = lines_of(replace(plan, curve=curve))[-2:]
+    assert [line.split()[0] for line in shown] == ['5', '7']
+
+
+def test_marks_of_operators_propose_evidence(tmp_path, capsys):
+    """Those of the console, in the log of the run; a log that somebody changed is refused."""
+    folder = write_village(tmp_path)
+    words = [str(folder), '--from', text(-25, 15), '--to', 'marks', '--dose-budget', '1e6']
+    assert main(words) == 2
+    assert 'nobody marked a place in this run' in capsys.readouterr().err
+    log = EvidenceLog(folder / LOG_NAME)
+    place = position(20.0, -10.0)
+    where = {'latitude_deg': place.latitude_deg, 'longitude_deg': place.longitude_deg}
+    mark = Event(time_s=0.0, kind='mark', by='ann', what={**where, 'text': 'a bag'})
+    log.add([Event(time_s=0.0, kind='login', by='ann', what={}), mark])
+    log.close()
+    assert main(words) == 0
+    route = json.loads((folder / 'ground' / 'route.json').read_text())
+    assert [stop['evidence'] for stop in route['stops'] if stop['evidence']] == ['operator-1']
+    path = folder / LOG_NAME
+    path.write_text(path.read_text().replace('a bag', 'a box'))
+    assert main(words) == 2
+    assert 'line 2: has been changed' in capsys.readouterr().err
 
 
 def test_releases_propose_evidence(tmp_path, capsys):

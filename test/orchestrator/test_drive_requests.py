@@ -8,12 +8,12 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_interfaces.action import DriveRoute
+from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.mission.driving import DriveEnd
 from rocsafe_orchestrator.mission_state.request import Order, OrderKind
-from rocsafe_orchestrator.parameters.drive_goal import dose_change
+from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, dose_change
 from rocsafe_orchestrator.requests.drive_requests_node import DriveRequests
 
 
@@ -109,6 +109,24 @@ def test_drive_with_another_dose_than_planned_is_stopped_and_planned_anew(ros):
     assert ending is DriveEnd.OUT_WITH_EVIDENCE_LEFT
     requests.on_sources()
     assert cancelled == [1]
+    requests.close()
+    node.destroy_node()
+
+
+def test_photographs_of_evidence_are_expected_once_however_often_it_is_planned(ros):
+    """Those taken, and those of the route that is driven."""
+    node = Node('requests', context=ros.context)
+    monitor = SimpleNamespace(sources=(), images_expected=59)
+    requests = DriveRequests(
+        node, SimpleNamespace(driver_name='rgv1', real_names=()), monitor, SimpleNamespace(), []
+    )
+    requests.begin(SimpleNamespace(remarks=[], drive_planned=lambda: None))
+    for taken, planned, expected in ((), 'abc', 62), ((), 'abc', 62), (('a',), 'bcd', 63):
+        requests._so_far = DriveSoFar(evidence=taken)
+        stops = [GroundStop(evidence=one) for one in planned]
+        result = PlanGroundRoute.Result(route=GroundRoute(stops=stops))
+        requests._on_route(DRIVE, done(SimpleNamespace(result=result)))
+        assert monitor.images_expected == expected
     requests.close()
     node.destroy_node()
 

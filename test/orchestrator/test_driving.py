@@ -8,7 +8,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_orchestrator.mission.driving import MOST_PLANS, DriveEnd
@@ -193,14 +194,48 @@ def test_goal_asks_for_what_is_left_within_what_is_left() -> None:
     assert first.dose_budget_usv == scenario.ground_vehicle.dose_budget_usv
     here = GeoPoint(latitude=53.2797, longitude=-9.0635, altitude=66.0)
     result = DriveRoute.Result(
-        evidence_taken=['wagon', 'source-1'], dose_usv=100.0, position=here, blocked=[here]
+        evidence_taken=['wagon', 'source-1'], dose_usv=20.0, position=here, blocked=[here]
     )
     again = drive_goal(scenario, sources, releases, DriveSoFar().after(result))
     assert again is not None
     assert [one.id for one in again.evidence] == ['ballast', 'source-2', 'release-1']
-    assert again.dose_budget_usv == first.dose_budget_usv - 100.0
+    assert again.dose_budget_usv == first.dose_budget_usv - 20.0
     assert again.start == here
     assert list(again.blocked) == [here]
     assert again.end[0].latitude == pytest.approx(scenario.ground_vehicle.home[0])
     rest = DriveRoute.Result(evidence_taken=['ballast', 'source-2', 'release-1'])
     assert drive_goal(scenario, sources, releases, DriveSoFar().after(result).after(rest)) is None
+
+
+def test_found_evidence_keeps_its_name_when_the_assessment_changes() -> None:
+    """One that was taken is not driven to again, whatever its number; what is new is."""
+    scenario = read_scenario(SCENARIO)
+    old = GeoPosition(53.2798, -9.0633, 66.0)
+    moved, ghost = offset(old, 0.5, 1.0, 0.0), offset(old, -3.0, 2.0, 0.0)
+    new = offset(old, 30.0, 0.0, 0.0)
+    first = drive_goal(scenario, [(old, 3e4)], [], DriveSoFar())
+    assert first is not None
+    so_far = DriveSoFar().asked(first.evidence)
+    again = drive_goal(scenario, [(new, 9e4), (ghost, 4e4), (moved, 2e4)], [], so_far)
+    assert again is not None
+    assert [one.id for one in again.evidence if one.found_in] == ['source-2', 'source-1']
+    taken = so_far.after(DriveRoute.Result(evidence_taken=['source-1', 'wagon']))
+    rest = drive_goal(scenario, [(ghost, 4e4), (moved, 2e4)], [], taken)
+    assert rest is not None
+    assert [one.id for one in rest.evidence] == ['ballast']
+
+
+def test_marks_of_operators_are_driven_to_where_the_scenario_says_so() -> None:
+    """With what they wrote; otherwise a mark is a note."""
+    scenario = read_scenario(SCENARIO)
+    mark = PlaceMark(position=GeoPosition(53.2798, -9.0633, 66.0), text='a bag', by='ann')
+    without = drive_goal(scenario, [], [], DriveSoFar(), [mark])
+    assert without is not None
+    assert [one.id for one in without.evidence] == ['wagon', 'ballast']
+    block = scenario.ground_vehicle.model_copy(update={'to_marks': True, 'dwell_s': 7.0})
+    wanted = scenario.model_copy(update={'ground_vehicle': block})
+    goal = drive_goal(wanted, [], [], DriveSoFar(), [mark])
+    assert goal is not None
+    (one,) = goal.evidence[2:]
+    assert (one.id, one.kind, one.dwell_s) == ('operator-1', 'mark', 7.0)
+    assert one.found_in == 'ann: a bag'

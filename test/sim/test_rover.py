@@ -324,13 +324,13 @@ def test_way_back_has_no_loops():
     assert way.dose_usv <= 1.0
 
 
-def outlook(*, dose_usv, predicted_usv, rest_usv, back_usv):
+def outlook(*, dose_usv, predicted_usv, rest_usv, back_usv, is_hotter=False, ratio=0.0):
     """Return what a drive with a budget of 100 uSv has taken, and would take."""
     return Outlook(
         budget_usv=100.0, turn_back_usvh=1e5, dose_usv=dose_usv, rate_usvh=1.0, growth=1.0,
         predicted_usv=predicted_usv, predicted_line_usv=predicted_usv, rest_usv=rest_usv,
-        is_rest_hotter=False, back_usv=back_usv, rest_j=0.0, back_j=0.0, charge_j=1e6,
-        is_at_stop=False,
+        is_rest_hotter=is_hotter, hotter_ratio=ratio, back_usv=back_usv, rest_j=0.0, back_j=0.0,
+        charge_j=1e6, is_at_stop=False,
     )  # fmt: skip
 
 
@@ -346,6 +346,31 @@ def test_what_is_confirmed_of_a_prediction_is_trusted_for_its_rest():
     assert reason_to_end(early, options)[0] is DriveOutcome.TURNED_BACK_DOSE
     more = outlook(dose_usv=74.0, predicted_usv=60.0, rest_usv=22.0, back_usv=21.0)
     assert reason_to_end(more, options)[0] is DriveOutcome.TURNED_BACK_DOSE
+
+
+@pytest.mark.parametrize(('ratio', 'goes_on'), [(1.15, True), (1.7, False), (0.0, False)])
+def test_hotter_rest_is_doubted_by_what_the_router_stated(ratio, goes_on):
+    """45 of 100 taken as predicted, 40 more to come from a hotter place: 47 at most, or 68."""
+    half = outlook(
+        dose_usv=45.0,
+        predicted_usv=45.0,
+        rest_usv=40.0,
+        back_usv=44.0,
+        is_hotter=True,
+        ratio=ratio,
+    )
+    assert (reason_to_end(half, CautionOptions()) is None) is goes_on
+
+
+@pytest.mark.parametrize(
+    ('rate', 'growth', 'goes_on'),
+    [(6e4, 1.0, True), (6e4, 1.8, False), (1e5, 0.5, False), (4e4, 9.0, True)],
+)
+def test_dose_rate_that_will_reach_the_level_turns_it_back(rate, growth, goes_on):
+    """Before it is there: it grows by as much again, at most to the double, until it stands."""
+    calm = outlook(dose_usv=0.0, predicted_usv=0.0, rest_usv=0.0, back_usv=0.0)
+    now = replace(calm, rate_usvh=rate, growth=growth)
+    assert (reason_to_end(now, CautionOptions()) is None) is goes_on
 
 
 def test_first_readings_tell_nothing_of_a_prediction():

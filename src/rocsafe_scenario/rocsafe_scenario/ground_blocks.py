@@ -34,9 +34,10 @@ class GroundVehicleBlock(Block):
         No part of its way is planned to reach this dose rate, at which it turns back.
     load_budget
         Toxic load of gas along its way by the upper 95 %, times that of level 2; None: no limit.
-    evidence, to_sources, to_releases
+    evidence, to_sources, to_releases, to_marks
         Named places, and whether it goes to each source and each release of gas that was found,
-        for `dwell_s`.
+        and to each place that operators marked on the console before the drive is planned, for
+        `dwell_s`.
     link, drone
         Of a real ground vehicle, an ArduPilot Rover, as of a drone; an empty link: it is
         simulated.
@@ -52,6 +53,7 @@ class GroundVehicleBlock(Block):
     width_m: float = Field(default=0.7, ge=0.1, le=10.0)
     to_sources: bool = True
     to_releases: bool = True
+    to_marks: bool = False
     dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
     link: str = ''
     drone: DroneBlock = DroneBlock()

@@ -58,6 +58,8 @@ class DoseOutlook:
     is_rest_hotter
         Whether a line of the rest has much higher dose rates than those that were measured: the
         measured share of the prediction does not tell of them.
+    hotter_ratio
+        How many times the prediction such a rest may take, with 95 % confidence; 0: nobody told.
     back_usv
         Measured for the way back on its own tracks.
     """
@@ -70,6 +72,7 @@ class DoseOutlook:
     predicted_usv: float
     rest_usv: float
     is_rest_hotter: bool
+    hotter_ratio: float
     back_usv: float
 
 
@@ -79,18 +82,23 @@ def dose_reason(outlook: DoseOutlook, options: ReserveOptions) -> str:
     It turns back at the last moment at which the way back, as measured, still fits into the
     budget, unless the rest of the route fits, by the measured share of the prediction.
     """
-    if outlook.rate_usvh >= outlook.turn_back_usvh:
-        level = outlook.turn_back_usvh
-        return f'it reads {outlook.rate_usvh:.4g} uSv/h: the level is {level:.4g}'
+    level, growth = outlook.turn_back_usvh, _growth(outlook, options)
+    # It still goes some way towards the source before it stops.
+    if outlook.rate_usvh * growth >= level:
+        rising = f', {growth:.2g} times as much as just before' if growth > 1.0 else ''
+        return f'it reads {outlook.rate_usvh:.4g} uSv/h{rising}: the level is {level:.4g}'
     if _must_save_dose(outlook, options):
         return f'{outlook.dose_usv:.4g} of {outlook.budget_usv:.4g} uSv are used'
     return ''
 
 
+def _growth(outlook: DoseOutlook, options: ReserveOptions) -> float:
+    return min(max(outlook.growth, 1.0), options.largest_ratio)
+
+
 def _must_save_dose(outlook: DoseOutlook, options: ReserveOptions) -> bool:
     limit = outlook.budget_usv * (1.0 - options.reserve_fraction)
-    growth = min(max(outlook.growth, 1.0), options.largest_ratio)
-    soon = outlook.rate_usvh * growth * options.reaction_s / 3600.0
+    soon = outlook.rate_usvh * _growth(outlook, options) * options.reaction_s / 3600.0
     if outlook.dose_usv + soon + outlook.back_usv * options.doubt < limit:
         return False
     # Small doses tell nothing of the prediction: they count as if so much had gone as predicted.
@@ -100,7 +108,10 @@ def _must_save_dose(outlook: DoseOutlook, options: ReserveOptions) -> bool:
     # of a source: the measured share tells it the better the more of the way is behind.
     ahead = outlook.rest_usv / max(outlook.rest_usv + outlook.predicted_usv, 1e-9)
     own = 1.0 + (options.doubt - 1.0) * ahead
-    doubt = options.largest_ratio if outlook.is_rest_hotter else own
+    doubt = own
+    if outlook.is_rest_hotter:
+        told = outlook.hotter_ratio or options.largest_ratio
+        doubt = min(max(own, told), options.largest_ratio)
     rest = outlook.rest_usv * share * doubt
     # Stopping and leaving a hot place takes a dose of its own.
     back = outlook.back_usv + soon

@@ -58,8 +58,8 @@ def _add_task(found: argparse.ArgumentParser) -> None:
     )
     found.add_argument(
         '--to', required=True, action='append', metavar='EVIDENCE',
-        help='LAT,LON, a GeoJSON file of points, or a word: sources, releases (of gas), or with '
-        '--labels objects (drums, flasks, wagons); may be repeated',
+        help='LAT,LON, a GeoJSON file of points, or a word: sources, releases (of gas), marks (of '
+        'operators), or with --labels objects (drums, flasks, wagons); may be repeated',
     )  # fmt: skip
     found.add_argument(
         '--dose-budget', required=True, type=number(1e-6, 1e12), metavar='USV',

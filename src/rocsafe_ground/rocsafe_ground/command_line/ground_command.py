@@ -9,6 +9,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from rocsafe_geo.storage.evidence_log import LOG_NAME, EvidenceError
+from rocsafe_geo.storage.place_marks import PlaceMark, read_marks
 from rocsafe_ground.command_line.ground_arguments import joined, parser
 from rocsafe_ground.dose.toxic_load import PLUME, ZONES, GasExposure
 from rocsafe_ground.drivable.labels import read_labels
@@ -24,6 +26,7 @@ from rocsafe_ground.drive.ground_map import (
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError, NoMapError
 from rocsafe_ground.evidence.evidence_file import (
+    FROM_MARKS,
     FROM_OBJECTS,
     FROM_RELEASES,
     evidence_of,
@@ -75,7 +78,11 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
     request = DriveRequest(
         start=place_of(options.start),
         evidence=evidence_of(
-            options.to, read_posterior(files), _objects(options, ground), _releases(options)
+            options.to,
+            read_posterior(files),
+            _objects(options, ground),
+            _releases(options),
+            _marks(options),
         ),
         dose_budget_usv=options.dose_budget,
         load_budget=options.load_budget,
@@ -95,6 +102,14 @@ def _objects(options: argparse.Namespace, ground: GroundMap) -> list[EvidencePoi
         return None
     room = MOST_POINTS - sum(text != FROM_OBJECTS for text in options.to)
     return labelled_things(read_labels(options.labels), ground.grid, max(room, 1))
+
+
+def _marks(options: argparse.Namespace) -> list[PlaceMark]:
+    """Return the places that operators marked in a run."""
+    try:
+        return read_marks(options.folder / LOG_NAME) if FROM_MARKS in options.to else []
+    except EvidenceError as error:
+        raise NoMapError(str(error)) from error
 
 
 def _releases(options: argparse.Namespace) -> list[EvidencePoint] | None:
@@ -168,7 +183,9 @@ def _price(plan: DrivePlan) -> list[str]:
 def _curve(plan: DrivePlan) -> list[str]:
     if not plan.curve:
         return []
-    rows = (f'  {dose:>10.4g} uSv  {duration_text(time)}' for dose, time in plan.curve)
+    # Of budgets with the same time the least tells all.
+    least = {duration_text(time): dose for dose, time in reversed(plan.curve)}
+    rows = (f'  {dose:>10.4g} uSv  {time}' for time, dose in reversed(least.items()))
     return ['time by budget of dose, by the upper 95 %:', *rows]
 
 

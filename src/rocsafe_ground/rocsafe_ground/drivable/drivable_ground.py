@@ -16,12 +16,13 @@ from scipy.ndimage import distance_transform_edt, label
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.terrain.terrain import Terrain
+from rocsafe_ground.drivable.contrast import is_unlike
 from rocsafe_ground.drivable.ground_classes import ColourRules, GroundClass, ground_classes
 from rocsafe_ground.drivable.labels import LabelMap
 from rocsafe_ground.drivable.raster import Bands
 from rocsafe_ground.drivable.relief import Relief, relief_of
 from rocsafe_ground.drivable.route_grid import RouteGrid
-from rocsafe_ground.drivable.things import distances_m, in_cells, parts_of, thing_parts
+from rocsafe_ground.drivable.things import PART_M, distances_m, in_cells, parts_of, thing_parts
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 
 IntArray = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
@@ -187,9 +188,16 @@ def _class_shares(classes: Bands, grid: RouteGrid) -> tuple[FloatArray, FloatArr
 def _things(
     layers: Layers, classes: Bands, grid: RouteGrid, vehicle: GroundVehicle, rules: GroundRules
 ) -> BoolArray:
-    """Return which parts of cells are covered by what looks like a thing, or is higher."""
+    """Return which parts of cells are covered by what looks like a thing, or is higher.
+
+    A thing looks like something else than ground, or unlike the ground around it.
+    """
     values = classes.values[0]
-    looks = np.stack([values > max(DRIVEN), values > 0.0]).astype(np.float32)
+    is_odd = values > max(DRIVEN)
+    # Of coarser pixels a small thing has too few to stand out.
+    if layers.labels is None and classes.pixel_m < PART_M:
+        is_odd |= is_unlike(layers.mosaic.values[:3], values > 0.0, classes.pixel_m)
+    looks = np.stack([is_odd, values > 0.0]).astype(np.float32)
     parts = thing_parts(replace(classes, values=looks), grid, rules.most_blocked)
     if layers.heights is not None:
         # A part is as high as the highest thing in it.

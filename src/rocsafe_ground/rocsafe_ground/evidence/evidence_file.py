@@ -8,10 +8,12 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.named_file import require_file
+from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_ground.dose.source_posterior import SourcePosterior
 from rocsafe_ground.evidence.evidence_point import MARK, SOURCE, EvidencePoint
 
 FROM_SOURCES, FROM_OBJECTS, FROM_RELEASES = 'sources', 'objects', 'releases'
+FROM_MARKS = 'marks'
 
 
 def evidence_of(
@@ -19,20 +21,23 @@ def evidence_of(
     posterior: SourcePosterior | None,
     objects: Sequence[EvidencePoint] | None = None,
     releases: Sequence[EvidencePoint] | None = None,
+    marks: Sequence[PlaceMark] = (),
 ) -> tuple[EvidencePoint, ...]:
     """Return the evidence points that words of a command line name.
 
     Parameters
     ----------
     texts
-        Each ``LAT,LON``, the path of a GeoJSON file of points, ``sources``, ``releases`` or
-        ``objects``.
+        Each ``LAT,LON``, the path of a GeoJSON file of points, ``sources``, ``releases``,
+        ``objects`` or ``marks``.
     posterior
         The sources that a survey found.
     objects
         The things that labels propose; None: there are no labels.
     releases
         Those of gas that a survey proposes; None: it looked for none.
+    marks
+        Places that operators marked on the console.
 
     Raises
     ------
@@ -47,6 +52,8 @@ def evidence_of(
             found += _of_releases(releases)
         elif text == FROM_OBJECTS:
             found += _of_objects(objects)
+        elif text == FROM_MARKS:
+            found += _of_marks(marks)
         elif Path(text).suffix.lower() in ('.geojson', '.json'):
             found += read_evidence(Path(text))
         else:
@@ -114,6 +121,17 @@ def _of_objects(objects: Sequence[EvidencePoint] | None) -> Sequence[EvidencePoi
     if not objects:
         raise ValueError(f'--to {FROM_OBJECTS}: the labels show no drum, flask, wagon or marker')
     return objects
+
+
+def _of_marks(marks: Sequence[PlaceMark]) -> list[EvidencePoint]:
+    if not marks:
+        raise ValueError(f'--to {FROM_MARKS}: nobody marked a place in this run')
+    return [
+        EvidencePoint(
+            id=f'operator-{number}', position=mark.position, found_in=f'{mark.by}: {mark.text}'
+        )
+        for number, mark in enumerate(marks, 1)
+    ]
 
 
 def _of_releases(releases: Sequence[EvidencePoint] | None) -> Sequence[EvidencePoint]:

@@ -49,7 +49,8 @@ class SearchEffort:
     rounds
         How often cells are dropped by all prices, at most.
     enough_gap
-        Proven gap at which the search ends; 0: at the optimum.
+        Proven gap at which the search ends; 0: at the optimum. Paths that are not better than the
+        best one by so much are not looked for.
     """
 
     is_exact: bool = True
@@ -143,7 +144,7 @@ class RouteSearch:
         dual = self._dual(budget_usv, effort)
         if dual.gap_fraction <= ROUNDING:
             return _proven(dual.path, dual.price_s_per_usv)
-        if dual.gap_fraction <= effort.enough_gap:
+        if _is_enough(dual, effort):
             return dual
         return self._closed(budget_usv, dual, effort)
 
@@ -157,17 +158,20 @@ class RouteSearch:
         for turn in TURNS[: effort.rounds] if effort.prices else ():
             for share in effort.prices:
                 price = turn * share * dual.price_s_per_usv
-                known = self._one_price(budget, price, known, corridor)
-                if ROUNDING < known.gap_fraction <= effort.enough_gap:
+                known = self._one_price(budget, price, known, corridor, effort)
+                if known.gap_fraction > ROUNDING and _is_enough(known, effort):
                     return known
             if known.gap_fraction > ROUNDING and effort.is_exact:
-                known = self._exact(budget, known, corridor, min(FEW_LABELS, effort.most_labels))
+                few = replace(effort, most_labels=min(FEW_LABELS, effort.most_labels))
+                known = self._exact(budget, known, corridor, few)
             if known.gap_fraction <= ROUNDING:
                 return replace(known, bound_s=known.path.time_s)
+            if _is_enough(known, effort):
+                return known
             if not corridor.has_narrowed():
                 break
         if effort.is_exact and effort.most_labels > FEW_LABELS:
-            return self._exact(budget, known, corridor, effort.most_labels)
+            return self._exact(budget, known, corridor, effort)
         return known
 
     def _dual(self, budget: float, effort: SearchEffort) -> BoundedPath:
@@ -195,21 +199,29 @@ class RouteSearch:
         )
 
     def _one_price(
-        self, budget: float, price: float, known: BoundedPath, corridor: 'Corridor'
+        self,
+        budget: float,
+        price: float,
+        known: BoundedPath,
+        corridor: 'Corridor',
+        effort: SearchEffort,
     ) -> BoundedPath:
         """Narrow the corridor by one price; return a better path or bound, if there is one.
 
-        A cell whose cheapest path through it is above what the best path costs is left out
+        A cell whose cheapest path through it is above what a better path may cost is left out
         (Beasley & Christofides 1989). What is left has tighter bounds. Two prices on one path, up
         to some cell and from there on, come closer to the budget than one.
         """
-        limit = known.path.time_s * (1.0 + ROUNDING) + price * budget
+        wanted = _wanted_s(known, effort)
+        limit = wanted * (1.0 + ROUNDING) + price * budget
         weights = (1.0, price, 0.0)
         there = self._searcher.tree_within(self._start, weights, corridor.to_come(price), limit)
         back = self._searcher.tree_within(self._goal, weights, there.costs, limit)
         through = there.costs + back.costs
         corridor.keep(through <= limit, price, there, back)
-        bound = max(known.bound_s, float(through[self._start]) - price * budget)
+        # Paths that were left out are no better than what is wanted.
+        least = min(float(through[self._start]) - price * budget, wanted)
+        bound = max(known.bound_s, least)
         path = self._better(budget, known.path, corridor)
         return replace(known, path=path, bound_s=min(bound, path.time_s))
 
@@ -230,9 +242,10 @@ class RouteSearch:
         return best
 
     def _exact(
-        self, budget: float, known: BoundedPath, corridor: 'Corridor', room: int
+        self, budget: float, known: BoundedPath, corridor: 'Corridor', effort: SearchEffort
     ) -> BoundedPath:
-        """Return the optimum, or the best known if there are more labels than room."""
+        """Return the optimum, or the best known if none is better by enough, or labels run out."""
+        room, wanted = effort.most_labels, _wanted_s(known, effort)
         labels = (
             np.empty(room, np.int64), np.empty(room, np.int64), np.empty(room), np.empty(room)
         )  # fmt: skip
@@ -245,7 +258,7 @@ class RouteSearch:
             (self._edges.times_s, self._edges.doses_usv),
             self._edges.offsets,
             (self._start, self._goal),
-            (budget * (1.0 + ROUNDING), known.path.time_s * (1.0 + ROUNDING)),
+            (budget * (1.0 + ROUNDING), wanted * (1.0 + ROUNDING)),
             (quick, clean),
             corridor.bounds(),
             np.where(corridor.is_open, math.inf, 0.0),
@@ -256,7 +269,7 @@ class RouteSearch:
         if status == FOUND:
             best = self._edges.path_of(path_of_labels(labels[0], labels[1], last))
             return _proven(min(best, path, key=lambda one: one.time_s), price, int(count))
-        bound = path.time_s if status == NONE_FOUND else max(known.bound_s, float(reached))
+        bound = max(known.bound_s, wanted if status == NONE_FOUND else min(float(reached), wanted))
         return BoundedPath(
             path=path, bound_s=min(bound, path.time_s), price_s_per_usv=price,
             label_count=int(count),
@@ -276,6 +289,15 @@ class RouteSearch:
         effort = effort or SearchEffort(is_exact=False)
         budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
         return tuple((float(one), self.within(float(one), effort)) for one in budgets)
+
+
+def _is_enough(found: BoundedPath, effort: SearchEffort) -> bool:
+    return found.gap_fraction <= effort.enough_gap + ROUNDING
+
+
+def _wanted_s(known: BoundedPath, effort: SearchEffort) -> float:
+    """Return the time below which a path is better by enough."""
+    return known.path.time_s * (1.0 - effort.enough_gap)
 
 
 def _proven(path: GridPath, price: float, labels: int = 0) -> BoundedPath:

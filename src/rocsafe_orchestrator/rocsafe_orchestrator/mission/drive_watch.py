@@ -49,13 +49,20 @@ class DriveWatch:
         Of the route; the first is where it begins.
     budget_usv, turn_back_usvh
         Limits of the route.
+    upper_ratio
+        Upper 95 % of its predicted dose over the mean; 0: nobody told.
     """
 
     def __init__(
-        self, stops: Sequence[WatchedStop], budget_usv: float, turn_back_usvh: float
+        self,
+        stops: Sequence[WatchedStop],
+        budget_usv: float,
+        turn_back_usvh: float,
+        upper_ratio: float = 0.0,
     ) -> None:
         self._stops, self._next = tuple(stops), 1
         self._budget_usv, self._turn_back_usvh = budget_usv, turn_back_usvh
+        self._upper_ratio = upper_ratio
         self._last: Reading | None = None
         self._dose_usv = self._back_usv = 0.0
         self._rates: deque[float] = deque(maxlen=RATES_KEPT)
@@ -94,6 +101,7 @@ class DriveWatch:
             predicted_usv=done,
             rest_usv=total - done,
             is_rest_hotter=_peak(ahead) > HOTTER * _peak(behind),
+            hotter_ratio=self._upper_ratio,
             back_usv=self._back_usv,
         )
 

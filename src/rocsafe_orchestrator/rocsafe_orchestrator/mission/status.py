@@ -2,10 +2,12 @@
 """State of a running mission, gathered from the messages of the nodes."""
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 
 from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.mission_state.presence import Sighting
 
@@ -176,6 +178,8 @@ class Monitor:
     ----------
     driver
         Its latest status.
+    marks
+        Tells the places that operators have marked.
     """
 
     def __init__(
@@ -195,6 +199,7 @@ class Monitor:
         self._contamination_usvh = contamination_usvh
         self.sources: tuple[tuple[GeoPosition, float], ...] = ()
         self.releases: tuple[tuple[GeoPosition, float], ...] = ()
+        self.marks: Callable[[], Sequence[PlaceMark]] = tuple
         self._flown: dict[str, list[tuple[GeoPosition, float]]] = {}
         self.images_expected = 0
         self.time_s = 0.0

@@ -5,9 +5,10 @@ import logging
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from rich.console import Console
 from rich.text import Text
 
 from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceError, EvidenceLog
+from rocsafe_geo.storage.place_marks import PlaceMark, read_marks
 from rocsafe_orchestrator.company_node import Claim
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission
@@ -130,6 +132,7 @@ class MissionRun:
         self.monitor = Monitor(
             self.scenario.vehicle_names, levels.contamination_usvh, self.scenario.driver_name
         )
+        self.monitor.marks = partial(_marks, self.directory)
         if self.scenario.hosts:
             write_photographs_token(self.directory, self.identity.token)
         if self.extras.airsim_port is not None:
@@ -285,6 +288,15 @@ class MissionRun:
     def _operator_watch(self) -> OperatorWatch | None:
         policy = OnOperatorLost(self.scenario.on_operator_lost)
         return OperatorWatch(policy) if self.scenario.real_names else None
+
+
+def _marks(directory: RunDirectory) -> Sequence[PlaceMark]:
+    """Return the places that operators have marked so far."""
+    try:
+        return read_marks(directory.path / LOG_NAME)
+    except (EvidenceError, OSError) as error:
+        log.warning('no marks of operators: %s', error)
+        return ()
 
 
 def _log_end(directory: RunDirectory, phase: Phase, text: str) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.position import GeoPosition, distance_m
+from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
 from rocsafe_orchestrator.mission.drive_watch import DriveWatch, WatchedStop
@@ -19,6 +20,8 @@ Found = Sequence[tuple[GeoPosition, float]]
 LEAST_RATE_USVH, LEAST_M2 = 0.1, 1.0
 # A budget that is used up: the router then says what the least one would be.
 LEAST_BUDGET_USV = 1e-6
+# What is found nearer than this to what was found before is the same: one photograph shows both.
+SAME_M = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,12 +38,21 @@ class DriveSoFar:
         Where it stands; None: at home.
     blocked
         Where something stood in its way.
+    found
+        Sources and releases that were asked for.
     """
 
     evidence: tuple[str, ...] = ()
     dose_usv: float = 0.0
     position: GeoPoint | None = None
     blocked: tuple[GeoPoint, ...] = ()
+    found: tuple[EvidencePoint, ...] = ()
+
+    def asked(self, evidence: Sequence[EvidencePoint]) -> 'DriveSoFar':
+        """Return it after a request for a drive to evidence."""
+        known = {one.id for one in self.found}
+        new = (one for one in evidence if one.found_in and one.id not in known)
+        return replace(self, found=(*self.found, *new))
 
     def after(self, result: DriveRoute.Result) -> 'DriveSoFar':
         """Return it after another drive."""
@@ -54,17 +66,24 @@ class DriveSoFar:
 
 
 def drive_goal(
-    scenario: Scenario, sources: Found, releases: Found, so_far: DriveSoFar
+    scenario: Scenario,
+    sources: Found,
+    releases: Found,
+    so_far: DriveSoFar,
+    marks: Sequence[PlaceMark] = (),
 ) -> PlanGroundRoute.Goal | None:
     """Return the request to the router, None if nothing is left to be taken.
 
-    `sources` are places and dose rates at 1 m, `releases` places and rates in g/s.
+    `sources` are places and dose rates at 1 m, `releases` places and rates in g/s, `marks` are
+    those of operators.
     """
     block = scenario.ground_vehicle
     if block is None:
         return None
     evidence = [
-        one for one in _evidence(block, sources, releases) if one.id not in so_far.evidence
+        one
+        for one in (*_named(block, marks), *_evidence(block, sources, releases, so_far.found))
+        if one.id not in so_far.evidence
     ]
     if not evidence:
         return None
@@ -82,28 +101,53 @@ def drive_goal(
     )
 
 
-def _evidence(
-    block: GroundVehicleBlock, sources: Found, releases: Found
-) -> Iterator[EvidencePoint]:
+def _named(block: GroundVehicleBlock, marks: Sequence[PlaceMark]) -> Iterator[EvidencePoint]:
     for one in block.evidence:
         yield EvidencePoint(
             id=one.name, kind=one.kind, position=point_of_position(GeoPosition(*one.position)),
             priority=one.priority, dwell_s=one.dwell_s,
         )  # fmt: skip
-    if block.to_sources:
-        yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s)
-    if block.to_releases:
-        yield from _found(RELEASE, 'g/s', releases, block.dwell_s)
-
-
-def _found(kind: str, unit: str, found: Found, dwell_s: float) -> Iterator[EvidencePoint]:
-    """Yield a point for each of what was found, the stronger the higher its priority."""
-    strongest = max((rate for _, rate in found), default=1.0)
-    for number, (place, rate) in enumerate(found, 1):
+    for number, mark in enumerate(marks if block.to_marks else (), 1):
         yield EvidencePoint(
-            id=f'{kind}-{number}', kind=kind, position=point_of_position(place),
+            id=f'operator-{number}', kind='mark', position=point_of_position(mark.position),
+            priority=1.0, dwell_s=block.dwell_s, found_in=f'{mark.by}: {mark.text}',
+        )  # fmt: skip
+
+
+def _evidence(
+    block: GroundVehicleBlock,
+    sources: Found,
+    releases: Found,
+    known: Sequence[EvidencePoint],
+) -> Iterator[EvidencePoint]:
+    if block.to_sources:
+        yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s, known)
+    if block.to_releases:
+        yield from _found(RELEASE, 'g/s', releases, block.dwell_s, known)
+
+
+def _found(
+    kind: str, unit: str, found: Found, dwell_s: float, known: Sequence[EvidencePoint]
+) -> Iterator[EvidencePoint]:
+    """Yield a point for each of what was found, the stronger the higher its priority.
+
+    Its name is that of the nearest one `known`: their order changes with each assessment.
+    """
+    strongest = max((rate for _, rate in found), default=1.0)
+    own = {one.id: position_of_point(one.position) for one in known if one.kind == kind}
+    names = set[str]()
+    for place, rate in found:
+        away = {name: distance_m(place, before) for name, before in own.items()}
+        name = min(away, key=away.__getitem__, default='')
+        if not name or away[name] >= SAME_M:
+            name = f'{kind}-{len(own.keys() | names) + 1}'
+        if name in names:
+            continue
+        names.add(name)
+        yield EvidencePoint(
+            id=name, kind=kind, position=point_of_position(place),
             priority=max(0.1, rate / strongest), dwell_s=dwell_s,
-            found_in=f'{kind} {number}: {rate:.4g} {unit}',
+            found_in=f'{name.replace("-", " ")}: {rate:.4g} {unit}',
         )  # fmt: skip
 
 
@@ -143,7 +187,8 @@ def drive_watch(route: GroundRoute) -> DriveWatch:
         )
         for stop in route.stops
     ]
-    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh)
+    ratio = route.dose_upper_usv / route.dose_usv if route.dose_usv > 0.0 else 0.0
+    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh, ratio)
 
 
 def drive_text(route: GroundRoute) -> str:

@@ -80,6 +80,8 @@ class DriveRequests(GoalRequests):
         self._leases, self._assessors = leases, tuple(assessors)
         self._unassessed: list[Client] = []
         self._so_far = DriveSoFar()
+        # Of evidence, as last planned.
+        self._photographs = 0
         self._route: GroundRoute | None = None
         self._driving: Any = None
         self._planned_on: Found = ()
@@ -122,6 +124,7 @@ class DriveRequests(GoalRequests):
             self._refuse(order, 'no drive: nothing was found, and no evidence is named')
             return
         self._planned_on = self._monitor.sources
+        self._so_far = self._so_far.asked(goal.evidence)
         self._send_goal(self.router, goal, order, self._on_route)
 
     def send_drive(self, order: Order) -> None:
@@ -146,9 +149,10 @@ class DriveRequests(GoalRequests):
             self._refuse(order, f'router: {result.error_msg}')
             return
         self._route = result.route
-        if not self._so_far.evidence:
-            planned = sum(bool(stop.evidence) for stop in result.route.stops)
-            self._monitor.images_expected += planned
+        photographs = len(self._so_far.evidence)
+        photographs += sum(bool(stop.evidence) for stop in result.route.stops)
+        self._monitor.images_expected += photographs - self._photographs
+        self._photographs = photographs
         self._mission.remarks.append(drive_text(result.route))
         # What is planned anew on the way is within the task that was confirmed.
         if self._is_real and not self._is_confirmed:
@@ -213,4 +217,6 @@ class DriveRequests(GoalRequests):
 
     def _goal(self) -> PlanGroundRoute.Goal | None:
         monitor = self._monitor
-        return drive_goal(self._scenario, monitor.sources, monitor.releases, self._so_far)
+        return drive_goal(
+            self._scenario, monitor.sources, monitor.releases, self._so_far, monitor.marks()
+        )

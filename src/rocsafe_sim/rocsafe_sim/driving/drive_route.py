@@ -68,12 +68,15 @@ class DrivenRoute:
         Dose that the vehicle must not exceed on it, by its own readings.
     turn_back_usvh
         Dose rate at which it turns back.
+    upper_ratio
+        Upper 95 % of the predicted dose over its mean; 0: nobody told.
     """
 
     route_id: str
     stops: tuple[RouteStop, ...]
     budget_usv: float
     turn_back_usvh: float
+    upper_ratio: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.stops) < 2:
@@ -82,3 +85,4 @@ class DrivenRoute:
             require_positive(f'speed limit to stop {number}', stop.limit_mps, 'm/s')
         require_positive('dose_budget_usv', self.budget_usv, 'uSv')
         require_positive('turn_back_usvh', self.turn_back_usvh, 'uSv/h')
+        require_not_negative('upper_ratio', self.upper_ratio)

@@ -199,6 +199,7 @@ class Rover(RoverMotion):
             rest_usv=max(0.0, sum(stop.predicted_usv for stop in rest)
                          - (predicted - state.ledger.predicted_usv)),
             is_rest_hotter=_peak(rest[1:]) > HOTTER * _peak(stops[1 : state.next_stop + 1]),
+            hotter_ratio=route.upper_ratio,
             back_usv=self._way.dose_usv,
             rest_j=left_s * power,
             back_j=self._way.energy_j(lambda speed: chassis.power_w(speed, 0.0))

@@ -54,6 +54,7 @@ def drive_route_of(message: GroundRoute, frame: LocalFrame) -> DrivenRoute:
         stops=tuple(stops),
         budget_usv=message.dose_budget_usv,
         turn_back_usvh=message.turn_back_usvh,
+        upper_ratio=message.dose_upper_usv / message.dose_usv if message.dose_usv > 0.0 else 0.0,
     )
 
 
