@@ -88,6 +88,10 @@ def test_vehicles_that_would_only_wait_stay_on_the_ground():
     many = worthwhile(crowd(*[(0.0, 0.0)] * 20))
     assert 2 <= len(many) < 12
     assert worthwhile(crowd(*[(0.0, 20.0 * k) for k in range(20)])) == list(range(20))
+    swapping = tuple(vehicle(f'rav{k}', battery_swap_s=60.0) for k in range(20))
+    assert worthwhile(crowd(*[(0.0, 0.0)] * 20, vehicles=swapping)) == many
+    small = tuple(dataclasses.replace(one, endurance_s=30.0) for one in swapping)
+    assert worthwhile(crowd(*[(0.0, 0.0)] * 20, vehicles=small)) == list(range(20))
     orders = optimised(crowd(*[(0.0, 0.0)] * 20), Effort(proposals=20_000)).orders
     assert {k for k, order in enumerate(orders) if order} <= set(many)
 

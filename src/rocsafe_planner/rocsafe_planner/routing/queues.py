@@ -67,7 +67,7 @@ def worthwhile(problem: FleetProblem) -> list[int]:
     every = list(range(len(problem.vehicles)))
     interval, first = interval_s(problem), problem.vehicles[0]
     is_like = len({problem.alike(k) for k in every}) == 1 and problem.may_visit is None
-    if interval == 0.0 or not is_like or first.battery_swap_s is not None:
+    if interval == 0.0 or not is_like:
         return every
     tour = np.array(serpentine(grid_rows(problem)), dtype=np.intp)
     track_s = float(problem.legs_s(0, tour[:-1], tour[1:]).sum()) + first.hover_s * len(tour)

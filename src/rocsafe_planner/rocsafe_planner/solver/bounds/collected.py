@@ -33,6 +33,8 @@ class Collected:
         Of each customer.
     tables
         One for each flight of the kind, written.
+    steps
+        Until when.
 
     Attributes
     ----------
@@ -40,9 +42,9 @@ class Collected:
         The most by each moment.
     """
 
-    def __init__(self, kind: Kind, price: Floats, tables: list[Table]) -> None:
+    def __init__(self, kind: Kind, price: Floats, tables: list[Table], steps: int) -> None:
         self._kind, self._tables = kind, tables
-        moments = len(tables[0].best)
+        moments = steps + 1
         self._by: list[Floats] = []
         for flight, table in zip(kind.flights, tables, strict=False):
             most = np.zeros(moments)
@@ -70,12 +72,25 @@ class Collected:
         alone = self._visits_of(0, ends, times)
         if self._kind.chain is None or steps <= self._kind.change:
             return alone
-        return np.vstack([alone, self._visits_of_chains(self._kind.chain, steps, most)])
+        chain = self._kind.chain
+        repeated = self._visits_of_repeated(chain[1], steps, most)
+        return np.vstack([alone, repeated, self._visits_of_chains(chain, steps, most)])
 
     def _visits_of(self, number: int, ends: Ints, times: Ints) -> Ints:
         table, legs = self._tables[number], self._kind.legs
         visits: Ints = np.empty((len(ends), len(legs)), np.int32)
         count_visits(legs, table.before, table.before_second, ends, times, visits)
+        return visits
+
+    def _visits_of_repeated(self, number: int, steps: int, most: int) -> Ints:
+        """Return the visits of the best flights, each flown as often as there is time for."""
+        flight, change = self._kind.flights[number], self._kind.change
+        end = min(steps, flight.longest)
+        flown = np.arange(end + 1)[:, None] + flight.last[None, :]
+        often = (steps + change) // np.maximum(flown + change, 1)
+        prizes = self._tables[number].best[: end + 1] * often
+        ends, times = best_ends(prizes, flight.last, end, most)
+        visits: Ints = self._visits_of(number, ends, times) * often[times, ends][:, None]
         return visits
 
     def _visits_of_chains(self, chain: tuple[int, int, int], steps: int, most: int) -> Ints:

@@ -11,6 +11,10 @@ from rocsafe_planner.solver.model.problem import RoutingProblem
 from rocsafe_planner.solver.model.tables import Floats, Ints
 
 ROUNDING = 1e-9
+COARSE_STEPS = 500
+"""Steps of a known plan from which the work of shorter ones is told."""
+MOST_STEPS = 10_000
+"""Steps of a known plan at most, which bounds the memory."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +83,7 @@ class Kind:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Walks:
-    """All kinds of vehicles, the length of a step and their number.
+    """All kinds of vehicles, the length of a step, and the number of those of a known plan.
 
     `apart` are the steps that vehicles wait for each other, see `RoutingProblem`.
     """
@@ -90,27 +94,56 @@ class Walks:
     apart: float = 0.0
 
     @property
+    def longest(self) -> int:
+        """Steps of the longest flight."""
+        most = max(flight.longest for kind in self.kinds for flight in kind.flights)
+        return min(most, self.steps)
+
+    @property
     def work(self) -> float:
         """Additions of a round."""
-        return float(
-            sum(
-                kind.legs.size * min(flight.longest, self.steps)
-                for kind in self.kinds
-                for flight in kind.flights
-            )
-        )
+        total = 0.0
+        for kind in self.kinds:
+            for flight in kind.flights:
+                longest = min(flight.longest, self.steps)
+                chained = 0 if kind.chain is None else self.steps
+                total += longest * (float(kind.legs.size) + chained)
+        return total
 
 
 def walks_of(
-    problem: RoutingProblem, known: float, steps: int, changes: Sequence[BatteryChanges | None]
+    problem: RoutingProblem,
+    known: float,
+    changes: Sequence[BatteryChanges | None],
+    finest: float,
+    work: float,
 ) -> Walks | None:
-    """Return the walks in at most `steps` steps, None if a leg is shorter than a step."""
-    n = problem.customers
-    tables, _ = leg_tables(problem)
-    between = [table[:n, :n] for table in tables]
-    unit = _unit(between, known, steps)
-    if unit is None:
+    """Return the walks in steps of which a short leg takes at most `finest`.
+
+    Fewer if a round would take more work. None if a leg is shorter than a step: rounded down it
+    would cost nothing.
+    """
+    if known <= 0.0:
         return None
+    tables, _ = leg_tables(problem)
+    n = problem.customers
+    near = np.concatenate([np.sort(table[:n, :n], axis=1)[:, 1:5].ravel() for table in tables])
+    coarse = _walks(problem, tables, known / COARSE_STEPS, known, changes)
+    least = max(coarse.unit * coarse.work / work, known / MOST_STEPS)
+    if n == 1:
+        return _walks(problem, tables, least, known, changes)
+    unit = _unit(near, max(least, float(np.median(near)) / finest))
+    return None if near.min() < unit else _walks(problem, tables, unit, known, changes)
+
+
+def _walks(
+    problem: RoutingProblem,
+    tables: list[Floats],
+    unit: float,
+    known: float,
+    changes: Sequence[BatteryChanges | None],
+) -> Walks:
+    """Return the walks in steps of a length."""
     alike: dict[tuple[object, ...], list[int]] = {}
     for k, vehicle in enumerate(problem.vehicles):
         who = b'' if problem.allowed is None else problem.allowed[k].tobytes()
@@ -180,15 +213,8 @@ def _in_steps(costs: Floats, unit: float) -> Ints:
     return np.floor(costs / unit + ROUNDING).astype(np.int32)
 
 
-def _unit(between: list[Floats], known: float, steps: int) -> float | None:
-    """Return the length of a step, for which short legs lose least by rounding; None: too long."""
-    n = len(between[0])
-    if known <= 0.0:
-        return None
-    if n == 1:
-        return known / steps
-    near = np.concatenate([np.sort(table, axis=1)[:, 1:5].ravel() for table in between])
-    units = known / np.linspace(0.5 * steps, steps, 400)
+def _unit(near: Floats, least: float) -> float:
+    """Return the length of a step, up to twice the least, that loses least of the short legs."""
+    units = np.linspace(2.0 * least, least, 400)
     lost = [float((near - unit * np.floor(near / unit + ROUNDING)).mean()) for unit in units]
-    unit = float(units[int(np.argmin(lost))])
-    return unit if near.min() >= unit else None
+    return float(units[int(np.argmin(lost))])

@@ -39,13 +39,13 @@ class PriceOptions:
 
     Attributes
     ----------
-    steps
-        Steps of time that the known plan is divided into: first the coarse ones.
     work
-        Most additions of the dynamic programs of each of them; a count, so that the bound is
-        reproducible.
-    fewest_rounds
-        Where the work does not allow for so many rounds, there is no bound.
+        Most additions of the dynamic programs with steps of one length; a count, so that the bound
+        is reproducible.
+    finest
+        Steps of a short leg at most: first coarse steps, then finer ones.
+    rounds
+        Steps are longer where the work would not allow for so many rounds.
     walks
         Walks of a vehicle that are taken from each round.
     kept
@@ -58,9 +58,9 @@ class PriceOptions:
         Rounds without a better bound after which the next steps are used.
     """
 
-    steps: tuple[int, ...] = (500, 2500)
     work: float = 6e8
-    fewest_rounds: int = 10
+    finest: tuple[float, ...] = (12.0, 60.0)
+    rounds: tuple[int, ...] = (30, 8)
     walks: int = 40
     kept: float = 20.0
     pull: float = 0.9
@@ -91,10 +91,10 @@ def price_bounds(
     changes = changes or [None] * len(problem.vehicles)
     price: Floats = np.ones(problem.customers)
     best = 0.0
-    for steps in options.steps:
-        walks = walks_of(problem, known, steps, changes)
-        if walks is None or options.work / walks.work < options.fewest_rounds:
-            return
+    for finest, rounds in zip(options.finest, options.rounds, strict=True):
+        walks = walks_of(problem, known, changes, finest, options.work / rounds)
+        if walks is None:
+            continue
         ascent = _Ascent(walks, price, options)
         for _ in range(int(options.work / walks.work)):
             more = ascent.climb()
@@ -131,7 +131,7 @@ class _Ascent:
         self.bound = 0.0
         self._reached = self._stalled = 0
         most = max(len(kind.flights) for kind in walks.kinds)
-        self._tables = [Table(len(price), walks.steps + 1) for _ in range(most)]
+        self._tables = [Table(len(price), walks.longest + 1) for _ in range(most)]
         self._visits: Floats = np.zeros((0, len(price)))
         self._owner: Ints = np.zeros(0, np.int64)
         self._lasting: Ints = np.zeros(0, np.int64)
@@ -142,7 +142,7 @@ class _Ascent:
         kinds, price, last = self._walks.kinds, self._price, self._walks.steps
         self._crews = []
         for number, kind in enumerate(kinds):
-            collected = Collected(kind, price * kind.allowed, self._tables)
+            collected = Collected(kind, price * kind.allowed, self._tables, last)
             crew = Crew(collected.whole, kind.count, self._walks.apart)
             self._crews.append(crew)
             moments = crew.moments(min(self._reached, last))
@@ -176,7 +176,7 @@ class _Ascent:
         if self._walks.apart > 0.0:
             # Times beyond the shortest one, of which the vehicles share half of the longest.
             span = self._walks.apart * (counts[0] - 1.0)
-            beyond = (self._lasting - self._reached) / span + 1.0
+            beyond = np.maximum(0.0, (self._lasting - self._reached) / span + 1.0)
             limits, most = np.vstack([limits, beyond]), np.append(counts, 0.5 * counts[0])
         rows = vstack([-csc_matrix(self._visits.T), csc_matrix(limits)])
         unserved = vstack([-identity(n), csc_matrix((len(most), n))])
