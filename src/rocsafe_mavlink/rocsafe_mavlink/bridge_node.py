@@ -57,6 +57,7 @@ class DroneInterface:
     ) -> None:
         self.node = node
         self.drone = drone
+        self.drives = drives
         self._master = ''
         folder = options.state_path(drone.spec.name)
         self._lease = LeaseServer(node, folder, doubt)
@@ -131,6 +132,9 @@ class BridgeNode(Node):
             ]
         except (MavlinkError, ValueError, OSError) as error:
             raise ParameterError(f'bridge: {error}') from error
+        fliers = [interface.drone for interface in self._interfaces if not interface.drives]
+        for drone in fliers:
+            drone.others = fliers
         self._supervised_s = self._ticked_s = time.monotonic()
         if self._options.needs_supervisor:
             topics.create_subscription(self, topics.MISSION_STATE, self._on_mission)

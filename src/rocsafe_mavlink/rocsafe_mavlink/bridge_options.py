@@ -55,6 +55,9 @@ class BridgeOptions(OriginOptions):
     max_height_agl_m: float = option(
         120.0, 'greatest height above the ground, metres: 120 is the EU open category', 1.0
     )
+    separation_m: float = option(
+        0.0, 'a take-off waits while another vehicle is nearer than so many metres; 0: no', 0.0
+    )
     furthest_m: float = option(2000.0, 'greatest distance of a waypoint from home, metres')
     smallest_charge: float = option(0.5, 'charge that a flight needs at its start', 0.0, 1.0)
     must_return_on_link_loss: bool = option(
@@ -95,6 +98,7 @@ class BridgeOptions(OriginOptions):
             limits=FlightLimits(
                 lowest_m=self.lowest_m,
                 max_height_agl_m=self.max_height_agl_m,
+                separation_m=self.separation_m,
                 furthest_m=self.furthest_m,
                 longest_s=drone.endurance_s,
                 smallest_charge=self.smallest_charge,

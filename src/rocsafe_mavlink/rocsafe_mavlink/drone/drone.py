@@ -2,7 +2,7 @@
 """One real vehicle, with the interface of a simulated one."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -22,6 +22,7 @@ from rocsafe_mavlink.drone.status import (
     remaining_route,
     status_of,
 )
+from rocsafe_mavlink.drone.take_off_space import ARMING_SHOWS_S, in_the_way
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight import MissionFlight, adopted, fly
@@ -96,6 +97,8 @@ class Drone:
     ----------
     commands
         What people may command.
+    others
+        Vehicles of the same bridge: none takes off while another is in the way.
     """
 
     def __init__(self, spec: DroneSpec, session: VehicleSession, journal: FlightJournal) -> None:
@@ -107,6 +110,8 @@ class Drone:
         self._journal = journal
         self._record = FlightRecord(journal)
         self._wind_return = _WindReturn()
+        self._armed_by_us_s = -math.inf
+        self.others: Sequence[Drone] = ()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
 
     @property
@@ -261,14 +266,20 @@ class Drone:
             raise WaitError(self._why_it_waits(now_s))
         checks = self.checks(assignment.plan, now_s)
         _require_passed(checks)
+        if blocker := self._in_the_way(now_s):
+            raise WaitError(blocker)
         commands = self.session.commands()
 
         def may_not_arm(_vehicle: VehicleTelemetry, at_s: float) -> str:
             try:
-                return failures(self.checks(assignment.plan, at_s))
+                failed = failures(self.checks(assignment.plan, at_s))
             except ValueError as error:
                 # A heartbeat named another kind of vehicle meanwhile.
                 return str(error)
+            reason = failed or self._in_the_way(at_s)
+            if not reason:
+                self._armed_by_us_s = at_s
+            return reason
 
         flight, sent = fly(assignment.plan, commands, self.vehicle, now_s, may_not_arm)
         # Noted before the first byte is sent: a bridge that is killed in between finds the plan.
@@ -333,6 +344,19 @@ class Drone:
         is_our_landing = before.is_armed and is_open
         if not is_our_landing:
             self.session.withdraw_start('somebody else switched its motors')
+
+    def _in_the_way(self, now_s: float) -> str:
+        """Return which other vehicle is in the way of its take-off; empty: none."""
+        motion = self.vehicle.motion
+        if motion is None:
+            return ''  # the checks before a flight refuse it
+        running = [one for one in self.others if one is not self and one._may_lift_off(now_s)]
+        places = ((one.spec.name, one.vehicle.motion) for one in running)
+        return in_the_way(motion, places, self.spec.limits.separation_m)
+
+    def _may_lift_off(self, now_s: float) -> bool:
+        """Return whether its motors run, or may soon, since we ordered it."""
+        return self.vehicle.is_armed or now_s - self._armed_by_us_s < ARMING_SHOWS_S
 
     def _return_in_wind(self, now_s: float) -> None:
         """Call the vehicle home in too strong a wind, once a while until it obeys."""

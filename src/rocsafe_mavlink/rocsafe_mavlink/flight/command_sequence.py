@@ -57,6 +57,8 @@ class CommandStep:
         An alternative is judged by its own.
     obstacle
         Returns why the command must wait; if it lasts, the step fails with these words.
+    patience_s
+        How long it may last.
     modes
         Custom modes to which the command may lead.
     accepted_s
@@ -70,6 +72,7 @@ class CommandStep:
     is_shown_unanswered: Shown | None = None
     refusal: Refusal = _never
     obstacle: Refusal = _never
+    patience_s: float = OBSTACLE_LASTS_S
     modes: frozenset[int] = frozenset()
     accepted_s: float = -1.0
     otherwise: 'CommandStep | None' = None
@@ -136,13 +139,14 @@ class TransferStep:
     ----------
     moving
         The transfer.
-    refusal, obstacle
+    refusal, obstacle, patience_s
         As in `CommandStep`.
     """
 
     moving: Transfer
     refusal: Refusal = _never
     obstacle: Refusal = _never
+    patience_s: float = OBSTACLE_LASTS_S
 
     @property
     def verified_mission(self) -> tuple[MissionItem, ...] | None:
@@ -294,7 +298,7 @@ class CommandSequence:
                 going = going._failed(step, refusal)
                 continue
             obstacle = step.obstacle(vehicle, now_s) if is_sending else ''
-            going = going._obstructed(obstacle, now_s)
+            going = going._obstructed(obstacle, step.patience_s, now_s)
             if obstacle:
                 return going, sent
             step, more = step.begin(now_s) if is_new else step.on_tick(vehicle, now_s)
@@ -308,9 +312,9 @@ class CommandSequence:
             going = advanced
         return going, sent
 
-    def _obstructed(self, obstacle: str, now_s: float) -> 'CommandSequence':
+    def _obstructed(self, obstacle: str, patience_s: float, now_s: float) -> 'CommandSequence':
         since_s = min(self.obstructed_s, now_s) if obstacle else math.inf
-        is_lasting = now_s - since_s > OBSTACLE_LASTS_S
+        is_lasting = now_s - since_s > patience_s
         return replace(self, obstructed_s=since_s, error=obstacle if is_lasting else '')
 
     @property

@@ -38,6 +38,8 @@ UNCHANGED = -1.0
 # A place that an autopilot tells as its aim is that of the order within this distance, metres.
 AIM_M, AIM_HEIGHT_M = 2.0, 3.0
 SLOWEST_MPS, FASTEST_MPS = 0.5, 30.0
+# The motors wait so long until another vehicle has climbed out of the way, or a check is met.
+ARMING_LASTS_S = 30.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +83,7 @@ class VehicleCommands:
                 self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
                 refusal=self._not_in(autopilot.arms_in),
                 obstacle=_unless_armed(may_not_arm),
+                patience_s=ARMING_LASTS_S,
             ),
             replace(
                 self._mode(Verb.MISSION),

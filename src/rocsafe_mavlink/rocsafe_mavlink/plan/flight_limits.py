@@ -38,6 +38,8 @@ class FlightLimits:
         Share of the charge that must be left after the flight.
     max_wind_mps, max_gust_mps
         Greatest mean and largest speed of the air in the last minute; 0: no limit.
+    separation_m
+        Least distance to other vehicles of the bridge at a take-off; 0: none is kept.
     returns_in_wind
         Whether a vehicle in the air is called home when they are exceeded; else that is offered.
     """
@@ -55,6 +57,7 @@ class FlightLimits:
     reserve: float = 0.1
     max_wind_mps: float = 0.0
     max_gust_mps: float = 0.0
+    separation_m: float = 0.0
     returns_in_wind: bool = False
 
 

@@ -116,6 +116,7 @@ def bridge_parameters(
         'state_directory': state_directory,
         'needs_supervisor': True,
         'max_height_agl_m': scenario.survey.airspace.max_height_agl_m,
+        'separation_m': scenario.survey.separation.distance_m,
         'camera_horizontal_fov_deg': scenario.camera.horizontal_fov_deg,
         **origin_parameters(scenario),
     }
