@@ -43,10 +43,16 @@ def at(north_m, altitude_m):
 )
 def test_who_is_nearer_than_the_separation_is_in_the_way(place, words):
     """In space, not on the level: who has climbed out of the way is not."""
-    found = in_the_way(at(0.0, 100.0), [('rav2', place)], SEPARATION_M)
+    found = in_the_way(at(0.0, 100.0), [('rav2', place)], SEPARATION_M, 1.0)
     assert found.startswith(words)
     assert bool(found) == bool(words)
-    assert in_the_way(at(0.0, 100.0), [('rav2', place)], 0.0) == ''
+    assert in_the_way(at(0.0, 100.0), [('rav2', place)], 0.0, 1.0) == ''
+
+
+def test_who_was_not_heard_of_lately_is_told_with_the_age_of_its_place():
+    """It may stand there yet."""
+    found = in_the_way(at(0.0, 100.0), [('rav2', at(3.0, 100.0))], SEPARATION_M, 90.0)
+    assert 'rav2 is 3 m away with running motors, last heard 90 s ago' in found
 
 
 def two_on_a_pad():

@@ -352,7 +352,7 @@ class Drone:
             return ''  # the checks before a flight refuse it
         running = [one for one in self.others if one is not self and one._may_lift_off(now_s)]
         places = ((one.spec.name, one.vehicle.motion) for one in running)
-        return in_the_way(motion, places, self.spec.limits.separation_m)
+        return in_the_way(motion, places, self.spec.limits.separation_m, now_s)
 
     def _may_lift_off(self, now_s: float) -> bool:
         """Return whether its motors run, or may soon, since we ordered it."""

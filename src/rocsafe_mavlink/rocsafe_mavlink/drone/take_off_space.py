@@ -5,14 +5,17 @@ import math
 from collections.abc import Iterable
 
 from rocsafe_geo.position import distance_m
-from rocsafe_mavlink.knowledge.telemetry import Motion
+from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Motion
 
 ARMING_SHOWS_S = 3.0
 """A vehicle that was ordered to start its motors says within this time that they run."""
 
 
 def in_the_way(
-    start: Motion, others: Iterable[tuple[str, Motion | None]], separation_m: float
+    start: Motion,
+    others: Iterable[tuple[str, Motion | None]],
+    separation_m: float,
+    now_s: float,
 ) -> str:
     """Return which vehicle with running motors is too near to a place of take-off, in words.
 
@@ -24,6 +27,8 @@ def in_the_way(
         Name of each other vehicle whose motors run, and where it is; None: not known.
     separation_m
         Least distance in space; 0: none is kept.
+    now_s
+        Steady time.
 
     Returns
     -------
@@ -38,5 +43,8 @@ def in_the_way(
         level_m = distance_m(start.position, there.position)
         away_m = math.hypot(level_m, there.altitude_msl_m - start.altitude_msl_m)
         if away_m < separation_m:
-            return f'{name} is {away_m:.0f} m away with running motors ({separation_m:g} m wanted)'
+            old_s = now_s - there.heard_s
+            when = f', last heard {old_s:.0f} s ago' if old_s > STALE_AFTER_S else ''
+            words = f'{name} is {away_m:.0f} m away with running motors{when}'
+            return f'{words}; {separation_m:g} m are wanted'
     return ''
