@@ -183,7 +183,7 @@ def _price(plan: DrivePlan) -> list[str]:
 def _curve(plan: DrivePlan) -> list[str]:
     if not plan.curve:
         return []
-    # Of budgets with the same time the least tells all.
+    # Where several budgets give the same time, only the least of them is printed.
     least = {duration_text(time): dose for dose, time in reversed(plan.curve)}
     rows = (f'  {dose:>10.4g} uSv  {time}' for time, dose in reversed(least.items()))
     return ['time by budget of dose, by the upper 95 %:', *rows]

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pixels that are unlike the ground around them: people, cones, debris of any colour.
 
-A colour that may be ground tells nothing against a thing: a brown coat is soil. It stands out from
-the meadow around it, however: its distance from the mean colour there, in units of the spread of
-colours there, is large (Reed & Yu 1990).
+The colour alone does not tell a thing from ground: a brown coat has the colour of soil. But it
+stands out from the meadow around it: its distance from the mean colour there, in units of the
+spread of colours there, is large (Reed & Yu 1990).
 """
 
 import numpy as np

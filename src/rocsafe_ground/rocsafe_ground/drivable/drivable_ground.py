@@ -194,7 +194,7 @@ def _things(
     """
     values = classes.values[0]
     is_odd = values > max(DRIVEN)
-    # Of coarser pixels a small thing has too few to stand out.
+    # A small thing has too few pixels to stand out where they are coarser.
     if layers.labels is None and classes.pixel_m < PART_M:
         is_odd |= is_unlike(layers.mosaic.values[:3], values > 0.0, classes.pixel_m)
     looks = np.stack([is_odd, values > 0.0]).astype(np.float32)

@@ -80,7 +80,7 @@ class DriveRequests(GoalRequests):
         self._leases, self._assessors = leases, tuple(assessors)
         self._unassessed: list[Client] = []
         self._so_far = DriveSoFar()
-        # Of evidence, as last planned.
+        # Photographs of evidence that the last plan expects, with those already taken.
         self._photographs = 0
         self._route: GroundRoute | None = None
         self._driving: Any = None

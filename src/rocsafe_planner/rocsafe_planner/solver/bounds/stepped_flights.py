@@ -118,10 +118,10 @@ def walks_of(
     finest: float,
     work: float,
 ) -> Walks | None:
-    """Return the walks in steps of which a short leg takes at most `finest`.
+    """Return the walks, in steps so long that a short leg takes at most `finest` of them.
 
-    Fewer if a round would take more work. None if a leg is shorter than a step: rounded down it
-    would cost nothing.
+    They are longer if a round would take more work. None if a leg is shorter than a step: rounded
+    down it would cost nothing.
     """
     if known <= 0.0:
         return None
