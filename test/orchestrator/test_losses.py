@@ -317,6 +317,8 @@ def test_vehicle_that_its_pilot_has_is_left_alone_when_others_are_replaced() -> 
     flying = Airborne()
     taken = seen(rav1=Sighting(taken_by='pilot'), rav2=Sighting(ending='crashed'))
     assert flying.advance(taken) == [order(OrderKind.HOLD, 'rav3')]
+    # The new plan keeps away from it; the crashed one is out of the air.
+    assert flying.mission.fleet.unheard == ['rav1']
 
 
 def test_mission_waits_for_the_landing_of_a_replaced_vehicle() -> None:

@@ -55,9 +55,16 @@ class Losses:
 
     @property
     def unheard(self) -> list[str]:
-        """Vehicles that are lost because nothing is heard of them: they may be in the air."""
-        members = self._members.items()
-        return [n for n, m in members if n in self._gone and m.presence is Presence.LOST]
+        """Vehicles that may be in the air where this mission does not know: in no plan of it.
+
+        Nothing is heard of them, or somebody else has them.
+        """
+        return [
+            name
+            for name, one in self._members.items()
+            if (one.presence is Presence.LOST and name in self._gone)
+            or (one.presence is Presence.APART and not one.is_withdrawn)
+        ]
 
     @property
     def lets_time_run(self) -> bool:
