@@ -2,6 +2,7 @@
 """The report shows the drive that was planned on a run, and none where there is none."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -77,8 +78,9 @@ def written(folder, document, **parts):
 def test_drive_is_drawn_and_told(tmp_path):
     """Places in map coordinates, figures, the curve falling, names as text."""
     view = drive_view(written(tmp_path, route()), FRAME)
-    assert view.way[1] == pytest.approx((30.0, -40.0), abs=0.01)
-    assert view.stands == ((view.way[1], 'drum <1>'),)
+    (way,) = view.ways
+    assert way[1] == pytest.approx((30.0, -40.0), abs=0.01)
+    assert view.stands == ((way[1], 'drum <1>'),)
     heights = [y for _, y in view.chart]
     assert heights == sorted(heights)
     page = render('drive.html', 'rocsafe_orchestrator.report', drive=view, map=None)
@@ -157,6 +159,28 @@ def test_what_was_driven_stands_beside_the_prediction(tmp_path):
     assert view.driven.taken[-1] == pytest.approx((320.0 * 100.0 / 150.0, 160.0 * 2.0 / 3.0))
     assert view.driven.predicted[-1] == pytest.approx((320.0, 0.0))
     assert len(view.driven.way) == 101
+
+
+def test_drive_that_was_planned_anew_is_compared_with_both_plans(tmp_path):
+    """The first plan counts up to where it was broken off, then the second, from there."""
+    log = log_of_a_drive()
+    (samples,) = log.samples.values()
+    later = [replace(one, plan_id='drive-2') for one in samples if one.time_ns >= 60_000_000_000]
+    broken = replace(log, samples={'rgv1': (*samples[:2], *later)})
+    record = written(tmp_path, route(), scenario=read_scenario(SCENARIO), log=broken)
+    (tmp_path / 'ground' / 'again-1').mkdir()
+    second = {**route(), 'left_out': []}
+    (tmp_path / 'ground' / 'again-1' / 'route.json').write_text(json.dumps(second))
+    view = drive_view(record, FRAME)
+    rows = dict(view.driven.rows)
+    # The first was driven for 50 of its 150 s, 20 of its 60 uSv; the second takes 60 in 150 s.
+    assert rows['Driven'].endswith('planned 3\xa0min\xa020\xa0s')
+    assert 'predicted 80' in rows['Dose by its own readings']
+    assert rows['Evidence taken'] == '1 of 1'
+    assert rows['Planned anew after'].startswith('50')
+    assert len(view.ways) == 2
+    assert len(view.stands) == 1
+    assert view.left_out == []
 
 
 def test_a_ground_vehicle_is_not_counted_among_those_that_flew(tmp_path):

@@ -5,6 +5,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
@@ -18,7 +19,7 @@ from rocsafe_orchestrator.report.sections.driven_view import (
 from rocsafe_view import formats
 from rocsafe_view.svg import Point
 
-ROUTE = 'ground/route.json'
+ROUTE, AGAIN = 'ground/route.json', 'ground/again-{}/route.json'
 # Shown around the way, as a share of its extent, and at least so many metres.
 MARGIN, LEAST_MARGIN_M = 0.15, 8.0
 
@@ -33,8 +34,8 @@ class DriveView:
         The drive in words.
     box
         Left, top, width, height of what is shown.
-    way
-        Places in driving order.
+    ways
+        Places in driving order, of each plan.
     stands
         Where evidence is taken, with its name.
     rows
@@ -49,7 +50,7 @@ class DriveView:
 
     sentence: str
     box: tuple[float, float, float, float]
-    way: tuple[Point, ...]
+    ways: tuple[tuple[Point, ...], ...]
     stands: tuple[tuple[Point, str], ...]
     rows: list[list[str]]
     left_out: list[list[str]]
@@ -63,37 +64,57 @@ def drive_view(record: RunRecord, frame: LocalFrame | None) -> DriveView | None:
     if frame is None:
         return None
     try:
-        route = json.loads((record.path / ROUTE).read_text(encoding='utf-8'))
-        return _view(route, frame, driven_view(record, frame, route))
+        routes = _routes(record.path)
+        return _view(routes, frame, driven_view(record, frame, routes))
     except (OSError, ValueError, KeyError, TypeError):
         return None
 
 
-def _view(route: Mapping[str, Any], frame: LocalFrame, driven: DrivenView | None) -> DriveView:
+def _routes(folder: Path) -> list[Any]:
+    """Return the first plan of a drive, and those by which its rest was planned anew."""
+    paths = [folder / ROUTE]
+    while (again := folder / AGAIN.format(len(paths))).exists():
+        paths.append(again)
+    return [json.loads(path.read_text(encoding='utf-8')) for path in paths]
+
+
+def _view(
+    routes: Sequence[Mapping[str, Any]], frame: LocalFrame, driven: DrivenView | None
+) -> DriveView:
+    route = routes[0]
+    ways = tuple(_way(one, frame) for one in routes)
+    shown = (*(place for way in ways for place in way), *(driven.way if driven else ()))
+    stands = {
+        stop['evidence']: place
+        for one, way in zip(routes, ways, strict=True)
+        for stop, place in zip(one['stops'], way, strict=True)
+        if stop['evidence']
+    }
+    curve = [(one['dose_budget_usv'], one['time_s']) for one in route['trade_off']]
+    return DriveView(
+        sentence=_sentence(route),
+        box=_box(shown),
+        ways=ways,
+        stands=tuple((place, name) for name, place in stands.items()),
+        rows=[
+            *_rows(route),
+            *(['Planned anew', _sentence(one)] for one in routes[1:]),
+        ],
+        left_out=[[one['evidence'], one['why']] for one in routes[-1]['left_out']],
+        curve=tuple((_dose(dose), formats.duration(time)) for dose, time in curve),
+        chart=_chart(curve),
+        driven=driven,
+    )
+
+
+def _way(route: Mapping[str, Any], frame: LocalFrame) -> tuple[Point, ...]:
     stops = route['stops']
     enu = frame.to_enu(
         [stop['latitude_deg'] for stop in stops],
         [stop['longitude_deg'] for stop in stops],
         [math.nan] * len(stops),
     )
-    way = tuple((float(east), -float(north)) for east, north, _ in enu)
-    shown = (*way, *(driven.way if driven else ()))
-    curve = [(one['dose_budget_usv'], one['time_s']) for one in route['trade_off']]
-    return DriveView(
-        sentence=_sentence(route),
-        box=_box(shown),
-        way=way,
-        stands=tuple(
-            (place, stop['evidence'])
-            for place, stop in zip(way, stops, strict=True)
-            if stop['evidence']
-        ),
-        rows=_rows(route),
-        left_out=[[one['evidence'], one['why']] for one in route['left_out']],
-        curve=tuple((_dose(dose), formats.duration(time)) for dose, time in curve),
-        chart=_chart(curve),
-        driven=driven,
-    )
+    return tuple((float(east), -float(north)) for east, north, _ in enu)
 
 
 def _sentence(route: Mapping[str, Any]) -> str:

@@ -32,6 +32,23 @@ Curve = list[tuple[float, float]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Drive:
+    """One of the drives that follow each other when the rest is planned anew.
+
+    Attributes
+    ----------
+    begin_s, duration_s
+        Since the first one began, and up to the next one.
+    last
+        State of the vehicle when it ended.
+    """
+
+    begin_s: float
+    duration_s: float
+    last: VehicleSample
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class DrivenView:
     """A drive as it went; places are in map coordinates.
 
@@ -58,9 +75,9 @@ class DrivenView:
 
 
 def driven_view(
-    record: RunRecord, frame: LocalFrame, route: Mapping[str, Any]
+    record: RunRecord, frame: LocalFrame, routes: Sequence[Mapping[str, Any]]
 ) -> DrivenView | None:
-    """Return how `route` was driven, None if it was not."""
+    """Return how `routes` were driven one after the other, None if they were not."""
     driver = record.scenario.driver_name if record.scenario else ''
     samples = record.log.samples.get(driver, ()) if record.log else ()
     span = _span(samples)
@@ -68,12 +85,13 @@ def driven_view(
         return None
     readings = [one for one in record.log.readings if one.vehicle == driver]
     taken = _taken(readings, span)
-    predicted = _predicted(route)
+    drives = _drives(samples, span)
+    predicted = _predicted(drives, routes)
     end = max(taken[-1][0], predicted[-1][0], 1e-9), max(taken[-1][1], predicted[-1][1], 1e-9)
     return DrivenView(
         way=_way(record, driver, frame, span),
         rows=[
-            *_rows(samples, span, taken, predicted),
+            *_rows(samples, span, drives, taken, predicted),
             *_gas_rows([one for one in record.log.gases if one.vehicle == driver], span),
             ['Dose before and after, where it stood', _dose(_elsewhere_usv(readings, taken))],
         ],
@@ -116,27 +134,67 @@ def _taken(readings: Sequence[Reading], span: tuple[int, int]) -> Curve:
     return [(second, dose) for (second, _), dose in zip(own, doses, strict=True)] or [(0.0, 0.0)]
 
 
-def _predicted(route: Mapping[str, Any]) -> Curve:
-    """Return seconds and dose at each stop of the route."""
-    stops = route['stops']
-    seconds = accumulate(stop['duration_s'] for stop in stops)
-    return list(zip(seconds, accumulate(stop['dose_usv'] for stop in stops), strict=True))
+def _drives(samples: Sequence[VehicleSample], span: tuple[int, int]) -> list[Drive]:
+    """Return the drives of a span; one that was broken off ends where the next begins."""
+    begins: dict[str, int] = {}
+    lasts: dict[str, VehicleSample] = {}
+    for one in samples:
+        if span[0] <= one.time_ns <= span[1] and FlightState(one.state).is_in_air:
+            begins.setdefault(one.plan_id, one.time_ns)
+        if one.plan_id in begins:
+            lasts[one.plan_id] = one
+    ends = [*list(begins.values())[1:], span[1]]
+    return [
+        Drive(
+            begin_s=(begin - span[0]) / NS_PER_S,
+            duration_s=(end - begin) / NS_PER_S,
+            last=lasts[plan_id],
+        )
+        for (plan_id, begin), end in zip(begins.items(), ends, strict=True)
+    ]
+
+
+def _predicted(drives: Sequence[Drive], routes: Sequence[Mapping[str, Any]]) -> Curve:
+    """Return seconds and dose at each stop, of a drive that was broken off up to its end."""
+    curve: Curve = []
+    before_usv = 0.0
+    for number, (drive, route) in enumerate(zip(drives, routes, strict=False)):
+        stops = route['stops']
+        times_s = [0.0, *accumulate(stop['duration_s'] for stop in stops)]
+        doses_usv = [0.0, *accumulate(stop['dose_usv'] for stop in stops)]
+        is_last = number == len(drives) - 1
+        until_s = math.inf if is_last else drive.duration_s
+        end_s = min(until_s, times_s[-1])
+        known = [s for s in times_s[1:] if s < end_s] + [end_s]
+        for second in known:
+            dose = float(np.interp(second, times_s, doses_usv))
+            curve.append((drive.begin_s + second, before_usv + dose))
+        before_usv = curve[-1][1]
+    return curve
 
 
 def _rows(
-    samples: Sequence[VehicleSample], span: tuple[int, int], taken: Curve, predicted: Curve
+    samples: Sequence[VehicleSample],
+    span: tuple[int, int],
+    drives: Sequence[Drive],
+    taken: Curve,
+    predicted: Curve,
 ) -> list[list[str]]:
     own = [one for one in samples if span[0] <= one.time_ns <= span[1]]
     length = own[-1].distance_flown_m - own[0].distance_flown_m
     driven_s = (span[1] - span[0]) / NS_PER_S
-    last = own[-1]
+    visited = sum(drive.last.viewpoints_visited for drive in drives[:-1])
+    last = drives[-1].last
+    evidence = visited + last.viewpoints_visited, visited + last.viewpoint_count
+    anew = ', '.join(formats.duration(drive.begin_s) for drive in drives[1:])
     texts = list(dict.fromkeys(one.text for one in own if one.text))
     planned_s, planned_usv = predicted[-1]
     lengths = f'{formats.length(length)} in {formats.duration(driven_s)}'
     return [
         ['Driven', f'{lengths}, planned {formats.duration(planned_s)}'],
         ['Dose by its own readings', f'{_dose(taken[-1][1])}, predicted {_dose(planned_usv)}'],
-        ['Evidence taken', f'{last.viewpoints_visited} of {last.viewpoint_count}'],
+        ['Evidence taken', f'{evidence[0]} of {evidence[1]}'],
+        *([['Planned anew after', anew]] if anew else []),
         *([['On the way', '; '.join(texts)]] if texts else []),
     ]
 
