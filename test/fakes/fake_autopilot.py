@@ -325,6 +325,8 @@ class FakeCopter:
 
     def _fly(self):
         self.missions.is_flying = self.is_flying
+        # Whoever approaches nothing stands.
+        self.velocity = (0.0, 0.0, 0.0)
         if not self.is_armed:
             return
         if not self.is_flying and self.mode != AUTO:

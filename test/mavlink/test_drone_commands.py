@@ -141,6 +141,26 @@ def test_landing_takes_the_place_of_a_slower_order():
     assert air.copters[1].mode == 9
 
 
+@pytest.mark.parametrize('verb', ['hold', 'resume', 'return_home', 'land'])
+def test_order_that_is_given_twice_is_one_order(verb):
+    """The first is not called off by the second, and nothing is sent twice."""
+    once, twice = Air(), Air()
+    for air in (once, twice):
+        commands = flying(air)
+        count = commands.count
+        if verb == 'resume':
+            commands.hold(air.now_s)
+            assert done(air, commands) == ''
+            count += 1
+        getattr(commands, verb)(air.now_s)
+        if air is twice:
+            air.wait(0.1)
+            getattr(commands, verb)(air.now_s)
+        assert commands.count == count + 1
+        assert done(air, commands) == ''
+    assert twice.copters[1].commands == once.copters[1].commands
+
+
 def test_refusal_carries_the_words_of_the_autopilot():
     """Paused in a mode that cannot pause."""
     air = Air()

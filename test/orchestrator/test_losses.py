@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Vehicles lost in flight: the others hold, the rest is planned, they fly on."""
 
+from dataclasses import replace
+
 import pytest
 
 from rocsafe_orchestrator.mission.mission import Mission
@@ -18,6 +20,12 @@ CREW = Crew(vehicle_processes={name: name for name in NAMES}, processes=PROCESSE
 def order(kind: OrderKind, vehicle: str = '') -> Order:
     """Return an order."""
     return Order(kind=kind, vehicle=vehicle)
+
+
+# What those who held are told where there is no new plan.
+GO_ON = [
+    order(kind, name) for name in ('rav1', 'rav3') for kind in (OrderKind.FLY, OrderKind.RESUME)
+]
 
 
 def still(*names: str, images: int = 0) -> Situation:
@@ -120,7 +128,7 @@ def test_rest_that_cannot_be_planned_leaves_the_others_to_their_routes() -> None
     """The reason is a fault; who held goes on with the route that it had."""
     flying = Airborne().gathered()
     flying.mission.refused(order(OrderKind.PLAN), 'planner: rav1 needs 900 s')
-    assert flying.advance() == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav3')]
+    assert flying.advance() == GO_ON
     assert flying.mission.text == 'no plan for the rest: planner: rav1 needs 900 s'
     assert flying.mission.outcome is Phase.FAILED
 
@@ -129,8 +137,34 @@ def test_loss_after_the_last_photograph_is_no_fault() -> None:
     """The others go on with their routes, home."""
     flying = Airborne().gathered()
     flying.mission.nothing_left()
-    assert flying.advance() == [order(OrderKind.FLY, 'rav1'), order(OrderKind.FLY, 'rav3')]
+    assert flying.advance() == GO_ON
     assert flying.mission.outcome is Phase.COMPLETE
+
+
+def test_who_refuses_to_go_on_after_a_hold_returns() -> None:
+    """Nobody else would end its hold."""
+    flying = Airborne().gathered()
+    flying.mission.nothing_left()
+    flying.accept(*(each for each in flying.advance() if each.vehicle == 'rav1'))
+    flying.mission.refused(order(OrderKind.RESUME, 'rav3'), 'resume: rav3: mission not read')
+    assert order(OrderKind.RETURN, 'rav3') in flying.advance()
+    assert flying.mission.text == 'resume: rav3: mission not read'
+
+
+def test_time_that_passed_before_all_stood_is_explained() -> None:
+    """Who did not stop is named; the others go on with the routes that they had."""
+    flying = Airborne()
+    flying.mission.flown('rav2', 2, 'aborted its flight')
+    flying.accept(*flying.advance())
+    told: list[Order] = []
+    for second in range(300):
+        stands = replace(still('rav1'), simulated_s=float(second))
+        told += flying.advance(stands, after_s=1.0)
+        if flying.mission.text:
+            break
+    assert flying.mission.text.endswith('s: rav3 did not stop')
+    told += flying.advance()
+    assert [each for each in told if each.vehicle] == GO_ON
 
 
 def test_refused_hold_is_no_fault() -> None:
@@ -283,6 +317,8 @@ def test_vehicle_that_its_pilot_has_is_left_alone_when_others_are_replaced() -> 
     flying = Airborne()
     taken = seen(rav1=Sighting(taken_by='pilot'), rav2=Sighting(ending='crashed'))
     assert flying.advance(taken) == [order(OrderKind.HOLD, 'rav3')]
+    # The new plan keeps away from it; the crashed one is out of the air.
+    assert flying.mission.fleet.unheard == ['rav1']
 
 
 def test_mission_waits_for_the_landing_of_a_replaced_vehicle() -> None:

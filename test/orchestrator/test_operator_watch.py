@@ -126,6 +126,7 @@ class Told:
 
     def __init__(self) -> None:
         self.plans = self.drives = None
+        self.led_by_others = frozenset({'rav5'})
         self.orders: list[tuple[Verb, list[str]]] = []
 
     def command_fleet(self, verb: Verb, vehicles: list[str]) -> None:
@@ -134,8 +135,12 @@ class Told:
 
 
 def test_who_returns_or_lands_already_is_not_told_to_hold_or_return() -> None:
-    """Nor when the order is repeated for another: it would stop over people, or climb again."""
+    """Not who returns or lands already: it would stop over people, or climb again.
+
+    Nor who is led by somebody else.
+    """
     states = {'rav1': FLYING, 'rav2': RETURNING, 'rav3': FlightState.LANDING, 'rav4': HOLDING}
+    states['rav5'] = FLYING
     seen = [SimpleNamespace(name=name, state=state) for name, state in states.items()]
     told = Told()
     parts: Any = SimpleNamespace(

@@ -32,10 +32,10 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     Viewpoint,
 )
-from rocsafe_interfaces.srv import FleetCommand, Lease, SuggestViewpoints
+from rocsafe_interfaces.srv import FleetCommand, Lease, Resume, SuggestViewpoints
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
-from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus
+from rocsafe_orchestrator.mission.status import FlightState, Monitor, RunStatus, VehicleStatus
 from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.mission_state.request import Order, OrderKind
 from rocsafe_orchestrator.mission_state.situation import Situation
@@ -282,6 +282,51 @@ def test_vehicle_that_somebody_else_leads_is_not_flown(stage: Stage) -> None:
     stage.advance_to(Phase.REPORTING)
     assert stage.servers.asked == []
     assert stage.mission.text.startswith('rav1: rav1 is led by anna for ')
+
+
+def test_vehicle_that_was_taken_over_in_flight_is_left_alone(stage: Stage) -> None:
+    """Neither held nor called home, whatever becomes of the mission: its operator decides."""
+    for verb in ('hold', 'return_home'):
+        name = f'rav1/{verb}'
+        stage.servers.create_service(
+            Trigger, name, lambda _request, answer: stage.servers.asked.append('a verb') or answer
+        )
+    stage.advance_to(Phase.COLLECTING)
+    client = stage.servers.create_client(Lease, 'rav1/lease')
+    stage.until(client.service_is_ready)
+    client.call_async(Lease.Request(holder='anna', take_over=True))
+    stage.until(lambda: stage.node.requests.led_by_others == {'rav1'})
+    stage.servers.asked = []
+    for kind in (OrderKind.HOLD, OrderKind.RETURN):
+        stage.node.requests.send(Order(kind=kind, vehicle='rav1'))
+    stage.node.requests.send(Order(kind=OrderKind.HOLD, vehicle='rav2'))
+    end_s = time.monotonic() + 0.5
+    stage.until(lambda: time.monotonic() > end_s)
+    assert stage.servers.asked == []
+    sighting = stage.monitor.sighting('rav1', 0.0, 0.0, is_led_by_others=True)
+    assert sighting.taken_by == 'operator'
+
+
+@pytest.mark.parametrize('state', [FlightState.HOLDING, FlightState.LANDED])
+def test_real_vehicle_that_was_held_is_told_to_go_on(stage: Stage, state: FlightState) -> None:
+    """Its route is joined, which moves nothing: it would hold until its battery is empty."""
+    leases: list[str] = []
+
+    def resume(request: Any, answer: Any) -> Any:
+        leases.append(request.lease)
+        answer.success = True
+        return answer
+
+    stage.servers.create_service(Resume, 'rav1/resume', resume)
+    stage.advance_to(Phase.COLLECTING)
+    stage.node.requests._real = {'rav1'}
+    stage.monitor.on_vehicle(VehicleStatus(name='rav1', state=state))
+    stage.node.requests.send(Order(kind=OrderKind.RESUME, vehicle='rav1'))
+    end_s = time.monotonic() + 0.5
+    stage.until(lambda: bool(leases) or time.monotonic() > end_s)
+    for lease in leases:
+        stage.servers.leases['rav1'].require(lease)
+    assert len(leases) == (state is FlightState.HOLDING)
 
 
 def test_flight_with_a_fault_is_told(stage: Stage) -> None:

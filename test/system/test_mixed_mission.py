@@ -25,7 +25,7 @@ HOME = ('47.39786', '8.54570')
 class Field:
     """A fake copter in a process of its own, and a scenario with it."""
 
-    def __init__(self, rocsafe, domain_id, folder, *, is_drone_there=True):
+    def __init__(self, rocsafe, domain_id, folder, *, is_drone_there=True, rate=3.0):
         self._rocsafe = rocsafe
         self._environment = {
             **os.environ,
@@ -47,13 +47,19 @@ class Field:
         self.copter = subprocess.Popen(
             [
                 *(sys.executable, script, '--to', f'127.0.0.1:{port}', '--images', images),
-                *('--rate', '3', '--home', *HOME),
+                *('--rate', str(rate), '--home', *HOME),
             ],
             env={**self._environment, 'PYTHONPATH': paths},
             stdout=subprocess.DEVNULL,
         )
         if not is_drone_there:
             self.close()
+
+    def fail_after(self, time_s):
+        """Let the battery of the simulated drone fail at this time."""
+        text = self.scenario.read_text(encoding='utf-8')
+        text = text.replace('  - name: rav2\n', f'  - name: rav2\n    fails_after_s: {time_s}\n')
+        self.scenario.write_text(text, encoding='utf-8')
 
     def rocsafe(self, *arguments):
         """Run the command and return how it ended."""
@@ -115,9 +121,7 @@ def test_real_and_simulated_fly_one_mission(field):
 @pytest.mark.all
 def test_real_drone_takes_over_from_a_simulated_one(field):
     """The battery of the simulated one fails: the real one holds, then flies the rest."""
-    text = field.scenario.read_text(encoding='utf-8')
-    text = text.replace('  - name: rav2\n', '  - name: rav2\n    fails_after_s: 8.0\n')
-    field.scenario.write_text(text, encoding='utf-8')
+    field.fail_after(2.0)
     runs = field.folder / 'runs'
     flown = field.rocsafe('run', field.scenario, '--out', runs, *field.confirmation())
     assert flown.returncode == 0, flown.stdout + flown.stderr
@@ -126,6 +130,24 @@ def test_real_drone_takes_over_from_a_simulated_one(field):
     plan = json.loads((run / 'plan.json').read_text(encoding='utf-8'))
     count = sum(len(route['viewpoints']) for route in plan['routes'])
     assert len({shot.viewpoint_id for shot in read_photographs(run / 'images')}) == count
+
+
+@pytest.mark.all
+def test_real_drone_flies_on_when_a_simulated_one_leaves_it_nothing(
+    rocsafe, ros_domain_id, tmp_path
+):
+    """All is photographed when it holds for the lost one: it is told to go on, home."""
+    field = Field(rocsafe, ros_domain_id, tmp_path, rate=0.5)
+    try:
+        field.fail_after(28.0)
+        runs = field.folder / 'runs'
+        flown = field.rocsafe('run', field.scenario, '--out', runs, *field.confirmation())
+        (run,) = runs.glob('mixed-*')
+        told = (run / 'evidence.jsonl').read_text(encoding='utf-8')
+        assert flown.returncode == 0, flown.stdout + flown.stderr
+        assert 'go on after the hold' in told
+    finally:
+        field.close()
 
 
 def test_drone_that_is_not_there_must_not_fly(rocsafe, ros_domain_id, tmp_path):

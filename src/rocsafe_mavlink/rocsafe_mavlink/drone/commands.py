@@ -76,13 +76,15 @@ class DroneCommands:
 
     def hold(self, now_s: float) -> None:
         """Stop where it is, within the mission if one is flown; on the ground stay there."""
-        if self._stays_down('hold', Verb.HOLD, now_s):
+        if self._is_under_way('hold') or self._stays_down('hold', Verb.HOLD, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.hold(self._session.telemetry), now_s, preempts=True)
 
     def resume(self, now_s: float) -> None:
         """Continue the mission."""
+        if self._is_under_way('resume'):
+            return
         self._require_ours(now_s)
         session = self._session
         if not session.is_flying:
@@ -109,7 +111,8 @@ class DroneCommands:
 
         On the ground it stays there.
         """
-        if self._stays_down('return home', Verb.RETURN, now_s):
+        name = 'return home'
+        if self._is_under_way(name) or self._stays_down(name, Verb.RETURN, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
         way = self._way_home(self._session.telemetry)
@@ -130,7 +133,7 @@ class DroneCommands:
 
     def land(self, now_s: float) -> None:
         """Give up the route and land where it is; on the ground stay there."""
-        if self._stays_down('land', Verb.LAND, now_s):
+        if self._is_under_way('land') or self._stays_down('land', Verb.LAND, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
         self._begin(lambda commands: commands.land(), now_s, preempts=True)
@@ -204,6 +207,11 @@ class DroneCommands:
         self._require_contact(now_s)
         if self._session.telemetry.is_on_ground:
             raise CommandRefusedError('the vehicle is on the ground')
+
+    def _is_under_way(self, name: str) -> bool:
+        """Whether this very order is under way: given again it goes on, and is not begun anew."""
+        sequence = self._session.sequence
+        return sequence is not None and not sequence.is_over and sequence.name == name
 
     def _stays_down(self, name: str, verb: Verb, now_s: float) -> bool:
         """Withdraw every start; return whether that is all: the vehicle is on the ground.

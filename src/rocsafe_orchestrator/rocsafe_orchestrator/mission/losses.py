@@ -55,9 +55,16 @@ class Losses:
 
     @property
     def unheard(self) -> list[str]:
-        """Vehicles that are lost because nothing is heard of them: they may be in the air."""
-        members = self._members.items()
-        return [n for n, m in members if n in self._gone and m.presence is Presence.LOST]
+        """Vehicles that may be in the air where this mission does not know: in no plan of it.
+
+        Nothing is heard of them, or somebody else has them.
+        """
+        return [
+            name
+            for name, one in self._members.items()
+            if (one.presence is Presence.LOST and name in self._gone)
+            or (one.presence is Presence.APART and not one.is_withdrawn)
+        ]
 
     @property
     def lets_time_run(self) -> bool:
@@ -154,6 +161,10 @@ class Losses:
         self._members[vehicle] = self._members[vehicle].withdrawn(why)
         self._requests.renew(by, self._crew.vehicle_processes[vehicle], vehicle)
 
+    def moving(self, situation: Situation) -> list[str]:
+        """Return the vehicles that are to stand before the rest is planned, and do not yet."""
+        return sorted(set(self.others) - situation.still)
+
     def dismiss_again(self) -> None:
         """Tell a restarted world which vehicles it must not wait for."""
         for name in self._gone:
@@ -166,7 +177,7 @@ class Losses:
         if not self._requests.all_done(OrderKind.HOLD) and self._flying:
             return
         is_silent = any(m.presence is Presence.SILENT for m in self._members.values())
-        if is_silent or not set(self.others) <= situation.still:
+        if is_silent or self.moving(situation):
             return
         if self._merges(situation) and now_s - self._gathers_since_s < MERGE_S:
             return
@@ -177,7 +188,7 @@ class Losses:
     def go_on(self, routed: Iterable[str] | None = None) -> None:
         """Let vehicles fly the new plan.
 
-        Without a plan those in flight continue the old one, and those that came back return home.
+        Without a plan those in flight go on with the old one, those that came back return home.
         """
         self.is_gathering = False
         self._requests.forget()
@@ -187,6 +198,8 @@ class Losses:
             if name not in able or (routed is None and self._members[name].is_replaced):
                 continue
             self._requests.add(OrderKind.FLY, self._crew.vehicle_processes[name], name)
+            if routed is None:
+                self._requests.add(OrderKind.RESUME, self._crew.vehicle_processes[name], name)
         for name, member in self._members.items():
             if name not in able:
                 self._members[name] = member.replaced() if routed is not None else member

@@ -144,7 +144,10 @@ class Mission(PhaseRecord):
             self.remarks.append(f'{text}: it is told to return home')
             self._requests.renew(OrderKind.RETURN, request.server, order.vehicle)
             return
-        if self.fleet.is_gathering and order.kind is OrderKind.PLAN:
+        if order.kind is OrderKind.RESUME:
+            self.fault(text)
+            self.fleet.withdraw(order.vehicle, text)
+        elif self.fleet.is_gathering and order.kind is OrderKind.PLAN:
             self.fault(f'no plan for the rest: {text}')
             self.fleet.go_on()
             self.enter(Phase.FLYING)
@@ -309,7 +312,9 @@ class Mission(PhaseRecord):
         else:
             self._watch_time(now_s, situation)
         if self.fleet.is_gathering and self.passed_s(now_s) > self._plan_timeout_s:
-            self.fault(f'the rest was not planned within {self._plan_timeout_s:g} s')
+            moving = ', '.join(self.fleet.moving(situation))
+            why = f': {moving} did not stop' if moving else ''
+            self.fault(f'the rest was not planned within {self._plan_timeout_s:g} s{why}')
             self.fleet.go_on()
             self.enter(Phase.FLYING)
 

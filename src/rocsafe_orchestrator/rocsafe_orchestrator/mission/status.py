@@ -244,7 +244,9 @@ class Monitor:
         """Return the wall time since a vehicle was heard; 0 before it was ever heard."""
         return now_s - self._heard_s.get(name, now_s)
 
-    def sighting(self, name: str, now_s: float, silent_s: float) -> Sighting:
+    def sighting(
+        self, name: str, now_s: float, silent_s: float, *, is_led_by_others: bool = False
+    ) -> Sighting:
         """Return what is known of a vehicle that has been silent for `silent_s`."""
         status = self._vehicles[name]
         if not status.ending:
@@ -254,7 +256,7 @@ class Monitor:
         return Sighting(
             silent_s=silent_s,
             ending='' if is_settling else status.ending,
-            taken_by='operator' if is_settling else status.taken_by,
+            taken_by='operator' if is_settling or is_led_by_others else status.taken_by,
             is_grounded=status.state in GROUNDED,
             is_unheard=status.state is FlightState.LOST,
         )

@@ -184,9 +184,11 @@ class MissionLoop:
         if interrupt.count:
             self._interrupted_by = interrupt.first
             interrupt.withdraw()
-        verb = watch.advance(now_s, news, states)
+        requests = self._parts.node.requests
+        ours = {name: at for name, at in found.items() if name not in requests.led_by_others}
+        verb = watch.advance(now_s, news, ours.values())
         if verb is not None:
-            self._parts.node.requests.command_fleet(verb, addressees(found))
+            requests.command_fleet(verb, addressees(ours))
         while watch.remarks:
             self._say(watch.remarks.pop(0))
         return not watch.ends
@@ -261,7 +263,12 @@ class MissionLoop:
             is_driver_unsettled=parts.monitor.driver.shots_pending > 0,
             agents_are_done=parts.node.agents_are_done,
             sightings={
-                name: parts.monitor.sighting(name, now_s, silent_s)
+                name: parts.monitor.sighting(
+                    name,
+                    now_s,
+                    silent_s,
+                    is_led_by_others=name in parts.node.requests.led_by_others,
+                )
                 for name, silent_s in silences_s.items()
             },
         )

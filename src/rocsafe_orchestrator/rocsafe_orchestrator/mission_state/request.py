@@ -12,6 +12,7 @@ class OrderKind(Enum):
     FLY = 'fly the route'
     ADVISE = 'say where to measure next'
     HOLD = 'hold'
+    RESUME = 'go on after the hold'
     RETURN = 'return home'
     RETREAT = 'return by the way of least dose'
     DISMISS = 'wait for it no more'

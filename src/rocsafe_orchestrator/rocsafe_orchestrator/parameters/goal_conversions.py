@@ -144,8 +144,8 @@ def rest_goal(
     able
         Names of the vehicles that can be given a route.
     unheard
-        Names of those of which nothing is heard. The others stay away from where those may be
-        that may be in the air.
+        Names of those that are in no plan: nothing is heard of them, or others have them. The
+        vehicles of the plan stay away from where those may be that may be in the air.
     """
     plan, routes = plans
     left = {viewpoint.id for route in plan.routes for viewpoint in route.viewpoints}
@@ -188,7 +188,7 @@ def _in_the_air(
     monitor: Monitor,
     homes: Mapping[str, GeoPoint],
 ) -> list[UnheardVehicle]:
-    """Return what is known of vehicles that nobody hears, unless they stood for good."""
+    """Return what is known of vehicles that are in no plan, unless they stood for good."""
     found = []
     for name in sorted(unheard):
         status = monitor.vehicle(name)

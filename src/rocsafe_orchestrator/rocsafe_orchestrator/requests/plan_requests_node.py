@@ -125,8 +125,8 @@ class PlanRequests(GoalRequests):
         self.routes.update(((result.plan.plan_id, r.vehicle), r) for r in result.plan.routes)
         if near := result.plan.near_unheard:
             self._mission.remarks.append(
-                f'{", ".join(near)}: climbs, descends or flies near where a vehicle may be that '
-                'nobody hears; no layer avoids it'
+                f'{", ".join(near)}: climbs, descends or flies near where a vehicle may be that is '
+                'in no plan; no layer avoids it'
             )
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]

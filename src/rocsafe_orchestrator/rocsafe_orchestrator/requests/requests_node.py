@@ -13,10 +13,10 @@ from std_srvs.srv import SetBool, Trigger
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import StepDone
-from rocsafe_interfaces.srv import FleetCommand
+from rocsafe_interfaces.srv import FleetCommand, Resume
 from rocsafe_orchestrator import conversions
 from rocsafe_orchestrator.mission.mission import Mission
-from rocsafe_orchestrator.mission.status import Monitor
+from rocsafe_orchestrator.mission.status import FlightState, Monitor
 from rocsafe_orchestrator.mission_state.request import Order, OrderKind
 from rocsafe_orchestrator.parameters.node_parameters import AGENTS, FLEET
 from rocsafe_orchestrator.process_table.table import Endpoint
@@ -40,14 +40,18 @@ SERVICES = (
     calls.FLEET_HOLD,
     calls.FLEET_RETURN_HOME,
 )
-_VERBS = {OrderKind.HOLD: calls.HOLD, OrderKind.RETURN: calls.RETURN_HOME}
+_VERBS = {
+    OrderKind.HOLD: calls.HOLD,
+    OrderKind.RESUME: calls.RESUME,
+    OrderKind.RETURN: calls.RETURN_HOME,
+}
 
 
 class Requests(GoalRequests):
     """Clients of the planner, the vehicles, the world, the map maker, localizer and estimator.
 
     Actions: ``plan_survey``, ``<vehicle>/fly_route``. Services: ``<vehicle>/hold``,
-    ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``.
+    ``<vehicle>/resume``, ``<vehicle>/return_home``, ``world/run``, ``mosaic/save``.
 
     Parameters
     ----------
@@ -95,6 +99,7 @@ class Requests(GoalRequests):
             OrderKind.FLY: self._send_fly,
             OrderKind.ADVISE: self._advice.send,
             OrderKind.HOLD: self._send_verb,
+            OrderKind.RESUME: self._send_resume,
             OrderKind.RETURN: self._send_verb,
             OrderKind.RETREAT: self._send_retreat,
             OrderKind.DISMISS: self._dismiss,
@@ -133,7 +138,12 @@ class Requests(GoalRequests):
         """Have the rest of the mission planned anew; return why not, empty if it is."""
         if self._mission is None:
             return 'cannot plan anew: no mission has begun'
-        return self._mission.takeover.replan(self._leases.lost)
+        return self._mission.takeover.replan(self.led_by_others)
+
+    @property
+    def led_by_others(self) -> frozenset[str]:
+        """Vehicles whose lease somebody outside of the mission has taken."""
+        return frozenset(self._leases.led_by_others)
 
     def close(self) -> None:
         """Destroy the clients of actions, which keep their node in the graph."""
@@ -223,7 +233,24 @@ class Requests(GoalRequests):
         if result.outcome == result.REJECTED:
             self._refuse(order, f'{order.vehicle}: {result.error_msg}')
 
+    def _send_resume(self, order: Order) -> None:
+        """Let a real vehicle that was told to hold go on; a simulated one does by its route."""
+        is_held = self._monitor.vehicle(order.vehicle).state is FlightState.HOLDING
+        if not (is_held and order.vehicle in self._real):
+            if self._mission is not None:
+                self._mission.answered(order)
+            return
+
+        def send(lease: str) -> None:
+            answer = self._verbs[order.kind, order.vehicle].call_async(Resume.Request(lease=lease))
+            answer.add_done_callback(partial(self._on_answer, calls.RESUME, order))
+
+        self._leases.carry(order.vehicle, send, partial(self._refuse, order))
+
     def _send_verb(self, order: Order) -> None:
+        if order.vehicle in self.led_by_others:
+            self._refuse(order, f'{order.vehicle}: somebody else leads it')
+            return
         answer = self._verbs[order.kind, order.vehicle].call_async(Trigger.Request())
         answer.add_done_callback(partial(self._on_answer, _VERBS[order.kind], order))
 

@@ -12,8 +12,9 @@ from rclpy.client import Client
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from rocsafe_interfaces.msg import Control
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import calls
+from rocsafe_ros import calls, topics
 from rocsafe_ros.interface_spec import name_of
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE, server_of
 
@@ -52,6 +53,8 @@ class Leases:
     ----------
     lost
         Vehicles whose lease is lost.
+    led_by_others
+        Those of them that no node of this mission leads: it must not command them at all.
     """
 
     def __init__(
@@ -75,8 +78,11 @@ class Leases:
         }
         self._held: dict[str, str] = {}
         self.lost: set[str] = set()
+        self.led_by_others: set[str] = set()
         self._due_s = dict.fromkeys(self._clients, 0.0)
         self._waiting: dict[str, tuple[Send, Callable[[str], None]]] = {}
+        for name in self._clients:
+            topics.create_subscription(node, topics.CONTROL, partial(self._on_control, name), name)
         node.create_timer(LOOK_S, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def carry(self, vehicle: str, send: Send, refuse: Callable[[str], None]) -> None:
@@ -116,9 +122,23 @@ class Leases:
             self._held[vehicle] = answer.control.lease
             self._due_s[vehicle] = time.monotonic() + RENEW_S
         elif vehicle in self._held:
-            self.lost.add(vehicle)
-            self._say(f'{answer.message}: it takes no orders of this mission')
+            self._lose(vehicle, answer.control.mission, answer.message)
         waiting = self._waiting.pop(vehicle, None)
         if waiting is not None:
             send, refuse = waiting
             send(self._held[vehicle]) if answer.success else refuse(answer.message)
+
+    def _on_control(self, vehicle: str, message: Control) -> None:
+        """Note at once that somebody else was given the lease."""
+        held = self._held.get(vehicle, '')
+        is_ours = message.server == held.partition('/')[0]
+        if held and is_ours and message.lease not in ('', held):
+            self._lose(vehicle, message.mission, f'{vehicle}: {message.text}')
+
+    def _lose(self, vehicle: str, mission: str, why: str) -> None:
+        if vehicle in self.lost:
+            return
+        self.lost.add(vehicle)
+        if mission != self._mission:
+            self.led_by_others.add(vehicle)
+            self._say(f'{why}: it takes no orders of this mission')
