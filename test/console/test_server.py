@@ -15,8 +15,10 @@ from test.console.stage import TOKEN, Stage, served
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
+from rocsafe_console.people.sessions import MOST_SESSIONS
 from rocsafe_console.people.users import User
-from rocsafe_console.web.context import WebOptions
+from rocsafe_console.web import order_handlers
+from rocsafe_console.web.context import ORDERS, WebOptions
 from rocsafe_console.web.server import require_safe
 from rocsafe_geo.storage.evidence_log import checked
 
@@ -70,6 +72,76 @@ def test_an_order_that_cannot_be_written_down_is_not_sent(stage, caller, monkeyp
     assert status == 403
     assert 'nothing was sent' in answer['error']
     assert not stage.crew.sent
+
+
+def test_what_was_done_is_told_though_its_outcome_cannot_be_written_down(
+    stage, caller, monkeypatch
+):
+    """The disk is full since the order was written: nobody must think that nothing was sent."""
+    write, left = stage.context.desk.write, iter(range(1))
+
+    def fuller(*event: object) -> None:
+        if next(left, None) is None:
+            raise OSError(28, 'No space left on device', 'evidence.jsonl')
+        write(*event)
+
+    monkeypatch.setattr(stage.context.desk, 'write', fuller)
+    status, answer = caller.order('hold', revisions_of(stage))
+    assert (status, [one['outcome'] for one in answer['results']]) == (200, ['done'] * 3)
+    assert 'No space left' in answer['unlogged']
+
+
+@pytest.mark.parametrize('gone', ['no ROS', 'no answer'])
+def test_an_order_that_is_not_answered_has_an_outcome(stage, caller, tmp_path, monkeypatch, gone):
+    """For the operator, for whoever asks again, and in the log."""
+    if gone == 'no ROS':
+        stage.context.fleet = None
+    else:
+        monkeypatch.setattr(order_handlers, 'ORDER_S', 0.2)
+        monkeypatch.setattr(stage.crew, 'send_order', lambda *_: None)
+    body = {'request_id': 'a' * 32, 'verb': 'land', 'revisions': revisions_of(stage)}
+    assert caller.ask('/api/orders', body)[0] == 201
+    answers = [caller.ask(f'/api/orders/{"a" * 32}/confirm', {}) for _ in range(2)]
+    assert answers[0] == answers[1]
+    status, answer = answers[0]
+    outcome = 'refused' if gone == 'no ROS' else 'no answer'
+    assert (status, {one['outcome'] for one in answer['results']}) == (200, {outcome})
+    entries = checked((tmp_path / 'console.jsonl').read_bytes().split(b'\n')[:-1])
+    assert [entry['kind'] for entry in entries] == ['login', 'order', 'outcome']
+
+
+def test_nothing_is_seen_or_marked_that_cannot_be_written_down(stage, caller, monkeypatch):
+    """A full disk is told in one line, and an alarm stays open."""
+
+    def full(*_: object) -> None:
+        raise OSError(28, 'No space left on device', 'evidence.jsonl')
+
+    alarm = stage.context.live.picture.alarm(1.0, 'critical', '', 'fire')
+    monkeypatch.setattr(stage.context.desk, 'write', full)
+    mark = {'latitude_deg': 1.0, 'longitude_deg': 1.0, 'text': 'drum'}
+    for path, body in ((f'/api/alarms/{alarm.number}/acknowledge', {}), ('/api/marks', mark)):
+        status, answer = caller.ask(path, body)
+        assert (status, 'No space left on device' in answer['error']) == (503, True)
+    assert not stage.context.live.picture.alarms.of(alarm.number).seen_by
+    assert not stage.context.live.picture.sections.value('marks')
+
+
+def test_nobody_ends_the_sessions_of_others_by_his_own(tmp_path, people):
+    """Not by links either, and not faster than a person."""
+    stage = Stage(tmp_path, users=people)
+    sessions = stage.context.sessions
+    kept = sessions.begin('commander', Role.COMMANDER, '', 0.0)[1]
+    for is_link in (True, False):
+        for _ in range(MOST_SESSIONS):
+            newest = sessions.begin('viewer', Role.VIEWER, '', 0.0, is_link=is_link)[1]
+    assert sessions.is_alive(kept, 1.0)
+    assert sessions.is_alive(newest, 1.0)
+    with served(stage) as address:
+        caller = Caller(address)
+        body = {'name': 'viewer', 'password': PASSWORD}
+        assert caller.ask('/api/login', body)[0] == 200
+        statuses = [caller.ask('/api/links', {})[0] for _ in range(ORDERS + 1)]
+    assert statuses == [200] * ORDERS + [429]
 
 
 def test_a_vehicle_that_has_moved_on_gets_no_order(stage, caller):

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from rocsafe_console.picture.picture import Picture
+from rocsafe_console.picture.sections import placed
 
 Feature = dict[str, Any]
 CONFORMANCE = (
@@ -124,7 +125,7 @@ def _cordons(picture: Picture, _now_s: float) -> Iterator[Feature]:
 
 
 def _sources(picture: Picture, _now_s: float) -> Iterator[Feature]:
-    for one in (picture.sections.value('sources') or {}).get('sources', []):
+    for one in placed((picture.sections.value('sources') or {}).get('sources', [])):
         known = {key: value for key, value in one.items() if key not in ('place', 'half_axes_m')}
         longer, shorter = one['half_axes_m']
         known |= {'half_axis_95_m': longer, 'shorter_half_axis_95_m': shorter}
@@ -133,7 +134,7 @@ def _sources(picture: Picture, _now_s: float) -> Iterator[Feature]:
 
 def _releases(picture: Picture, _now_s: float) -> Iterator[Feature]:
     found = picture.sections.value('releases') or {}
-    for one in found.get('releases', []):
+    for one in placed(found.get('releases', [])):
         known = {key: value for key, value in one.items() if key != 'place'}
         yield _feature('Point', one['place'][::-1], agent=found['agent'], **known)
 
@@ -171,7 +172,7 @@ def _feature(kind: str, coordinates: list[Any], **properties: Any) -> Feature:
 
 def _rings(rings: list[list[list[float]]]) -> list[list[list[float]]]:
     """Return rings of longitude and latitude, closed."""
-    return [[place[::-1] for place in (*ring, ring[0])] for ring in rings]
+    return [[place[::-1] for place in (*ring, ring[0])] for ring in rings if ring]
 
 
 def _link(address: str, relation: str, kind: str) -> dict[str, str]:

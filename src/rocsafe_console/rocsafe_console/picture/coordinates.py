@@ -38,7 +38,7 @@ def coordinates_of(latitude_deg: float, longitude_deg: float) -> Coordinates:
     ValueError
         If the position is not on the earth.
     """
-    if not (-90.0 <= latitude_deg <= 90.0 and -180.0 <= longitude_deg <= 180.0):
+    if not is_on_earth(latitude_deg, longitude_deg):
         raise ValueError(
             f'latitude {latitude_deg}, longitude {longitude_deg}: must be within -90 and 90, '
             '-180 and 180 degrees'
@@ -52,9 +52,14 @@ def coordinates_of(latitude_deg: float, longitude_deg: float) -> Coordinates:
     )
 
 
+def is_on_earth(latitude_deg: float, longitude_deg: float) -> bool:
+    """Return whether there is such a position; NaN is none."""
+    return -90.0 <= latitude_deg <= 90.0 and -180.0 <= longitude_deg <= 180.0
+
+
 def forms_of(latitude_deg: float, longitude_deg: float) -> dict[str, str] | None:
-    """Return a position in all forms, fit for JSON; None if it is unknown."""
-    if not math.isfinite(latitude_deg + longitude_deg):
+    """Return a position in all forms, fit for JSON; None if it is unknown or impossible."""
+    if not is_on_earth(latitude_deg, longitude_deg):
         return None
     return asdict(coordinates_of(latitude_deg, longitude_deg))
 

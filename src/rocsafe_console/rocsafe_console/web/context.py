@@ -2,6 +2,7 @@
 """What the handlers of requests work with."""
 
 import contextlib
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any, Protocol
 
 from aiohttp import web
 
+from rocsafe_console.errors import TooManyError
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
 from rocsafe_console.outward.event_target import EventTarget
@@ -21,7 +23,7 @@ from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
 from rocsafe_geo.storage.evidence_log import Event
 
-# Orders of one session; a person cannot click faster.
+# Orders, marks and links of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0
 
 
@@ -146,6 +148,15 @@ def session_of(request: web.Request, action: Action) -> Session:
     session = request[SESSION]
     require(session.role, action)
     return session
+
+
+def limited(request: web.Request, session: Session) -> None:
+    """Count a request of a session; raises `TooManyError` if no person can be so fast."""
+    context = context_of(request)
+    now_s = context.clock()
+    if wait_s := context.order_rate.wait_s(session.public_id, now_s):
+        raise TooManyError(f'too many requests: wait {math.ceil(wait_s)} s')
+    context.order_rate.note(session.public_id, now_s)
 
 
 def mission_session(request: web.Request, action: Action, run: str = '') -> Session:

@@ -26,13 +26,14 @@ from rocsafe_console.runs.run_folder import (
 from rocsafe_console.web.context import (
     Context,
     context_of,
+    limited,
     local_session,
     mission_session,
     session_of,
 )
 from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
 
-MOST_TEXT = 500
+MOST_TEXT, MOST_MARKS = 500, 1000
 
 
 async def hello(request: web.Request) -> web.Response:
@@ -120,8 +121,10 @@ async def acknowledge(request: web.Request) -> web.Response:
     context, session = context_of(request), mission_session(request, Action.ACKNOWLEDGE)
     number = int(request.match_info['number'])
     with context.live.lock:
-        alarm = context.live.picture.acknowledge(number, session.user, context.clock())
+        alarm = context.live.picture.alarms.of(number)
     context.write('acknowledge', session.user, alarm=alarm.text, number=number)
+    with context.live.lock:
+        context.live.picture.acknowledge(number, session.user, context.clock())
     return web.json_response({})
 
 
@@ -129,10 +132,15 @@ async def mark(request: web.Request) -> web.Response:
     """Mark a place as evidence, with a note."""
     context, body = context_of(request), await body_of(request)
     session = mission_session(request, Action.MARK)
+    limited(request, session)
     latitude_deg, longitude_deg = float(body['latitude_deg']), float(body['longitude_deg'])
     forms, text = coordinates_of(latitude_deg, longitude_deg), str(body.get('text', ''))
     if not text.strip() or len(text) > MOST_TEXT:
         raise ValueError(f'text has {len(text)} letters: must have 1 to {MOST_TEXT}')
+    with context.live.lock:
+        sections = context.live.picture.sections
+        if len(sections.value('marks') or []) >= MOST_MARKS:
+            raise ValueError(f'marks: there are {MOST_MARKS} already, which is the most')
     place = {'latitude_deg': latitude_deg, 'longitude_deg': longitude_deg, 'datum': 'WGS84'}
     context.write('mark', session.user, **place, mgrs=forms.mgrs, text=text)
     with context.live.lock:

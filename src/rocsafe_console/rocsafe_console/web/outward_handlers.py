@@ -8,13 +8,14 @@ from aiohttp import web
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.outward import features
 from rocsafe_console.people.roles import Action
-from rocsafe_console.web.context import context_of, mission_session, session_of
+from rocsafe_console.web.context import context_of, limited, mission_session, session_of
 from rocsafe_geo.storage.json_values import finite
 
 
 async def make_link(request: web.Request) -> web.Response:
     """Make an address that QGIS opens: whoever has it sees, for as long as a session."""
     context, session = context_of(request), session_of(request, Action.SEE)
+    limited(request, session)
     secret, link = context.sessions.begin(
         session.user, session.role, request.remote or '', context.clock(), is_link=True
     )

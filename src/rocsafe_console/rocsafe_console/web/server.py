@@ -40,6 +40,8 @@ MOST_BODY_BYTES = 2**20
 MOST_CONNECTIONS = 400
 QUEUE = 100
 STOP_S = 2.0
+# After a fault that nobody has foreseen.
+AGAIN_S = 1.0
 _log = logging.getLogger(__name__)
 STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
 VIEW = Path(str(resources.files('rocsafe_view').joinpath('static')))
@@ -159,8 +161,21 @@ class ServerThread:
         await runner.cleanup()
 
     def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
-        events = send_events(self._context, self._say)
-        return app[PUSHER].run(), events
+        sent = partial(send_events, self._context, self._say)
+        return self._kept_up(app[PUSHER].run), self._kept_up(sent)
+
+    async def _kept_up(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
+        """Do `work` until cancelled: a fault is told, and ends neither the page nor the links."""
+        told = ''
+        while True:
+            try:
+                await work()
+            except Exception as error:  # noqa: BLE001 - whatever it is, the picture goes on
+                if (text := f'fault of the console: {type(error).__name__}: {error}') != told:
+                    self._say(told := text)
+            else:
+                return
+            await asyncio.sleep(AGAIN_S)
 
 
 class _NoRequest(logging.Filter):
