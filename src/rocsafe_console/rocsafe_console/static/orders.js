@@ -8,8 +8,6 @@ const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], [
 // Of the whole mission, whatever is selected.
 const OF_ALL = new Set(['replan']);
 const TOUCH_S = 0.6;
-// A double click, or a key that is kept down, is one decision and not two.
-const APART_S = 0.4;
 // An answer that is lost is asked for again: the server sends an order once.
 // The server gives up after seven.
 const ANSWER_S = 10;
@@ -69,7 +67,7 @@ export class Orders {
 
   offer(armed, until) {
     const words = { verb: t(`verb_${armed.verb}`), what: this.what(armed.names) };
-    const confirm = make('button', { type: 'button', class: 'order order-confirm', disabled: true, text: t('confirm', words) });
+    const confirm = make('button', { type: 'button', class: 'order order-confirm', text: t('confirm', words) });
     const left = make('span', { class: 'order-left' });
     const cancel = make('button', { type: 'button', class: 'order', text: t('cancel'), onclick: () => this.disarm() });
     let pressed = null;
@@ -82,12 +80,13 @@ export class Orders {
       pressed = setTimeout(send, TOUCH_S * 1000);
     });
     for (const name of ['pointerup', 'pointercancel', 'pointerleave']) confirm.addEventListener(name, () => { clearTimeout(pressed); confirm.classList.remove('pressing'); });
+    // A double click, or a key that is kept down, is one decision and not two.
     confirm.addEventListener('keydown', (event) => { if (event.repeat) event.preventDefault(); });
     confirm.addEventListener('contextmenu', (event) => event.preventDefault());
-    confirm.addEventListener('click', () => { if (confirm.dataset.touch) { delete confirm.dataset.touch; confirm.textContent = t('confirm_touch', words); } else send(); });
+    confirm.addEventListener('click', (event) => { if (event.detail > 1) return; if (confirm.dataset.touch) { delete confirm.dataset.touch; confirm.textContent = t('confirm_touch', words); } else send(); });
     this.bar.replaceChildren(confirm, cancel, left, ...(armed.drive ? [make('span', { class: 'order-offer', text: driveText(armed.drive) })] : []));
     this.onOffer?.(armed.drive ?? null);
-    setTimeout(() => { if (this.armed === armed) { confirm.disabled = false; confirm.focus(); } }, APART_S * 1000);
+    confirm.focus();
     const count = () => {
       if (this.armed !== armed || armed.isSent) return;
       const seconds = until - this.link.now;
