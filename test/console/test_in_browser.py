@@ -276,6 +276,28 @@ def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     view.page.close()
 
 
+def test_the_map_stays_where_somebody_has_moved_it(browser, flight):
+    """Whatever the mission says, and after a break of the link; another mission moves it."""
+    stage, pilot, address = flight
+    view = View(browser, address)
+    view.wait('rocsafe.map.isFitted')
+    view.page.evaluate('rocsafe.map.map.setView([53.3, -9.1], 18, { animate: false })')
+    centre = 'rocsafe.map.map.getCenter().lat.toFixed(4)'
+    put = stage.context.live.picture.sections.put
+    pilot.stop()
+    mission = {'id': 'yard-20260601-100000', 'phase': 'collecting', 'text': 'rav2 is home'}
+    put('mission', mission)
+    view.wait('rocsafe.link.sections.mission.phase === "collecting"')
+    view.page.evaluate('rocsafe.link.socket.close()')
+    view.wait('rocsafe.link.socket.readyState === 1 && rocsafe.link.silence < 1')
+    view.page.wait_for_timeout(300)
+    assert view.page.evaluate(centre) == '53.3000'
+    put('mission', {**mission, 'id': 'another'})
+    view.wait(f'{centre} !== "53.3000"')
+    assert not view.faults
+    view.page.close()
+
+
 def test_one_press_is_no_two_steps(browser, flight):
     """Neither a double click, nor Enter that is kept down, sends what it has prepared."""
     stage, _, address = flight
