@@ -6,6 +6,7 @@ import fcntl
 import json
 import secrets
 from collections.abc import Iterator
+from dataclasses import replace
 
 import pytest
 from test.console.caller import FORGED, Caller, revisions_of
@@ -16,10 +17,10 @@ from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
 from rocsafe_console.people.sessions import MOST_SESSIONS
-from rocsafe_console.people.users import User
+from rocsafe_console.people.users import User, Users, write_users
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, WebOptions
-from rocsafe_console.web.server import require_safe
+from rocsafe_console.web.server import ServerThread, require_safe
 from rocsafe_geo.storage.evidence_log import checked
 
 PASSWORD = 'correct horse battery'  # noqa: S105 - of a test
@@ -446,6 +447,46 @@ def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
         assert viewer.ask('/api/runs')[0] == 401
 
 
+def test_a_user_who_was_removed_may_nothing_more(tmp_path, people):
+    """Nor one who has another password: the console reads the changed file, and his page ends."""
+    path = tmp_path / 'users.yaml'
+    write_users(path, people)
+    stage = Stage(tmp_path, users=people)
+    stage.context.users = Users(people, path)
+    with served(stage) as address:
+        callers = {name: Caller(address) for name in people}
+        for name, caller in callers.items():
+            assert caller.ask('/api/login', {'name': name, 'password': PASSWORD})[0] == 200
+        url = callers['viewer'].ask('/api/links', {})[1]['url'].removeprefix(address[:-1])
+        commander = people['commander']
+        write_users(
+            path, {'commander': commander, 'operator': replace(commander, name='operator')}
+        )
+        statuses = {name: caller.ask('/api/runs')[0] for name, caller in callers.items()}
+        assert statuses == {'viewer': 401, 'operator': 401, 'commander': 200}
+        assert callers['viewer'].ask(url)[0] == 401
+        path.write_text('users: {')
+        assert callers['commander'].ask('/api/runs')[0] == 200
+
+
+def test_a_wrong_certificate_is_told_in_one_line_and_no_password_is_asked_for(tmp_path):
+    """By its name, before the page is served."""
+    stage, path = Stage(tmp_path), tmp_path / 'c.pem'
+    path.write_text('no certificate')
+    stage.context.options = replace(stage.context.options, certificate=path, key=path)
+    with pytest.raises(ConsoleError, match=r'c\.pem: cannot be used'):
+        ServerThread(stage.context, print)
+
+
+def test_an_address_of_ipv6_can_be_opened(tmp_path):
+    """It is printed as a browser takes it."""
+    stage = Stage(tmp_path)
+    stage.context.options = replace(stage.context.options, host='::1')
+    with served(stage) as address:
+        assert address.startswith('http://[::1]:')
+        assert Caller(address).ask('/api/token', {'token': TOKEN})[0] == 200
+
+
 @pytest.mark.parametrize(
     ('options', 'users', 'words'),
     [
@@ -453,6 +494,7 @@ def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
         ({'host': '192.168.1.5'}, 2, 'needs --certificate'),
         ({'host': 'example.org'}, 2, 'needs --certificate'),
         ({'certificate': 'c'}, 2, 'both are needed'),
+        ({'port': 65536}, 0, '--port 65536: must be within 0 and 65535'),
     ],
 )
 def test_other_machines_reach_it_only_with_users_and_tls(options, users, words):

@@ -118,6 +118,15 @@ class Context:
     logins: AttemptLimit = field(default_factory=AttemptLimit)
     order_rate: AttemptLimit = field(default_factory=lambda: AttemptLimit(ORDERS, ORDERS_S))
 
+    def end_former(self) -> None:
+        """End the sessions of users whom `rocsafe users` has removed or changed."""
+        former = self.users.changed()
+        for session in self.sessions.all(self.clock()):
+            if session.user in former:
+                self.sessions.end(session.public_id)
+        if former:
+            self.save_sessions()
+
     def save_sessions(self) -> None:
         """Keep the sessions for the next process; what hinders it costs a log-in, no more."""
         with contextlib.suppress(OSError):

@@ -96,6 +96,7 @@ def _refusal(request: web.Request) -> web.Response | None:
     if not (is_link or request.path.startswith('/api/')) or request.path in OPEN:
         return None
     cookie = request.cookies.get(context.options.cookie, '')
+    context.end_former()
     # A link is for programs that cannot log in; it opens nothing else.
     secret = request.path.split('/')[2] if is_link else cookie
     session = context.sessions.of_secret(secret, context.clock())

@@ -51,6 +51,7 @@ async def log_in(request: web.Request) -> web.Response:
     context, body = context_of(request), await body_of(request)
     name, password = str(body.get('name', '')), str(body.get('password', ''))
     address, now_s = request.remote or '', context.clock()
+    context.end_former()
     wait_s = max(context.logins.wait_s(key, now_s) for key in (f'n {name}', f'a {address}'))
     if wait_s:
         return refused(429, f'too many attempts: wait {math.ceil(wait_s)} s')
