@@ -35,7 +35,8 @@ HEADERS = {
 }
 # Of refusals, by the first kind that fits; an error of the system is mostly a full disk.
 STATUSES: Mapping[type[Exception], int] = {
-    TooManyError: 429, RefusedError: 403, ConsoleError: 404, EvidenceError: 503, OSError: 503,
+    TooManyError: 429, RefusedError: 403, ConsoleError: 404, FileNotFoundError: 404,
+    EvidenceError: 503, OSError: 503,
     ValueError: 400, LookupError: 400, TypeError: 400, ArithmeticError: 400, AttributeError: 400,
 }  # fmt: skip
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
