@@ -75,7 +75,7 @@ def test_everything_can_still_be_shown_and_sent(tmp_path, bad):
     for event in events_of(picture, now_s):
         Xml.fromstring(event.to_xml(now_s))  # noqa: S314 - our own
     for name in COLLECTIONS:
-        items_of('', name, picture, now_s, 1000)
+        items_of('', name, picture, now_s, {'bbox': '-180,-90,180,90'})
 
 
 @pytest.mark.parametrize('bad', [math.nan, math.inf, 1e300])

@@ -5,7 +5,10 @@ import asyncio
 import fcntl
 import json
 import secrets
+import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import pytest
@@ -18,6 +21,7 @@ from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
 from rocsafe_console.people.sessions import MOST_SESSIONS
 from rocsafe_console.people.users import User, Users, write_users
+from rocsafe_console.runs.drafts import Drafts, Step
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
@@ -445,6 +449,31 @@ def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
         assert viewer.ask('/api/runs')[0] == 200
         assert commander.ask(f'/api/sessions/{public_id}/revoke', {})[0] == 200
         assert viewer.ask('/api/runs')[0] == 401
+
+
+def test_whoever_plans_keeps_nobody_else_waiting(caller, monkeypatch):
+    """Plans that take long leave the threads by which others log in and look at runs."""
+    done, asked = threading.Event(), []
+
+    def preflight(*_: object) -> Step:
+        asked.append(1)
+        done.wait(20.0)
+        return Step(is_done=True, text='')
+
+    monkeypatch.setattr(Drafts, 'preflight', preflight)
+    with ThreadPoolExecutor(16) as pool:
+        plans = [pool.submit(caller.ask, '/api/drafts/m/preflight', {}) for _ in range(16)]
+        while not asked:
+            time.sleep(0.01)
+        try:
+            other = Caller(caller.address)
+            other.ask('/api/token', {'token': TOKEN})
+            began_s = time.monotonic()
+            assert other.ask('/api/runs')[0] == 200
+            assert time.monotonic() - began_s < 5.0
+        finally:
+            done.set()
+        assert [plan.result()[0] for plan in plans] == [200] * 16
 
 
 def test_a_user_who_was_removed_may_nothing_more(tmp_path, people):
