@@ -15,6 +15,7 @@ import pytest
 from test.console.caller import FORGED, Caller, revisions_of
 from test.console.forger import Forger, forge
 from test.console.stage import TOKEN, Stage, served
+from test.console.test_hostile_clients import frames_read
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.passwords import hash_of
@@ -113,6 +114,31 @@ def test_an_order_that_is_not_answered_has_an_outcome(stage, caller, tmp_path, m
     assert (status, {one['outcome'] for one in answer['results']}) == (200, {outcome})
     entries = checked((tmp_path / 'console.jsonl').read_bytes().split(b'\n')[:-1])
     assert [entry['kind'] for entry in entries] == ['login', 'order', 'outcome']
+
+
+def test_a_slow_disk_holds_up_no_picture(stage, caller, monkeypatch):
+    """Frames reach a page while an order waits for its line in the log."""
+    write, begun, done = stage.context.desk.write, threading.Event(), threading.Event()
+
+    def slow(*event: object) -> None:
+        begun.set()
+        done.wait(20.0)
+        write(*event)
+
+    monkeypatch.setattr(stage.context.desk, 'write', slow)
+    with ThreadPoolExecutor(1) as pool:
+        order = pool.submit(caller.order, 'land', revisions_of(stage))
+        try:
+            assert begun.wait(20.0)
+            assert asyncio.run(frames_read(caller, stage.step, 5)) == 5
+            assert not stage.crew.sent
+            stage.state['rav2'] = 6
+            stage.step()
+        finally:
+            done.set()
+        outcomes = {one['vehicle']: one['outcome'] for one in order.result()[1]['results']}
+    # What has moved on meanwhile gets no order either.
+    assert outcomes == {'rav1': 'done', 'rav2': 'state has changed', 'rav3': 'done'}
 
 
 def test_nothing_is_seen_or_marked_that_cannot_be_written_down(stage, caller, monkeypatch):

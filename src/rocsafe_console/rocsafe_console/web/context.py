@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the handlers of requests work with."""
 
+import asyncio
 import contextlib
 import math
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -102,6 +104,8 @@ class Context:
         Of the commands that are run for the page.
     fleet
         None until ROS has started.
+    log_thread
+        Writes the evidence logs, one event after the other.
     """
 
     options: WebOptions
@@ -113,6 +117,7 @@ class Context:
     base_map: BaseMap | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
     fleet: Fleet | None = None
+    log_thread: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, 'log'))
     sessions: Sessions = field(default_factory=Sessions)
     orders: OrderBook = field(default_factory=OrderBook)
     logins: AttemptLimit = field(default_factory=AttemptLimit)
@@ -132,9 +137,14 @@ class Context:
         with contextlib.suppress(OSError):
             save_sessions(self.options.runs, self.sessions)
 
-    def write(self, kind: str, by: str, run: str = '', /, **what: object) -> None:
-        """Write to the evidence log of a run, or the running mission: on disk on return."""
-        self.desk.write(Event(time_s=self.clock(), kind=kind, by=by, what=what), run)
+    async def write(self, kind: str, by: str, run: str = '', /, **what: object) -> None:
+        """Write to the evidence log of a run, or the running mission: on disk on return.
+
+        A slow disk holds up neither the picture nor other requests.
+        """
+        event = Event(time_s=self.clock(), kind=kind, by=by, what=what)
+        loop = asyncio.get_running_loop()
+        await loop.run_in_executor(self.log_thread, self.desk.write, event, run)
 
     @property
     def mission(self) -> str:

@@ -54,7 +54,7 @@ async def save_draft(request: web.Request) -> web.Response:
     session = session_of(request, Action.DRAFT)
     drafts, name = request.app[DRAFTS], str(body['name'])
     text = drafts.save(name, str(body['text']), dict(body.get('drawn') or {}))
-    context.write('draft', session.user, name=name)
+    await context.write('draft', session.user, name=name)
     step = await _step(drafts.check, name)
     outline = await asyncio.to_thread(drafts.outline, text)
     return web.json_response({**asdict(step), 'scenario': text, 'outline': outline})
@@ -82,13 +82,15 @@ async def launch_draft(request: web.Request) -> web.Response:
     name, approved = request.match_info['name'], str(body.get('approved', ''))
     confirmed = [str(one) for one in body.get('confirm', [])]
     try:
-        context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
+        await context.write(
+            'launch', session.user, name=name, approved=approved, confirmed=confirmed
+        )
     except (OSError, EvidenceError) as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
     launch = await asyncio.to_thread(
         request.app[DRAFTS].launch, name, approved, session.user, confirmed
     )
-    context.write('outcome', session.user, name=name, **asdict(launch))
+    await context.write('outcome', session.user, name=name, **asdict(launch))
     return web.json_response(asdict(launch))
 
 
@@ -103,7 +105,7 @@ async def end_mission(request: web.Request) -> web.Response:
     """End the mission of a draft; it is written to the evidence log first."""
     context, name = context_of(request), request.match_info['name']
     session = mission_session(request, Action.END)
-    context.write('end', session.user, name=name)
+    await context.write('end', session.user, name=name)
     request.app[DRAFTS].end(name)
     return web.json_response({})
 

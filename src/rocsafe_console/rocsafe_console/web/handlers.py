@@ -60,10 +60,10 @@ async def log_in(request: web.Request) -> web.Response:
     # Argon2 takes a tenth of a second and 64 MiB; the loop must not wait for it.
     user = await asyncio.to_thread(context.users.log_in, name, password)
     if user is None:
-        context.write('login', name[:64], address=address, outcome='refused')
+        await context.write('login', name[:64], address=address, outcome='refused')
         return refused(401, 'the name or the password is not right')
     context.logins.forgive(f'n {name}')
-    context.write('login', user.name, address=address, outcome='done', role=user.role.value)
+    await context.write('login', user.name, address=address, outcome='done', role=user.role.value)
     begun = context.sessions.begin(user.name, user.role, address, context.clock())
     return _with_cookie(context, *begun)
 
@@ -80,7 +80,7 @@ async def use_token(request: web.Request) -> web.Response:
         return refused(
             401, 'the token is not right: take the address that the console has printed'
         )
-    context.write('login', context.options.token_user, address=address, outcome='done')
+    await context.write('login', context.options.token_user, address=address, outcome='done')
     return _with_cookie(context, *local_session(context, address))
 
 
@@ -89,7 +89,7 @@ async def log_out(request: web.Request) -> web.Response:
     context, session = context_of(request), session_of(request, Action.SEE)
     context.sessions.end(session.public_id)
     context.save_sessions()
-    context.write('logout', session.user)
+    await context.write('logout', session.user)
     answer = web.json_response({})
     answer.del_cookie(context.options.cookie)
     return answer
@@ -110,7 +110,7 @@ async def revoke(request: web.Request) -> web.Response:
     """End somebody's session."""
     context, session = context_of(request), session_of(request, Action.REVOKE)
     public_id = request.match_info['id']
-    context.write('revoke', session.user, session=public_id)
+    await context.write('revoke', session.user, session=public_id)
     if not context.sessions.end(public_id):
         raise ConsoleError(f'session {public_id}: there is none')
     context.save_sessions()
@@ -123,7 +123,7 @@ async def acknowledge(request: web.Request) -> web.Response:
     number = int(request.match_info['number'])
     with context.live.lock:
         alarm = context.live.picture.alarms.of(number)
-    context.write('acknowledge', session.user, alarm=alarm.text, number=number)
+    await context.write('acknowledge', session.user, alarm=alarm.text, number=number)
     with context.live.lock:
         context.live.picture.acknowledge(number, session.user, context.clock())
     return web.json_response({})
@@ -143,7 +143,7 @@ async def mark(request: web.Request) -> web.Response:
         if len(sections.value('marks') or []) >= MOST_MARKS:
             raise ValueError(f'marks: there are {MOST_MARKS} already, which is the most')
     place = {'latitude_deg': latitude_deg, 'longitude_deg': longitude_deg, 'datum': 'WGS84'}
-    context.write('mark', session.user, **place, mgrs=forms.mgrs, text=text)
+    await context.write('mark', session.user, **place, mgrs=forms.mgrs, text=text)
     with context.live.lock:
         sections = context.live.picture.sections
         marks = sections.value('marks') or []
@@ -217,7 +217,7 @@ async def assign(request: web.Request) -> web.Response:
     unknown = context.users.unknown((access.commander, *access.members))
     if unknown:
         raise ValueError(f'user {unknown[0]!r}: there is none')
-    context.write('assign', session.user, run.name, mission=run.name, **asdict(access))
+    await context.write('assign', session.user, run.name, mission=run.name, **asdict(access))
     context.missions.put(run.name, access)
     return web.json_response({})
 

@@ -67,26 +67,33 @@ async def confirm_order(request: web.Request) -> web.Response:
     if order is None:
         return await _results(context, request_id)
     mission_session(request, order.verb)
-    with context.live.lock:
-        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
-    left_out = stale(order, revisions)
-    names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
+    left_out, names = _addressees(context, order)
     try:
-        context.write('order', order.user, **_order_plain(order, names))
+        await context.write('order', order.user, **_order_plain(order, names))
     except (OSError, EvidenceError) as error:
         text = f'nothing was sent: the evidence log cannot be written: {error}'
         context.orders.finish(request_id, (*left_out, *_all(names, Outcome.REFUSED, text)))
         raise RefusedError(text) from error
+    # The disk may have taken long.
+    left_out, names = _addressees(context, order)
     results = (*left_out, *(await _sent(context, order, names) if names else ()))
     plain = [_result_plain(result) for result in results]
     context.orders.finish(request_id, results)
     answer: dict[str, Any] = {'results': plain}
     try:
-        context.write('outcome', order.user, request_id=request_id, results=plain)
+        await context.write('outcome', order.user, request_id=request_id, results=plain)
     except (OSError, EvidenceError) as error:
         # The vehicles have done it: that is told, whatever the disk does.
         answer['unlogged'] = str(error)
     return web.json_response(answer)
+
+
+def _addressees(context: Context, order: Order) -> tuple[tuple[Result, ...], tuple[str, ...]]:
+    """Return the vehicles that have moved on since they were seen, and those that are left."""
+    with context.live.lock:
+        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
+    left_out = stale(order, revisions)
+    return left_out, tuple(order.revisions.keys() - {result.vehicle for result in left_out})
 
 
 async def _sent(context: Context, order: Order, names: tuple[str, ...]) -> tuple[Result, ...]:

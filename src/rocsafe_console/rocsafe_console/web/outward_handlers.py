@@ -19,7 +19,7 @@ async def make_link(request: web.Request) -> web.Response:
     secret, link = context.sessions.begin(
         session.user, session.role, request.remote or '', context.clock(), is_link=True
     )
-    context.write('link', session.user, session=link.public_id)
+    await context.write('link', session.user, session=link.public_id)
     return web.json_response({'url': f'{context.options.scheme}://{request.host}/ogc/{secret}'})
 
 

@@ -41,7 +41,7 @@ async def seal(request: web.Request) -> web.Response:
     session = mission_session(request, Action.SEAL, run.name)
     if is_flying(run):
         raise RefusedError(f'{run.name} has not ended: it is sealed at its end')
-    context.write('seal', session.user, run.name, mission=run.name)
+    await context.write('seal', session.user, run.name, mission=run.name)
     async with request.app[SEALING]:
         try:
             key = usual_key(context.environment)
