@@ -480,7 +480,7 @@ def test_a_camera_is_looked_at_and_left(browser, flight):
 
 def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, flight):
     """Before, the button says that nothing is heard; critical alarms repeat; mute is silent."""
-    stage, _, address = flight
+    stage, pilot, address = flight
     view = View(browser, address)
     view.wait('document.querySelectorAll(".vehicle").length === 3')
     stage.state['rav2'] = 9
@@ -506,6 +506,14 @@ def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, f
     stage.state['rav1'] = 9
     view.wait('rocsafe.link.sections.alarms.length === 3')
     assert view.page.evaluate('rocsafe.sound.played.length') == heard
+    view.page.click('#sound')
+    view.page.keyboard.press('a')
+    view.wait('rocsafe.sound.open.length === 0')
+    heard = view.page.evaluate('rocsafe.sound.played.length')
+    # A mission that falls silent is heard once.
+    pilot.stop()
+    view.wait(f'rocsafe.sound.played.length === {heard + 1}')
+    assert view.page.inner_text('#banner')
     assert not view.faults
     view.page.close()
 
