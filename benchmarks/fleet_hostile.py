@@ -22,11 +22,10 @@ import numpy as np
 from fleet import survey
 
 from rocsafe_fleet.agreement.agent import Agent
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, Wanted
 from rocsafe_fleet.fleet_start import START_BITS
-from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
+from rocsafe_fleet.ledger.ledger import Kind, Ledger
 from rocsafe_fleet.ledger.packet import MOST_BYTES
-from rocsafe_fleet.ledger.records import Proposal
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.trial import KEY, Trial, TrialOptions
 from rocsafe_geo.position import level_offset_m
@@ -38,13 +37,14 @@ SETTLE_S = 45.0
 READINGS = 0.02
 
 
-def dealt(plan: SurveyPlan) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:
+def dealt(plan: SurveyPlan) -> Callable[[Wanted], FleetPlan]:
     """Return a rule that deals the viewpoints of a proposal: each to the nearest of the idlest."""
     views = {view.id: view.position for route in plan.routes for view in route.viewpoints}
     origin = plan.request.regions[0].area.centroid()
     places = {number: level_offset_m(origin, where) for number, where in views.items()}
 
-    def plan_of(proposal: Proposal, coordinator: Writer, _: tuple[Ring, ...]) -> FleetPlan:
+    def plan_of(wanted: Wanted) -> FleetPlan:
+        proposal = wanted.proposal
         at = {k: level_offset_m(origin, one.position) for k, one in proposal.members}
         routes: dict[int, list[int]] = {k: [] for k in at}
         for group in (views.keys() - proposal.visited - proposal.last, proposal.last):
@@ -57,7 +57,7 @@ def dealt(plan: SurveyPlan) -> Callable[[Proposal, Writer, tuple[Ring, ...]], Fl
                 routes[idle].append(best)
                 at[idle] = places[best]
         found = {k: tuple(route) for k, route in routes.items()}
-        return FleetPlan(epoch=(proposal.number, *coordinator), routes=found)
+        return FleetPlan(epoch=wanted.epoch, routes=found)
 
     return plan_of
 
@@ -132,8 +132,7 @@ class Hostile(Trial):
                 self.radio.send(twin.own, data, self.now_s)
                 super()._deliver(twin.own, data)
             if (wanted := twin.wanted) is not None:
-                plan = self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
-                twin.planned(wanted, plan)
+                twin.planned(wanted, self._plans.get(wanted))
 
     # What happens.
 

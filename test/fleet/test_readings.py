@@ -7,7 +7,13 @@ import pytest
 
 from rocsafe_fleet.conversions import dose_reading_of_message
 from rocsafe_fleet.ledger.ledger import Kind, Ledger
-from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, dose_reading_of, table_of
+from rocsafe_fleet.ledger.readings import (
+    DoseReading,
+    ReadingSums,
+    dose_reading_of,
+    readings_of,
+    table_of,
+)
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
 from rocsafe_radiation.readings.readings_file import read_readings
@@ -24,6 +30,7 @@ def reading(east_m: float, counts: int) -> DoseReading:
         std_usvh=0.1 * math.sqrt(counts),
         counts=counts,
         live_time_s=1.0,
+        time_s=1000.0 + east_m,
     )
 
 
@@ -63,8 +70,8 @@ def test_merged_readings_count_once(tmp_path):
         for delta in ledger.deltas({}, 1000):
             other.merge(delta)
     assert sum(each.counts for each in known(one)) == 2 * 3 + 5 + 2 * 7
-    table = table_of([one, other, parts[0]], NAMES)
-    assert table == table_of([other], NAMES)
+    table = table_of(readings_of([one, other, parts[0]], NAMES))
+    assert table == table_of(readings_of([other], NAMES))
     path = tmp_path / 'readings.csv'
     path.write_text(table)
     read = read_readings(path)

@@ -5,6 +5,7 @@ import fcntl
 import os
 import re
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
@@ -13,11 +14,9 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from std_srvs.srv import SetBool
 
-from rocsafe_fleet.agreement.agent import Wanted
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan
 from rocsafe_fleet.conversions import (
     dose_reading_of_message,
-    is_aloft,
+    has_flown,
     place_of_state,
     route_of,
     state_of,
@@ -65,7 +64,7 @@ class AgentsNode(Node):
         super().__init__(NAME, **node_options)
         self._options = options = declare_options(self, AgentOptions)
         self._fleet: FleetStart | None = None
-        self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
+        self._job: tuple[BackgroundJob[Any, None], Callable[[Any], None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
         self._is_paused = False
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
@@ -195,7 +194,7 @@ class AgentsNode(Node):
         agent = fleet.agent(name)
         if link.state is None:
             return
-        self._has_flown = self._has_flown or is_aloft(link.state)
+        self._has_flown = self._has_flown or has_flown(link.state)
         place = place_of_state(link.state, fleet.endurance_s(name))
         if place is not None:
             agent.move(place)
@@ -211,13 +210,25 @@ class AgentsNode(Node):
     # Plans and routes.
 
     def _plan(self, fleet: FleetStart) -> None:
-        wanted = fleet.local.wanted
-        if wanted is None or not self._has_flown:
+        """Begin to plan the newest proposal, or to choose the places of a round."""
+        if self._job is not None or not self._has_flown:
             return
-        if self._job is None:
-            self._pause(is_paused=True)
-            job = BackgroundJob(partial(fleet.plan, wanted), 'planning', None)
-            self._job = wanted, job
+        wanted, seeker = fleet.local.wanted, fleet.local.seeker
+        if wanted is not None:
+            self._work(fleet, partial(fleet.plan, wanted), partial(fleet.local.planned, wanted))
+        elif seeker is not None:
+            self._work(fleet, fleet.choosing(seeker), seeker.decide)
+
+    def _work(
+        self,
+        fleet: FleetStart,
+        work: Callable[[Callable[[None], bool]], Any],
+        take: Callable[[Any], None],
+    ) -> None:
+        """Compute beside the event loop, while no simulated time passes."""
+        self._pause(is_paused=True)
+        self._job = BackgroundJob(work, 'planning', None), take
+        self._tell(fleet)
 
     def _look(self) -> None:
         """Take plans that are ready, repeat orders, find vehicles that hold up time."""
@@ -228,9 +239,9 @@ class AgentsNode(Node):
             if self._plan_id and Path(self._options.plan_file).is_file():
                 self._begin(self._plan_id)
             return
-        if self._job is not None and self._job[1].is_done:
-            (wanted, job), self._job = self._job, None
-            self._fleet.local.planned(wanted, job.result())
+        if self._job is not None and self._job[0].is_done:
+            (job, take), self._job = self._job, None
+            take(job.result())
             self._fly(self._fleet)
             self._plan(self._fleet)
         is_busy = self._job is not None or any(link.is_busy for link in self._links.values())
@@ -308,13 +319,16 @@ class AgentsNode(Node):
             fleet.save({name: link.routes for name, link in self._links.items()})
         except OSError as error:
             self.get_logger().error(f'what the agents know is not kept: {error}', once=True)
+        self._tell(fleet)
+
+    def _tell(self, fleet: FleetStart) -> None:
+        """Publish what the agents know."""
         stamp = self.get_clock().now().to_msg()
-        is_done = self._is_done()
+        is_done, is_planning = self._is_done(), self._job is not None
         for name in self._links:
             agent = fleet.agent(name)
             sent = fleet.local.bytes_sent[agent.own]
-            text = 'plans' if self._job is not None else ''
-            state = state_of(agent, fleet.names, sent, is_done=is_done, text=text)
+            state = state_of(agent, fleet.names, sent, is_done=is_done, is_planning=is_planning)
             state.header.stamp = stamp
             self._states.publish(state)
 

@@ -35,6 +35,7 @@ class Kind(IntEnum):
     FINDING = 6  # number
     DOSE = 7
     READING = 8  # number
+    ROUND = 9  # number
 
 
 Key = tuple[Writer, int, int]
