@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Missions with agents: the orchestrator watches, and takes over when the agents are gone."""
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 from rocsafe_fleet.agreement.batteries import Batteries
 from rocsafe_fleet.search.round_chooser import SearchOptions
 from rocsafe_geo.storage.value_file import values_of
+from rocsafe_orchestrator.mission.landing import AGENTS_IDLE_S
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission_state.phase import Phase
@@ -101,10 +103,31 @@ def test_the_flight_is_over_when_the_agents_are_done():
     assert mission.faults == []
 
 
+def test_agents_that_leave_their_vehicles_standing_are_not_waited_for_for_ever():
+    """The mission goes on to its map, with a fault."""
+    mission = airborne()
+    mission.answered(Order(kind=OrderKind.RUN_CLOCK))
+    for vehicle in ('rav1', 'rav2'):
+        mission.flown(vehicle, 3)
+
+    def stand(now_s: float) -> None:
+        mission.advance(
+            now_s, dataclasses.replace(situation(), aloft=frozenset(), simulated_s=now_s)
+        )
+
+    stand(110.0)
+    stand(110.0 + 0.9 * AGENTS_IDLE_S)
+    assert mission.phase is Phase.FLYING
+    stand(110.0 + 1.1 * AGENTS_IDLE_S)
+    assert mission.phase is Phase.COLLECTING
+    assert any('although agents have something to fly' in text for text in mission.faults)
+
+
 def test_time_stands_still_while_agents_plan():
     """A choice of places may take long; but not longer than a plan may."""
     mission = airborne()
-    mission.advance(102.0, situation())
+    mission.answered(Order(kind=OrderKind.RUN_CLOCK))
+    mission.advance(102.0, dataclasses.replace(situation(), simulated_s=1.0))
     limit_s = Deadlines().plan_s
     for now_s in (103.0, 103.0 + 0.9 * limit_s):
         assert mission.advance(now_s, situation(plan=True)) == []

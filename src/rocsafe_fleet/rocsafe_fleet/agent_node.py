@@ -184,6 +184,8 @@ class AgentsNode(Node):
         self._receive(fleet)
         for name, link in self._links.items():
             self._tell_agent(fleet, name, link, time_ns * _NS)
+            if link.fly_again():
+                self._pause(is_paused=True)
         for data in fleet.local.advance(time_ns * _NS):
             self._link.send(data)
         self._plan(fleet)
