@@ -12,7 +12,6 @@ from typing import IO, Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from std_srvs.srv import SetBool
 
 from rocsafe_fleet.conversions import (
     dose_reading_of_message,
@@ -31,7 +30,7 @@ from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
 from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
-from rocsafe_ros import calls, topics
+from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
@@ -56,8 +55,8 @@ class AgentsNode(Node):
 
     Publishes ``fleet/delta`` and ``fleet/agents``; subscribes ``plan``, ``fleet/delta``, and
     ``<vehicle>/state``, ``<vehicle>/control`` and ``<vehicle>/radiation``. Uses
-    ``<vehicle>/fly_route``, ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time
-    ``world/run``, so that no time passes while they plan.
+    ``<vehicle>/fly_route``, ``<vehicle>/lease`` and ``<vehicle>/return_home``. No simulated time
+    passes while they plan, and until vehicles have taken their routes.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -66,7 +65,6 @@ class AgentsNode(Node):
         self._fleet: FleetStart | None = None
         self._job: tuple[BackgroundJob[Any, None], Callable[[Any], None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
-        self._is_paused = False
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
         self._plan_id = ''
@@ -77,7 +75,6 @@ class AgentsNode(Node):
         self._link = self._linked(options)
         self._states = topics.create_publisher(self, topics.AGENTS)
         self._done = topics.create_publisher(self, topics.STEP_DONE)
-        self._world = self.create_client(SetBool, calls.WORLD_RUN.name)
         leases = Leases(
             self, options.vehicles, options.mission, self._warn, role='agent', is_reserve=True
         )
@@ -100,6 +97,7 @@ class AgentsNode(Node):
                 self, topics.RADIATION, partial(self._on_reading, name), name
             )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._participant: Participant | None = None
         if options.lock_step:
             # The agents of each host have a name of their own.
             self._participant = Participant(self, self.get_name(), self._on_step)
@@ -175,8 +173,16 @@ class AgentsNode(Node):
         for data in self._link.receive():
             fleet.local.receive(data, self._now_s())
 
-    def _on_step(self, time_ns: int) -> bool:
-        """Let the agents think at one time; return whether they have nothing to do."""
+    @property
+    def _is_busy(self) -> bool:
+        """Whether a plan, a round or an order is under way."""
+        return self._job is not None or any(link.is_busy for link in self._links.values())
+
+    def _on_step(self, time_ns: int) -> bool | None:
+        """Let the agents think at one time; return whether they have nothing to do.
+
+        None: the step is done when what is under way is.
+        """
         self._step_s = time.monotonic()
         if self._fleet is None:
             return True
@@ -184,12 +190,11 @@ class AgentsNode(Node):
         self._receive(fleet)
         for name, link in self._links.items():
             self._tell_agent(fleet, name, link, time_ns * _NS)
-            if link.fly_again():
-                self._pause(is_paused=True)
+            link.fly_again()
         for data in fleet.local.advance(time_ns * _NS):
             self._link.send(data)
         self._plan(fleet)
-        return self._is_done()
+        return None if self._is_busy else self._is_done()
 
     def _tell_agent(self, fleet: FleetStart, name: str, link: VehicleLink, time_s: float) -> None:
         """Tell an agent what its vehicle does."""
@@ -228,7 +233,6 @@ class AgentsNode(Node):
         take: Callable[[Any], None],
     ) -> None:
         """Compute beside the event loop, while no simulated time passes."""
-        self._pause(is_paused=True)
         self._job = BackgroundJob(work, 'planning', None), take
         self._tell(fleet)
 
@@ -246,9 +250,8 @@ class AgentsNode(Node):
             take(job.result())
             self._fly(self._fleet)
             self._plan(self._fleet)
-        is_busy = self._job is not None or any(link.is_busy for link in self._links.values())
-        if self._is_paused and not is_busy:
-            self._pause(is_paused=False)
+        if self._participant is not None and not self._is_busy:
+            self._participant.finish(is_idle=self._is_done())
         self._watch_time(self._fleet)
         if time.monotonic() - self._report_s >= REPORT_S:
             self._report_s = time.monotonic()
@@ -267,17 +270,11 @@ class AgentsNode(Node):
                 )
                 link.fly(source.plan_id, route_of(source, name, agent.visited))
 
-    def _pause(self, *, is_paused: bool) -> None:
-        """Let no simulated time pass while routes are made."""
-        if self._options.lock_step and self._is_paused != is_paused:
-            self._is_paused = is_paused
-            self._world.call_async(SetBool.Request(data=not is_paused))
-
     # Simulated time.
 
     def _watch_time(self, fleet: FleetStart) -> None:
         """Let time not wait for a vehicle whose process is gone."""
-        if not self._options.lock_step or not self._has_flown or self._is_paused:
+        if not self._options.lock_step or not self._has_flown or self._is_busy:
             return
         limit_s = self._options.alone_after_s if is_orphan() else self._options.lost_after_s
         stalled_s = time.monotonic() - self._step_s
@@ -309,7 +306,7 @@ class AgentsNode(Node):
 
     def _is_done(self) -> bool:
         fleet, links = self._fleet, self._links.values()
-        if fleet is None or self._job is not None or any(link.is_busy for link in links):
+        if fleet is None or self._is_busy:
             return fleet is None
         now_s = self._now_s()
         gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent

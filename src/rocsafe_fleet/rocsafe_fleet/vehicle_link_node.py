@@ -129,13 +129,11 @@ class VehicleLink:
         else:
             self._begin(partial(self._send, plan_id, route))
 
-    def fly_again(self) -> bool:
-        """Send the route that it did not take while it landed; return whether there was one."""
-        if self._landing is None or not self.is_down:
-            return False
-        order, self._landing = self._landing, None
-        self._begin(partial(self._send, *order))
-        return True
+    def fly_again(self) -> None:
+        """Send the route that it did not take while it landed, once it stands."""
+        if self._landing is not None and self.is_down:
+            order, self._landing = self._landing, None
+            self._begin(partial(self._send, *order))
 
     def look(self) -> None:
         """Repeat an order that was not answered; give it up after some tries."""
