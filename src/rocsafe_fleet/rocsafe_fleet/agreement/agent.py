@@ -138,7 +138,8 @@ class Agent:
 
     @property
     def _points(self) -> Numbers:
-        return self._survey | self.knowledge.extra_points
+        extra = self.knowledge.extra_points
+        return self._survey | extra if extra else self._survey
 
     @property
     def left(self) -> Numbers:

@@ -63,9 +63,8 @@ class SearchTrial(Trial):
         self._origin = survey.request.regions[0].area.centroid()
         super().__init__(survey, options, random, plans)
 
-    def _agent(self, number: int, incarnation: int) -> Agent:
-        now_s, agreement = self._clock_s(number), self.options.agreement
-        rounds = self._search.rounds
+    def _agent(self, number: int, incarnation: int, now_s: float) -> Agent:
+        agreement, rounds = self.options.agreement, self._search.rounds
         return Agent(number, self._first, KEY, now_s, incarnation, agreement, rounds)
 
     def kill_agent(self, number: int) -> None:

@@ -119,7 +119,7 @@ class Trial:
             for route, layer in zip(survey.routes, layers, strict=True)
         ]
         self._first = first
-        self.agents: list[Agent | None] = [self._agent(k, 1) for k in range(count)]
+        self.agents: list[Agent | None] = [self._agent(k, 1, 0.0) for k in range(count)]
         self._computing: dict[int, tuple[float, object, FleetPlan]] = {}
         self._seen: dict[int, int] = {}
         self._events: list[tuple[float, Callable[[Trial], None]]] = []
@@ -143,11 +143,10 @@ class Trial:
 
     def start_agent(self, number: int, incarnation: int) -> None:
         """Start an agent that knows the first plan only."""
-        self.agents[number] = self._agent(number, incarnation)
+        self.agents[number] = self._agent(number, incarnation, self._clock_s(number))
 
-    def _agent(self, number: int, incarnation: int) -> Agent:
-        now_s, agreement = self._clock_s(number), self.options.agreement
-        return Agent(number, self._first, KEY, now_s, incarnation, agreement)
+    def _agent(self, number: int, incarnation: int, now_s: float) -> Agent:
+        return Agent(number, self._first, KEY, now_s, incarnation, self.options.agreement)
 
     @property
     def live(self) -> list[Agent]:
