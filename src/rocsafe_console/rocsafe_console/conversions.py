@@ -212,9 +212,11 @@ def mosaic_of(message: Mosaic) -> dict[str, Any]:
     }
 
 
-def wind_of(vehicle: str, message: WindReading) -> dict[str, Any]:
-    """Return the wind: where it comes from, degrees clockwise from north, and how fast it is."""
+def wind_of(vehicle: str, message: WindReading) -> dict[str, Any] | None:
+    """Return whence the wind comes, degrees clockwise from north, and its speed; None: unknown."""
     east, north = message.towards_east_mps, message.towards_north_mps
+    if not math.isfinite(east + north):
+        return None
     return {
         'vehicle': vehicle,
         'stamp_s': seconds_of(message.header.stamp),
