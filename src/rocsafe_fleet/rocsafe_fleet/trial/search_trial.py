@@ -10,7 +10,7 @@ from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import SharedPlans
 from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, readings_of
 from rocsafe_fleet.search.search_round import SearchRound
-from rocsafe_fleet.trial.trial import KEY, Trial, TrialOptions
+from rocsafe_fleet.trial.trial import KEY, Outcome, Trial, TrialOptions
 from rocsafe_fleet.trial.vehicle import TrialVehicle
 from rocsafe_geo.position import GeoPosition, level_offset_m
 from rocsafe_planner.plan.plan import SurveyPlan
@@ -62,6 +62,7 @@ class SearchTrial(Trial):
         self._names = [route.vehicle.name for route in survey.routes]
         self._origin = survey.request.regions[0].area.centroid()
         super().__init__(survey, options, random, plans)
+        self._surveyed = frozenset(self.places)
 
     def _agent(self, number: int, incarnation: int, now_s: float) -> Agent:
         agreement, rounds = self.options.agreement, self._search.rounds
@@ -79,6 +80,13 @@ class SearchTrial(Trial):
 
     def _is_over(self) -> bool:
         return super()._is_over() and all(agent.is_done for agent in self.live)
+
+    def _concluded(self) -> Outcome:
+        """Count as missing what somebody who lives knows of: a round may die with its chooser."""
+        outcome = super()._concluded()
+        extra = frozenset[int]().union(*(agent.knowledge.extra_points for agent in self.live))
+        outcome.missing = len((self._surveyed | extra) - self._seen.keys())
+        return outcome
 
     def _fly(self, number: int, vehicle: TrialVehicle) -> None:
         super()._fly(number, vehicle)
