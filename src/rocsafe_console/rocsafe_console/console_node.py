@@ -5,7 +5,6 @@ It publishes nothing. It is not part of a mission: it finds the vehicles of its 
 topic `state`, and goes on when a mission ends and another one begins.
 """
 
-import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -342,8 +341,7 @@ class ConsoleNode(Node):
     ) -> Callable[[MarkerArray], None]:
         def on_message(message: MarkerArray) -> None:
             self._place(name, lambda frame: self._put(name, convert(message, frame)))
-            stamps_s = [conversions.seconds_of(one.header.stamp) for one in message.markers]
-            self._put(f'{name}_heard_s', self._made_s(min(stamps_s, default=-math.inf)))
+            self._put(f'{name}_heard_s', self._made_s(conversions.oldest_s(message)))
 
         return on_message
 

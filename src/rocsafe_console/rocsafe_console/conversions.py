@@ -45,6 +45,11 @@ def seconds_of(stamp: Any) -> float:
     return float(ns_of_stamp(stamp) / NS_PER_S)
 
 
+def oldest_s(message: MarkerArray) -> float:
+    """Return the oldest stamp of some markers, seconds since 1970; -infinity: there is none."""
+    return min((seconds_of(one.header.stamp) for one in message.markers), default=-math.inf)
+
+
 def mission_of(message: MissionState) -> MissionNow:
     """Return the state of the mission."""
     return MissionNow(
