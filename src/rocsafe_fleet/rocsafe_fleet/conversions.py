@@ -73,8 +73,8 @@ def inability(state: VehicleState, control: Control | None, mission: str, is_rea
         return state.text or 'aborted its flight'
     if state.state in (VehicleState.CRASHED, VehicleState.LOST):
         return 'it is lost'
-    if is_real and state.state == VehicleState.LANDED:
-        return 'it has landed'
+    if is_real and state.state in (VehicleState.LANDING, VehicleState.LANDED):
+        return 'it lands' if state.state == VehicleState.LANDING else 'it has landed'
     if control is not None and control.lease and control.mission != mission:
         return f'{control.holder} leads it'
     return ''

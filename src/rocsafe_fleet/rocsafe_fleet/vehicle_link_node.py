@@ -124,7 +124,9 @@ class VehicleLink:
                 self._begin(self._return)
             return
         self.routes[plan_id] = numbers_of(route)
-        if is_landing:
+        if is_landing and self._is_real:
+            self._refuse_all('it lands, and a real vehicle takes off again by hand only')
+        elif is_landing:
             self._landing = plan_id, route
         else:
             self._begin(partial(self._send, plan_id, route))
