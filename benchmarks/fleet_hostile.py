@@ -25,10 +25,10 @@ from replanning import CORNER
 
 from rocsafe_fleet.agreement.agent import Agent
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, Wanted
-from rocsafe_fleet.fleet_start import START_BITS
 from rocsafe_fleet.ledger.ledger import Ledger
 from rocsafe_fleet.ledger.packet import MOST_BYTES
 from rocsafe_fleet.ledger.readings import DoseReading, readings_of
+from rocsafe_fleet.membership.identity import START_BITS
 from rocsafe_fleet.search.search_round import SearchRound
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.search_trial import SearchTrial, TrialSearch

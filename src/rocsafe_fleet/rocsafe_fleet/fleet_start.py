@@ -16,6 +16,7 @@ from rocsafe_fleet.errors import PacketError
 from rocsafe_fleet.ledger.ledger import Kind
 from rocsafe_fleet.ledger.packet import Packet, decode, encode
 from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, readings_of, table_of
+from rocsafe_fleet.membership.identity import START_BITS
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.search.round_chooser import RoundChooser, SearchOptions
 from rocsafe_fleet.search.search_round import SearchRound
@@ -29,8 +30,6 @@ from rocsafe_planner.plan.plan_reading import read_plan
 _STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'
 _READINGS = 'readings.csv'
 _ALL_BYTES = 2**31
-START_BITS = 16
-"""Drawn bits of the number of a start: two starts of one agent that lost their count differ."""
 
 
 class FleetStart:
