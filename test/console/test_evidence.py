@@ -4,6 +4,7 @@
 import base64
 import hashlib
 import json
+import time
 from pathlib import Path
 
 import pytest
@@ -322,5 +323,13 @@ def test_events_go_to_the_log_of_their_run(tmp_path):
         desk.write(order_at(1.0))
         desk.write(order_at(2.0), 'm2')
         desk.close()
+    # The log of a mission is open before anybody writes.
+    desk = Desk(tmp_path)
+    desk.on_mission('m2')
+    end_s = time.monotonic() + 10.0
+    while not desk._logs:
+        assert time.monotonic() < end_s
+    assert list(desk._logs) == [tmp_path / 'm2' / LOG_NAME]
+    desk.close()
     names = (f'm1/{LOG_NAME}', f'm2/{LOG_NAME}', CONSOLE_LOG)
     assert [len(read_log(tmp_path / name)) for name in names] == [2, 2, 2]

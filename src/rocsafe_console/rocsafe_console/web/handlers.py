@@ -32,6 +32,7 @@ from rocsafe_console.web.context import (
     session_of,
 )
 from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
+from rocsafe_geo.storage.evidence_log import line_of
 
 MOST_TEXT, MOST_MARKS = 500, 1000
 
@@ -226,7 +227,9 @@ async def replay(request: web.Request) -> web.Response:
     """Send what the page needs to replay a run."""
     run = run_in(context_of(request).options.runs, request.match_info['run'])
     mission_session(request, Action.SEE, run.name)
-    return web.json_response(await asyncio.to_thread(replay_of, run))
+    # Megabytes: encoded in the thread, too.
+    text = await asyncio.to_thread(lambda: line_of(replay_of(run)))
+    return web.Response(body=text, content_type='application/json')
 
 
 async def run_file(request: web.Request) -> web.StreamResponse:
