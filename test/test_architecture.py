@@ -107,6 +107,11 @@ MAY_IMPORT = {
         'rocsafe_planner.planning',
         'rocsafe_planner.replanning',
         'rocsafe_planner.solver.precompile',
+        # They choose where to measure with the estimator of the localizer.
+        'rocsafe_radiation.errors',
+        'rocsafe_radiation.localizer_options',
+        'rocsafe_radiation.products.assessment',
+        'rocsafe_radiation.readings',
     },
     'rocsafe_orchestrator': {
         # `rocsafe whatif` flies agents in simulated time.
