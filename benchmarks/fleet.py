@@ -30,7 +30,7 @@ from fleet_peers import LINKS, METHODS, Link, Work, judged
 from replanning import CAMERA, CORNER
 
 from rocsafe_fleet.agreement.agent import Agent
-from rocsafe_fleet.agreement.fleet_plan import SharedPlans, situation_of
+from rocsafe_fleet.agreement.fleet_plan import SharedPlans, Wanted, situation_of
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.trial import Trial, TrialOptions, agreed, planner_of
 from rocsafe_fleet.trial.what_if import central_s
@@ -132,13 +132,18 @@ def loss(seeds: int) -> bool:
             delays.append(min(outcome.flying_s.values()) - time_s)
             if kind == 'silent':
                 delays[-1] -= 3.0
-            found.append(outcome.makespan_s / central_s(trial, agent.proposal, 10.0) - 1.0)
+            found.append(outcome.makespan_s / central_s(trial, _wanted(agent), 10.0) - 1.0)
     slowest = float(np.quantile(delays, 0.99))
     is_met = say('new routes after detection, p99', f'{slowest:.2f} s', '<= 1.0 s', slowest <= 1.0)
     for kind, found in excess.items():
         text = f'{100 * statistics.mean(found):+.2f} %, worst {100 * max(found):+.2f} %'
         is_met &= say(f'makespan over central, {kind}', text, '<= +2 %', max(found) <= 0.02)
     return say('viewpoints lost', str(missing), '0', missing == 0) and is_met
+
+
+def _wanted(agent: Agent) -> Wanted:
+    """Return what the plan of an agent was made from."""
+    return Wanted(proposal=agent.proposal, coordinator=agent.epoch[1:])
 
 
 def _lose(trial: Trial, number: int, *, announced: bool) -> None:
@@ -336,7 +341,7 @@ def central_m(
 ) -> float:
     """Return the longest way of a plan of one head that searches for `PEER_SEARCH_S`."""
     names = [vehicle.name for vehicle in place.plan.request.vehicles]
-    request = remaining_request(place.plan, situation_of(agent.proposal, names, ()))
+    request = remaining_request(place.plan, situation_of(place.plan, _wanted(agent)))
     plan = plan_survey(replace(request, effort=Effort(budget_s=PEER_SEARCH_S)))
     routes = {names.index(r.vehicle.name): [v.id for v in r.viewpoints] for r in plan.routes}
     paths = [[order[p] for p in routes.get(k, ())] for k in numbers]

@@ -5,10 +5,11 @@ Each seed draws a radio, a fleet of 2 to 6, clocks that are wrong and drift, and
 change and heal in any order, ways that carry in one direction only, vehicles that are lost or
 fail, agents that die and start again with nothing, with an old ledger or with the number of an
 earlier start, a second agent of one vehicle, packets that are damaged or come again much later.
-Plans are dealt by a rule that costs no time, so that thousands of schedules are flown. What must
-hold in each: no viewpoint is missing, all come to one plan within 45 s after the last event while
-points are left, and to one ledger; vehicles stay 10 m apart; no packet is longer than a frame; the
-trial ends.
+Half of the fleets search after the survey, two rounds of four places, and are disturbed until
+then. Plans are dealt, and places drawn, by rules that cost no time, so that thousands of schedules
+are flown. What must hold in each: no viewpoint is missing, all come to one plan within 45 s after
+the last event while points are left, and to one ledger; vehicles stay 10 m apart; no packet is
+longer than a frame; the trial ends.
 """
 
 import argparse
@@ -20,34 +21,40 @@ from functools import partial
 
 import numpy as np
 from fleet import survey
+from replanning import CORNER
 
 from rocsafe_fleet.agreement.agent import Agent
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans
-from rocsafe_fleet.fleet_start import START_BITS
-from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, Wanted
+from rocsafe_fleet.ledger.ledger import Ledger
 from rocsafe_fleet.ledger.packet import MOST_BYTES
-from rocsafe_fleet.ledger.records import Proposal
+from rocsafe_fleet.ledger.readings import DoseReading, readings_of
+from rocsafe_fleet.membership.identity import START_BITS
+from rocsafe_fleet.search.search_round import SearchRound
 from rocsafe_fleet.trial.radio import RadioOptions
-from rocsafe_fleet.trial.trial import KEY, Trial, TrialOptions
-from rocsafe_geo.position import level_offset_m
+from rocsafe_fleet.trial.search_trial import SearchTrial, TrialSearch
+from rocsafe_fleet.trial.trial import Trial, TrialOptions
+from rocsafe_geo.position import level_offset_m, offset
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.survey_options import Effort
 
 LAST_EVENT_S = 50.0
 SETTLE_S = 45.0
-READINGS = 0.02
+PLACES, ROUNDS = 4, 2
 
 
-def dealt(plan: SurveyPlan) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:
+def dealt(plan: SurveyPlan) -> Callable[[Wanted], FleetPlan]:
     """Return a rule that deals the viewpoints of a proposal: each to the nearest of the idlest."""
     views = {view.id: view.position for route in plan.routes for view in route.viewpoints}
     origin = plan.request.regions[0].area.centroid()
-    places = {number: level_offset_m(origin, where) for number, where in views.items()}
+    survey_places = {number: level_offset_m(origin, where) for number, where in views.items()}
 
-    def plan_of(proposal: Proposal, coordinator: Writer, _: tuple[Ring, ...]) -> FleetPlan:
+    def plan_of(wanted: Wanted) -> FleetPlan:
+        proposal = wanted.proposal
+        extra = {number: level_offset_m(origin, where) for number, where in wanted.extra}
+        places = survey_places | extra
         at = {k: level_offset_m(origin, one.position) for k, one in proposal.members}
         routes: dict[int, list[int]] = {k: [] for k in at}
-        for group in (views.keys() - proposal.visited - proposal.last, proposal.last):
+        for group in (places.keys() - proposal.visited - proposal.last, proposal.last):
             rest = set(group)
             while rest:
                 idle = min(routes, key=lambda k: (len(routes[k]), k))
@@ -57,12 +64,20 @@ def dealt(plan: SurveyPlan) -> Callable[[Proposal, Writer, tuple[Ring, ...]], Fl
                 routes[idle].append(best)
                 at[idle] = places[best]
         found = {k: tuple(route) for k, route in routes.items()}
-        return FleetPlan(epoch=(proposal.number, *coordinator), routes=found)
+        return FleetPlan(epoch=wanted.epoch, routes=found)
 
     return plan_of
 
 
-class Hostile(Trial):
+def drawn(number: int, readings: Sequence[tuple[str, DoseReading]]) -> SearchRound:
+    """Return a round whose places follow from the readings; no estimator."""
+    seed = hash(tuple(one.time_s for _, one in readings)) % 2**32
+    ways = np.random.default_rng([number, seed]).uniform(0.0, 90.0, (PLACES, 2)).tolist()
+    places = tuple(offset(CORNER, east, north) for east, north in ways)
+    return SearchRound(number=number, places=places, reason='drawn')
+
+
+class Hostile(SearchTrial):
     """A trial whose agents have clocks of their own, and a radio that damages and replays."""
 
     def __init__(self, plan: SurveyPlan, seed: int, plans: SharedPlans) -> None:
@@ -74,8 +89,12 @@ class Hostile(Trial):
             jitter_s=float(random.choice([0.03, 0.3, 1.5])),
         )
         options = TrialOptions(radio=radio, step_s=0.25, longest_s=1500.0)
-        super().__init__(plan, options, random, plans)
+        rounds = ROUNDS * (seed // 3 % 2)
+        search = TrialSearch(rounds=rounds, choose=drawn, rate_usvh=lambda _: 0.1)
+        super().__init__(plan, options, random, plans, search)
         self.count = count = len(self.agents)
+        # Those that search are disturbed until the rounds are flown.
+        self.last_event_s = LAST_EVENT_S if not rounds else 1.5 * plan.makespan_s
         self.spared = int(random.integers(count))
         self.log: list[str] = []
         self.longest = 0
@@ -86,7 +105,6 @@ class Hostile(Trial):
         self._heard: list[bytes] = []
         self._deaf: set[tuple[int, int]] = set()
         self._kept: dict[int, Ledger] = {}
-        self._readings = 0
         self._failed: set[int] = set()
         self._damage = float(random.choice([0.0, 0.05]))
         loses = self.radio._loses
@@ -119,9 +137,6 @@ class Hostile(Trial):
     def _think(self, agent: Agent) -> None:
         if agent.own in self._failed:
             agent.disable('battery')
-        if self.random.random() < READINGS:
-            self._readings += 1
-            agent.ledger.write(Kind.READING, self.random.bytes(26), self._readings)
         super()._think(agent)
 
     def _step(self) -> None:
@@ -131,9 +146,10 @@ class Hostile(Trial):
             for data in twin.advance(now_s):
                 self.radio.send(twin.own, data, self.now_s)
                 super()._deliver(twin.own, data)
+            if twin.seeks:
+                twin.decide(drawn(twin.seeks, readings_of([twin.ledger], self._names)))
             if (wanted := twin.wanted) is not None:
-                plan = self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
-                twin.planned(wanted, plan)
+                twin.planned(wanted, self._plans.get(wanted))
 
     # What happens.
 
@@ -193,7 +209,7 @@ class Hostile(Trial):
     def twin(self, number: int) -> None:
         """Let a second agent of one vehicle begin, which hears and sends too."""
         start = self._start(int(self.random.integers(1, 3)))
-        self._twins.append(Agent(number, self._first, KEY, self._clock_s(number), start))
+        self._twins.append(self._agent(number, start, self._clock_s(number)))
 
     def replay(self, _: int) -> None:
         """Let everybody hear packets of long ago again."""
@@ -222,11 +238,11 @@ KINDS: dict[str, Callable[[Hostile, int], None]] = {
 def schedule(trial: Hostile, kinds: Sequence[str]) -> None:
     """Draw what happens."""
     random = trial.random
-    for time_s in sorted(random.uniform(3.0, LAST_EVENT_S, int(random.integers(2, 12)))):
+    for time_s in sorted(random.uniform(3.0, trial.last_event_s, int(random.integers(2, 12)))):
         kind, number = str(random.choice(list(kinds))), int(random.integers(trial.count))
         trial.log.append(f'{time_s:.1f} {kind} {number}')
         trial.at(float(time_s), partial(_happen, kind=kind, number=number))
-    trial.at(LAST_EVENT_S + 1.0, Hostile.mend)  # type: ignore[arg-type]
+    trial.at(trial.last_event_s + 1.0, Hostile.mend)  # type: ignore[arg-type]
 
 
 def _happen(trial: Trial, kind: str, number: int) -> None:
@@ -235,8 +251,8 @@ def _happen(trial: Trial, kind: str, number: int) -> None:
 
 def faults(trial: Hostile) -> list[str]:
     """Fly a trial to its end; return what should not be."""
-    trial.run(lambda t: t.now_s >= LAST_EVENT_S + 2.0)
-    trial.run(lambda t: _agree(t) or t.now_s >= LAST_EVENT_S + SETTLE_S)
+    trial.run(lambda t: t.now_s >= trial.last_event_s + 2.0)
+    trial.run(lambda t: _agree(t) or t.now_s >= trial.last_event_s + SETTLE_S)
     found = [] if _agree(trial) else ['no agreement while points are left']
     outcome = trial.run()
     begin_s = trial.now_s

@@ -230,6 +230,45 @@ def test_a_script_takes_off_flies_and_lands(world):
     assert world.vehicles['rav1'].core.mode is Mode.LANDED
 
 
+MOVEMENTS = {
+    'path': (
+        'moveOnPath',
+        [{'x_val': 300.0, 'y_val': 0.0, 'z_val': -9.0}],
+        5.0,
+        3e38,
+        0,
+        ANY_YAW,
+        -1,
+        1,
+        '',
+    ),
+    'velocity': ('moveByVelocity', 5.0, 0.0, 0.0, 3600.0, 0, ANY_YAW, ''),
+    'landing': ('land', 60, ''),
+}
+
+
+@pytest.mark.parametrize('movement', MOVEMENTS)
+def test_a_vehicle_holds_when_its_client_goes(world, movement):
+    """Nobody watches it any more; one that lands goes on."""
+    method, *arguments = MOVEMENTS[movement]
+    vehicle = world.vehicles['rav1']
+
+    async def leave():
+        api = Api(world, print)
+        for name, *given in LED:
+            await api.handle(Call(call_id=1, method=name, arguments=tuple(given)))
+        call = Call(call_id=1, method=method, arguments=tuple(arguments))
+        moving = asyncio.create_task(api.handle(call))
+        while vehicle.core.mode not in (Mode.FLYING, Mode.LANDING):
+            await asyncio.sleep(0.01)
+        moving.cancel()
+        await asyncio.sleep(0.1)
+        return vehicle.core.mode
+
+    ended = asyncio.run(asyncio.wait_for(leave(), 20.0))
+    assert ended is (Mode.LANDING if movement == 'landing' else Mode.HOLDING)
+
+
 @pytest.mark.slow
 def test_path_velocity_and_turns(world):
     """Each ends where it should; forward only faces the way."""
@@ -286,6 +325,12 @@ def test_another_order_ends_the_wait_for_the_first(world):
         ([*LED, ('moveByVelocity', 5.0, 0.0, 0.0, -9.0, 0, ANY_YAW, '')], 'duration is -9'),
         ([('getGasData', '', '')], 'no gas reading'),
         ([('simSetSegmentationObjectID', '[', 3, True)], 'no regular expression'),
+        # Searches of hours.
+        ([('simSetSegmentationObjectID', '(.*)*x', 3, True)], 'no repeated group'),
+        ([('simListSceneObjects', '.*.*.*.*x')], '3 repeats at most'),
+        ([*LED, ('moveToPosition', 1e9, 1.0, -5.0, 5.0, 9, 0, ANY_YAW, -1, 1, '')], 'within 1e'),
+        ([*LED, ('moveByVelocity', math.nan, 0.0, 0.0, 9.0, 0, ANY_YAW, '')], 'within 1e'),
+        ([*LED, ('moveByVelocityZ', 1.0, 0.0, math.inf, 9.0, 0, ANY_YAW, '')], 'within 1e'),
         ([('simSetSegmentationObjectID', 'drum', 300, False)], 'within 0 and 255'),
     ],
 )

@@ -6,7 +6,8 @@ import asyncio
 import msgpack
 
 from rocsafe_airsim.errors import AirsimError
-from rocsafe_airsim.protocol.server import MOST_TOLD, AirsimServer
+from rocsafe_airsim.protocol import server
+from rocsafe_airsim.protocol.server import MOST_PENDING, MOST_TOLD, AirsimServer
 
 DEADLINE_S = 20.0
 
@@ -18,8 +19,8 @@ def answers_to(calls, told):
         raise AirsimError(f'not {call.arguments}')
 
     async def all_of_them():
-        server = AirsimServer(refuse, told.append)
-        port = await server.start('127.0.0.1', 0)
+        airsim = AirsimServer(refuse, told.append)
+        port = await airsim.start('127.0.0.1', 0)
         reader, writer = await asyncio.open_connection('127.0.0.1', port)
         frames = [msgpack.packb([0, number, *call]) for number, call in enumerate(calls)]
         writer.write(b''.join(frames))
@@ -28,7 +29,7 @@ def answers_to(calls, told):
             unpacker.feed(await reader.read(65_536))
             found += list(unpacker)
         writer.close()
-        await server.stop()
+        await airsim.stop()
         return found
 
     return asyncio.run(asyncio.wait_for(all_of_them(), DEADLINE_S))
@@ -53,6 +54,34 @@ def test_a_flood_of_refusals_fills_no_log():
     assert max(map(len, told)) < 400
 
 
+def test_a_client_that_reads_nothing_fills_no_memory_and_is_let_go(monkeypatch):
+    """Of the images that it asks for, few are drawn; others are served meanwhile."""
+    monkeypatch.setattr(server, 'READ_S', 1.0)
+    told, drawn = [], []
+
+    async def draw(_call):
+        drawn.append(1)
+        return bytes(1_000_000)
+
+    async def asked():
+        airsim = AirsimServer(draw, told.append)
+        port = await airsim.start('127.0.0.1', 0)
+        _, writer = await asyncio.open_connection('127.0.0.1', port, limit=1000)
+        writer.write(b''.join(msgpack.packb([0, n, 'simGetImages', []]) for n in range(2000)))
+        while not told:
+            await asyncio.sleep(0.05)
+        other, asking = await asyncio.open_connection('127.0.0.1', port)
+        asking.write(msgpack.packb([0, 1, 'simGetImages', []]))
+        assert await other.readexactly(1_000_000)
+        for one in (writer, asking):
+            one.close()
+        await airsim.stop()
+
+    asyncio.run(asyncio.wait_for(asked(), DEADLINE_S))
+    assert told == ['a connection is closed: its client has read nothing for 1 s']
+    assert len(drawn) <= 2 * MOST_PENDING
+
+
 def test_a_call_that_fails_closes_its_connection():
     """Nobody foresaw its error; its client would wait for ever."""
     told = []
@@ -61,14 +90,14 @@ def test_a_call_that_fails_closes_its_connection():
         raise SystemError('a setter has failed')
 
     async def asked():
-        server = AirsimServer(fail, told.append)
+        airsim = AirsimServer(fail, told.append)
         reader, writer = await asyncio.open_connection(
-            '127.0.0.1', await server.start('127.0.0.1', 0)
+            '127.0.0.1', await airsim.start('127.0.0.1', 0)
         )
         writer.write(msgpack.packb([0, 1, 'ping', []]))
         data = await reader.read()
         writer.close()
-        await server.stop()
+        await airsim.stop()
         return data
 
     assert asyncio.run(asyncio.wait_for(asked(), DEADLINE_S)) == b''

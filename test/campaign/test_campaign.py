@@ -2,10 +2,12 @@
 """Campaigns: what they vary, their rows, their statistics."""
 
 import csv
+import errno
 import math
+import os
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,20 +15,22 @@ import pytest
 import yaml
 
 from rocsafe_campaign.campaign_command import main
-from rocsafe_campaign.design.campaign import Campaign, read_campaign
+from rocsafe_campaign.design.campaign import Campaign, Run, read_campaign
 from rocsafe_campaign.design.key_path import with_value
-from rocsafe_campaign.errors import CampaignError
+from rocsafe_campaign.errors import CampaignError, MachineError
 from rocsafe_campaign.execution.cluster_workers import rows_of_cluster
 from rocsafe_campaign.execution.full_run import FullRuns
 from rocsafe_campaign.execution.journal import FILE, Journal
 from rocsafe_campaign.execution.one_run import Task, carry_out
 from rocsafe_campaign.flight.pure_mission import impure_keys
 from rocsafe_campaign.results.intervals import bootstrap_mean
-from rocsafe_campaign.results.metrics import match
+from rocsafe_campaign.results.metrics import Metrics, match
 from rocsafe_campaign.results.page import page_text
-from rocsafe_campaign.results.row import COMPLETE, FAILED, Row
+from rocsafe_campaign.results.row import COMPLETE, FAILED, FAULT, Row
 from rocsafe_campaign.results.sensitivity import influences
+from rocsafe_orchestrator.processes.domain_lock import domain_lock
 from rocsafe_scenario.errors import ScenarioError
+from rocsafe_scenario.scenario import Scenario
 
 SCENARIO = Path(__file__).with_name('search_once.yaml')
 SHIPPED = Path(__file__).resolve().parents[2] / 'config' / 'campaigns'
@@ -173,6 +177,30 @@ def test_a_campaign_never_flies_a_real_vehicle(tmp_path: Path) -> None:
         assert row.outcome == FAILED
         assert 'simulated vehicles only' in row.text
     assert not (tmp_path / 'runs').exists()
+
+
+@dataclass(frozen=True, kw_only=True)
+class FullDisk:
+    """Takes the place of whole processes, on a disk that is full."""
+
+    number: int = errno.ENOSPC
+
+    def metrics(self, _scenario: Scenario, _run: Run, _limit_s: float) -> Metrics:
+        """Write nothing."""
+        raise OSError(self.number, os.strerror(self.number), 'scenario.yaml')
+
+
+def test_what_the_machine_cannot_do_is_no_result(tmp_path: Path) -> None:
+    """A full disk, or missions in all domains: no row stays, so that the command goes on."""
+    found = campaign(tmp_path, seeds=1, limit_s=1)
+    full = FullRuns(folder=tmp_path / 'runs', domains=(97,))
+    with domain_lock('97', 'a test'), pytest.raises(MachineError, match='for 1 s'):
+        carry_out(Task(campaign=found, full=full), found.runs()[0])
+    task = Task(campaign=found, full=FullDisk())  # type: ignore[arg-type]
+    with pytest.raises(MachineError, match=r'run 0: .*No space left on device'):
+        carry_out(task, found.runs()[0])
+    fault = Task(campaign=found, full=FullDisk(number=errno.ENOENT))  # type: ignore[arg-type]
+    assert carry_out(fault, found.runs()[0]).outcome == FAULT
 
 
 def test_a_torn_line_costs_one_run(tmp_path: Path) -> None:

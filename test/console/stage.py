@@ -164,6 +164,7 @@ class Stage:
                     'from_deg': 240.0,
                     'speed_mps': 3.4,
                     'std_mps': 0.3,
+                    'heard_s': now_s,
                 },
             )
             self._images(now_s)

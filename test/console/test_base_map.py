@@ -3,6 +3,7 @@
 
 import sqlite3
 import warnings
+from contextlib import closing
 from io import BytesIO
 from pathlib import Path
 
@@ -164,6 +165,25 @@ def test_a_damaged_map_has_holes_and_ends_nothing(tmp_path):
             continue
         found = base.tile(1, 0, 0)
         assert found is None or len(found) <= len(whole)
+
+
+def test_damaged_mbtiles_have_holes_and_end_nothing(tmp_path):
+    """Each piece of the file may be another one, also a number where the tile should be."""
+    path = make_map(tmp_path / 'a.mbtiles')
+    whole = path.read_bytes()
+    for at in range(0, len(whole), 97):
+        path.write_bytes(whole[:at] + b'\xff' * 97 + whole[at + 97 :])
+        try:
+            found = open_base_map(path).tile(1, 0, 0)
+        except ConsoleError:
+            continue
+        assert found is None or len(found) <= len(whole)
+    path.write_bytes(whole)
+    with closing(sqlite3.connect(path)) as file:
+        file.execute('UPDATE tiles SET tile_data = 1000000000')
+        file.commit()
+    base = open_base_map(path)
+    assert [base.tile(*place) for place in ((1, 0, 0), (1, 10**30, 0), (31, 0, 0))] == [None] * 3
 
 
 def test_the_page_gets_its_tiles(tmp_path):

@@ -74,10 +74,10 @@ class Console:
         ready = sum(client.service_is_ready() for client in clients)
         return len(self.live.picture.vehicles) == 2 and ready == len(clients) - 2
 
-    def order(self, verb: Action, *names: str, **more) -> dict[str, Result]:
+    def order(self, verb: Action, *names: str, user='anna', **more) -> dict[str, Result]:
         """Send an order and return the results by vehicle."""
         order = Order(
-            request_id='a' * 32, session='s', user='anna', verb=verb,
+            request_id='a' * 32, session='s', user=user, verb=verb,
             revisions=dict.fromkeys(names, 1), **more,
         )  # fmt: skip
         found: list[tuple[Result, ...]] = []
@@ -135,6 +135,15 @@ def test_a_vehicle_is_taken_over_resumed_and_given_back(console):
     assert console.order(Action.RELEASE, 'rav1')['rav1'].outcome is Outcome.REFUSED
 
 
+def test_nobody_gives_back_the_vehicle_of_another(console):
+    """Its lease is renewed on, and its holder still gives it back."""
+    assert console.order(Action.TAKE, 'rav1')['rav1'].outcome is Outcome.DONE
+    result = console.order(Action.RELEASE, 'rav1', user='bert')['rav1']
+    assert (result.outcome, result.text) == (Outcome.REFUSED, 'rav1: bert does not lead it')
+    assert console.node.orders._held['rav1'].user == 'anna'
+    assert console.order(Action.RELEASE, 'rav1')['rav1'].outcome is Outcome.DONE
+
+
 def test_a_vehicle_that_cannot_be_reached_is_told(console):
     """Also of a verb that it does not serve."""
     target = Target(latitude_deg=53.0, longitude_deg=-9.0, height_m=50.0)
@@ -163,6 +172,13 @@ def test_what_lies_in_the_frame_is_drawn_when_the_frame_is_known(console):
         color=ColorRGBA(r=1.0, g=0.5, b=0.0, a=1.0), points=[Point(), Point(**point)],
     )  # fmt: skip
     zones = topics.create_publisher(console.speaker, topics.THREAT_ZONES)
+    # What makes no sense ends nothing: a line of no level, a map of no rows.
+    senseless = Marker(ns='none', type=Marker.LINE_STRIP, points=[Point()])
+    cordons = topics.create_publisher(console.speaker, topics.CORDONS)
+    cordons.publish(MarkerArray(markers=[senseless]))
+    doses = topics.create_publisher(console.speaker, topics.DOSE_MAP)
+    doses.publish(OccupancyGrid(data=[1, 2, 3]))
+    console.ros.spin_until(lambda: len(console.node._placed) == 2, DEADLINE_S)
     zones.publish(MarkerArray(markers=[Marker(action=Marker.DELETEALL), line]))
     plumes = topics.create_publisher(console.speaker, topics.PLUME)
     grid = OccupancyGrid(data=[0, 50])

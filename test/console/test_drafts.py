@@ -43,6 +43,11 @@ def drafts(tmp_path) -> Drafts:
     return Drafts(tmp_path, tmp_path / 'scenarios', environment)
 
 
+def digest_of(drafts: Drafts) -> str:
+    """Return the hash by which the draft would be approved."""
+    return drafts.digest('mission', drafts.text_of('drafts', 'mission'))
+
+
 def test_what_was_drawn_stands_in_the_scenario_and_the_rest_stays():
     """Region, exclusions, one home; the origin moves to the new region."""
     drawn = {'region': RING, 'exclusions': [RING], 'homes': {'rav2': [53.0, -9.1]}}
@@ -77,7 +82,7 @@ def test_only_what_was_approved_is_launched(drafts, tmp_path):
     drafts.save('mission', TEXT, {})
     assert drafts.check('mission').is_done
     with pytest.raises(RefusedError, match='not the plan that was approved'):
-        drafts.launch('mission', drafts.digest('mission'), 'anna')
+        drafts.launch('mission', digest_of(drafts), 'anna')
     _, _, approved = drafts.plan('mission')
     drafts.save('mission', TEXT, {'region': RING})
     with pytest.raises(RefusedError, match='not the plan that was approved'):
@@ -90,6 +95,22 @@ def test_only_what_was_approved_is_launched(drafts, tmp_path):
     assert told.endswith('--confirm abcd1234')
     with pytest.raises(ValueError, match='confirm'):
         drafts.launch('mission', approved, 'anna', ['--out=/'])
+
+
+def test_nobody_changes_what_is_launched(drafts, tmp_path):
+    """What is saved after the approval does not fly, though `rocsafe run` reads it later."""
+    (tmp_path / 'drafts').mkdir()
+    (tmp_path / 'drafts' / 'yard.kml').write_text('')
+    drafts.save('mission', TEXT + 'terrain: yard.kml\n', {})
+    _, _, approved = drafts.plan('mission')
+    drafts.launch('mission', approved, 'anna')
+    drafts.save('mission', TEXT, {'region': RING})
+    flown = Path((tmp_path / 'told').read_text().splitlines()[-1].split()[1])
+    scenario = yaml.safe_load(flown.read_text())
+    assert scenario['region'] == yaml.safe_load(TEXT)['region']
+    # Files beside the draft are found from where it flies.
+    assert scenario['terrain'] == str(tmp_path / 'drafts' / 'yard.kml')
+    assert drafts.names()['drafts'] == ['mission']
 
 
 def test_a_command_that_fails_is_told_without_its_colours(drafts):
@@ -191,7 +212,7 @@ def test_a_mission_runs_once_and_is_ended(drafts, tmp_path, monkeypatch):
     launch = launched(drafts, tmp_path, run)
     assert (launch.state, drafts.mission('mission').state) == ('running', 'running')
     with pytest.raises(RefusedError, match='is flying'):
-        drafts.launch('mission', drafts.digest('mission'), 'anna')
+        drafts.launch('mission', digest_of(drafts), 'anna')
     drafts.end('mission')
     end_s = time.monotonic() + 20.0
     while drafts.mission('mission').state == 'running':

@@ -4,6 +4,7 @@
 import base64
 import hashlib
 import json
+import time
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from rocsafe_console.evidence.desk import CONSOLE_LOG, Desk
 from rocsafe_console.evidence.seal import (
     make_key,
+    notes_of,
     public_key_of,
     read_key,
     seal_run,
@@ -272,6 +274,28 @@ def test_products_made_again_are_a_new_seal_and_raw_evidence_is_not(tmp_path, ke
     assert verify_run(run)
 
 
+def test_what_a_seal_does_not_cover_is_told(tmp_path, key, capsys):
+    """Bytes after the last line, links, lines that were added, and another name of the run."""
+    run = run_of(tmp_path)
+    log_of(run / LOG_NAME, 1)
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    log, sealed = run / LOG_NAME, (run / LOG_NAME).read_bytes()
+    for tail in (b'x', b'\0\0', b'{"kind":"order"}'):
+        log.write_bytes(sealed + tail)
+        assert verify_run(run) == [f'{LOG_NAME}: its end is no line']
+    log.write_bytes(sealed)
+    (run / 'map').symlink_to(tmp_path)
+    assert verify_run(run) == ['map: is not in the seal']
+    (run / 'map').unlink()
+    assert notes_of(run) == []
+    log_of(log, 2)
+    run = run.rename(tmp_path / 'another')
+    assert verify_main([str(run)]) == 0
+    told = capsys.readouterr().out
+    assert 'the last 2 lines are in no seal' in told
+    assert 'it was sealed as the run' in told
+
+
 def test_the_commands_seal_and_verify(tmp_path, capsys):
     """Exit codes: 0 all well, 1 changed, 2 no run."""
     run, key = run_of(tmp_path), tmp_path / 'key'
@@ -299,5 +323,13 @@ def test_events_go_to_the_log_of_their_run(tmp_path):
         desk.write(order_at(1.0))
         desk.write(order_at(2.0), 'm2')
         desk.close()
+    # The log of a mission is open before anybody writes.
+    desk = Desk(tmp_path)
+    desk.on_mission('m2')
+    end_s = time.monotonic() + 10.0
+    while not desk._logs:
+        assert time.monotonic() < end_s
+    assert list(desk._logs) == [tmp_path / 'm2' / LOG_NAME]
+    desk.close()
     names = (f'm1/{LOG_NAME}', f'm2/{LOG_NAME}', CONSOLE_LOG)
     assert [len(read_log(tmp_path / name)) for name in names] == [2, 2, 2]

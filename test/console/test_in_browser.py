@@ -276,6 +276,104 @@ def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     view.page.close()
 
 
+def test_the_map_stays_where_somebody_has_moved_it(browser, flight):
+    """Whatever the mission says, and after a break of the link; another mission moves it."""
+    stage, pilot, address = flight
+    view = View(browser, address)
+    view.wait('rocsafe.map.isFitted')
+    view.page.evaluate('rocsafe.map.map.setView([53.3, -9.1], 18, { animate: false })')
+    centre = 'rocsafe.map.map.getCenter().lat.toFixed(4)'
+    put = stage.context.live.picture.sections.put
+    pilot.stop()
+    mission = {'id': 'yard-20260601-100000', 'phase': 'collecting', 'text': 'rav2 is home'}
+    put('mission', mission)
+    view.wait('rocsafe.link.sections.mission.phase === "collecting"')
+    view.page.evaluate('rocsafe.link.socket.close()')
+    view.wait('rocsafe.link.socket.readyState === 1 && rocsafe.link.silence < 1')
+    view.page.wait_for_timeout(300)
+    assert view.page.evaluate(centre) == '53.3000'
+    put('mission', {**mission, 'id': 'another'})
+    view.wait(f'{centre} !== "53.3000"')
+    assert not view.faults
+    view.page.close()
+
+
+def test_one_press_is_no_two_steps(browser, flight):
+    """Neither a double click, nor Enter that is kept down, sends what it has prepared."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    page = view.page
+    page.click('[data-verb="hold"]')
+    page.wait_for_selector('.order-confirm')
+    box = page.locator('.order-confirm').bounding_box()
+    page.mouse.move(box['x'] + 5, box['y'] + 5)
+    page.mouse.down(click_count=2)
+    page.mouse.up(click_count=2)
+    page.keyboard.press('Escape')
+    page.wait_for_selector('[data-verb="land"]')
+    page.focus('[data-verb="land"]')
+    for _ in range(40):
+        # The first is a press, all others say that the key is still down.
+        page.keyboard.down('Enter')
+        page.wait_for_timeout(30)
+    assert page.locator('.order-confirm').count() == 1
+    page.keyboard.up('Enter')
+    assert not stage.crew.sent
+    page.keyboard.press('Enter')
+    page.wait_for_selector('.results li.done')
+    assert len(stage.crew.sent) == 1
+    assert not view.faults
+    view.page.close()
+
+
+def test_an_answer_that_is_lost_is_no_refusal(browser, flight):
+    """It is asked for again, and the order is sent once; without any, nobody says *refused*."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    lost = []
+
+    def lose(route) -> None:
+        lost.append(route.fetch().status)
+        route.abort()
+
+    view.page.route('**/confirm', lose, times=2)
+    view.page.click('[data-verb="return"]')
+    view.page.click('.order-confirm')
+    view.page.wait_for_selector('.results li.done')
+    assert (len(lost), len(stage.crew.sent)) == (2, 1)
+    view.page.route('**/confirm', lose)
+    view.page.click('[data-verb="land"]')
+    view.page.click('.order-confirm')
+    view.wait('document.querySelector(".results").textContent.includes("may have obeyed")')
+    assert len(stage.crew.sent) == 2
+    view.page.close()
+
+
+def test_the_focus_stays_where_ages_are_counted(browser, flight):
+    """A place in the facts can be reached and pressed by keys, also seconds later."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".fact-sources button").length === 2')
+    picture = stage.context.live.picture
+    for box in ('.fact-sources', '.fact-worst'):
+        view.page.focus(f'{box} button')
+        before = view.page.inner_text(f'{box} .age')
+        wind = picture.sections.value('wind')
+        picture.sections.put('wind', {**wind, 'heard_s': time.time() - 70.0})
+        picture.worst = replace(picture.worst, dose_rate_usvh=1e9)
+        value = picture.sections.value('sources')
+        picture.sections.put('sources', {**value, 'heard_s': time.time() - 70.0})
+        view.page.wait_for_timeout(2500)
+        assert view.page.inner_text(f'{box} .age') != before
+        assert view.page.evaluate(f'document.activeElement.closest("{box}") !== null')
+    assert view.page.locator('.fact-zones .line.grey').count() == 1
+    assert 'ago' in view.page.inner_text('.fact-zones .line')
+    assert not view.faults
+    view.page.close()
+
+
 def test_a_ground_vehicle_is_sent_by_clicks(browser, tmp_path):
     """Its drive is shown with time and dose before it is confirmed; it is drawn on the map."""
     stage = Stage(tmp_path, has_rover=True)
@@ -382,7 +480,7 @@ def test_a_camera_is_looked_at_and_left(browser, flight):
 
 def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, flight):
     """Before, the button says that nothing is heard; critical alarms repeat; mute is silent."""
-    stage, _, address = flight
+    stage, pilot, address = flight
     view = View(browser, address)
     view.wait('document.querySelectorAll(".vehicle").length === 3')
     stage.state['rav2'] = 9
@@ -408,6 +506,14 @@ def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, f
     stage.state['rav1'] = 9
     view.wait('rocsafe.link.sections.alarms.length === 3')
     assert view.page.evaluate('rocsafe.sound.played.length') == heard
+    view.page.click('#sound')
+    view.page.keyboard.press('a')
+    view.wait('rocsafe.sound.open.length === 0')
+    heard = view.page.evaluate('rocsafe.sound.played.length')
+    # A mission that falls silent is heard once.
+    pilot.stop()
+    view.wait(f'rocsafe.sound.played.length === {heard + 1}')
+    assert view.page.inner_text('#banner')
     assert not view.faults
     view.page.close()
 

@@ -101,7 +101,29 @@ def test_every_collection_is_geojson_by_its_address(stage):
             assert content['features'], one['id']
             for feature in content['features']:
                 assert shape(feature['geometry']).is_valid
-        assert caller.ask(f'{url}/collections/vehicles/items?limit=1')[1]['numberReturned'] == 1
+        items = f'{url}/collections/vehicles/items'
+        assert caller.ask(f'{items}?limit=10001')[1]['numberReturned'] == 3
+        pages = [caller.ask(f'{items}?limit=2')[1]]
+        following = next(one['href'] for one in pages[0]['links'] if one['rel'] == 'next')
+        pages.append(caller.ask(following.removeprefix(address.rstrip('/')))[1])
+        assert [one['numberReturned'] for one in pages] == [2, 1]
+        assert [one['numberMatched'] for one in pages] == [3, 3]
+        ids = [feature['id'] for page in pages for feature in page['features']]
+        assert [caller.ask(f'{items}/{number}')[1]['id'] for number in ids] == ids
+        assert caller.ask(f'{items}/4')[0] == 404
+        here, elsewhere = '-9.1,53.2,-9.0,53.3', '9.0,53.2,9.1,53.3'
+        over_180 = '170,53.2,-9.0,53.3'
+        found = [
+            caller.ask(f'{items}?bbox={box}')[1]['numberMatched']
+            for box in (here, elsewhere, over_180)
+        ]
+        assert found == [3, 0, 3]
+        for wrong in ('bbox=1,2,3', 'bbox=a,b,c,d', 'offset=-1', 'limit=x'):
+            assert caller.ask(f'{items}?{wrong}')[0] == 400
+        described = next(one for one in landing['links'] if one['rel'] == 'service-desc')
+        status, _ = caller.ask(described['href'].removeprefix(address.rstrip('/')))
+        kind = caller.headers['Content-Type'].replace(' ', '')
+        assert (status, kind) == (200, described['type'])
         assert caller.ask(f'{url}/collections/none/items')[0] == 404
         assert caller.ask(f'{url}/collections/vehicles/items?limit=0')[0] == 400
         assert caller.ask('/ogc/wrong/collections')[0] == 401

@@ -120,6 +120,22 @@ def test_users_are_kept_in_a_file_that_only_its_owner_reads(tmp_path):
         read_users(path)
 
 
+def test_all_users_and_sessions_of_a_large_staff_are_kept(tmp_path):
+    """Neither file is read in part only."""
+    path, hashed = tmp_path / 'users.yaml', hash_of(PASSWORD)
+    users = {
+        name: User(name=name, role=Role.OPERATOR, password_hash=hashed)
+        for name in (f'user{number}' for number in range(100))
+    }
+    write_users(path, users)
+    assert read_users(path) == users
+    sessions, after = Sessions(), Sessions()
+    secrets = [sessions.begin(name, Role.OPERATOR, '::1', 0.0)[0] for name in users]
+    save_sessions(tmp_path, sessions)
+    load_sessions(tmp_path, after, dict.fromkeys(users, Role.OPERATOR))
+    assert all(after.of_secret(secret, 1.0) for secret in secrets)
+
+
 @pytest.mark.parametrize(
     ('text', 'words'),
     [

@@ -172,6 +172,18 @@ def test_alarms_that_nobody_has_seen_are_forgotten_last():
         alarms.acknowledge(10**6, 'anna', 1.0)
 
 
+def test_no_number_of_an_alarm_comes_twice():
+    """Whoever presses *Seen* as another mission begins acknowledges nothing else."""
+    picture = flown()
+    numbers = [picture.alarm(WALL_S, ERROR, '', text).number for text in 'abc']
+    after = picture.next_one()
+    numbers.append(after.alarm(WALL_S, ERROR, '', 'd').number)
+    numbers.append(Picture(first_revision=numbers[-1]).alarm(WALL_S, ERROR, '', 'e').number)
+    assert sorted(set(numbers)) == numbers
+    with pytest.raises(ValueError, match='there is none'):
+        after.acknowledge(numbers[0], 'anna', WALL_S)
+
+
 def test_the_worst_reading_stays_and_the_newest_follows():
     """Both with vehicle and place; the worst is of the whole mission."""
     picture = flown()

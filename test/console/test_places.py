@@ -43,6 +43,11 @@ def test_each_form_is_read_as_the_place_that_it_was_told_for(latitude, longitude
         ('53 16 48 N, 9 03 48 W', (53.28, -9.063333)),
         ('53°16\'48"N 9°3\'48"W', (53.28, -9.063333)),
         ("53°16.8'N 9°3.8'W", (53.28, -9.063333)),
+        ('N53 16.800 W009 03.800', (53.28, -9.063333)),
+        ('S 33.5, W 70', (-33.5, -70.0)),
+        ('29N 495777 5903420', (53.28, -9.063333)),
+        # Maps of zone 29 are printed a little into zone 28.
+        ('29U 295000 5911000', (53.30845, -12.07706)),
     ],
 )
 def test_forms_that_people_write(text, place):
@@ -53,10 +58,12 @@ def test_forms_that_people_write(text, place):
 @pytest.mark.parametrize(
     'text',
     ['', 'Galway', '53.28', '91, 0', '53, 181', '61U MV 1 1', '29U MV 123 1', '29U AA 11 11',
-     '29I MV 11 11', '1' * 500, "53°16'48\" 9°3'48\"", '<b>', 'nan, nan', '1e400, 1'],
+     '29I MV 11 11', '1' * 500, "53°16'48\" 9°3'48\"", '<b>', 'nan, nan', '1e400, 1', '53,28',
+     "53°75'N 9°W", '53 16 99 N 9 3 48 W', '29U JV 12345 12345', '29C 512345 5903560',
+     '29U 999999 9999999', '29S 495777 5903420', '31X AA 1 1'],
 )  # fmt: skip
 def test_what_is_no_place_is_refused(text):
     """In one line."""
-    with pytest.raises(ValueError, match=r'place|latitude|zone|MGRS|UTM') as caught:
+    with pytest.raises(ValueError, match=r'place|latitude|zone|MGRS|UTM|below 60') as caught:
         place_of_text(text)
     assert '\n' not in str(caught.value)

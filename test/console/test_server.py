@@ -5,19 +5,27 @@ import asyncio
 import fcntl
 import json
 import secrets
+import threading
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import pytest
 from test.console.caller import FORGED, Caller, revisions_of
 from test.console.forger import Forger, forge
 from test.console.stage import TOKEN, Stage, served
+from test.console.test_hostile_clients import frames_read
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
-from rocsafe_console.people.users import User
-from rocsafe_console.web.context import WebOptions
-from rocsafe_console.web.server import require_safe
+from rocsafe_console.people.sessions import MOST_SESSIONS
+from rocsafe_console.people.users import User, Users, write_users
+from rocsafe_console.runs.drafts import Drafts, Step
+from rocsafe_console.web import order_handlers
+from rocsafe_console.web.context import ORDERS, WebOptions
+from rocsafe_console.web.server import ServerThread, require_safe
 from rocsafe_geo.storage.evidence_log import checked
 
 PASSWORD = 'correct horse battery'  # noqa: S105 - of a test
@@ -70,6 +78,101 @@ def test_an_order_that_cannot_be_written_down_is_not_sent(stage, caller, monkeyp
     assert status == 403
     assert 'nothing was sent' in answer['error']
     assert not stage.crew.sent
+
+
+def test_what_was_done_is_told_though_its_outcome_cannot_be_written_down(
+    stage, caller, monkeypatch
+):
+    """The disk is full since the order was written: nobody must think that nothing was sent."""
+    write, left = stage.context.desk.write, iter(range(1))
+
+    def fuller(*event: object) -> None:
+        if next(left, None) is None:
+            raise OSError(28, 'No space left on device', 'evidence.jsonl')
+        write(*event)
+
+    monkeypatch.setattr(stage.context.desk, 'write', fuller)
+    status, answer = caller.order('hold', revisions_of(stage))
+    assert (status, [one['outcome'] for one in answer['results']]) == (200, ['done'] * 3)
+    assert 'No space left' in answer['unlogged']
+
+
+@pytest.mark.parametrize('gone', ['no ROS', 'no answer'])
+def test_an_order_that_is_not_answered_has_an_outcome(stage, caller, tmp_path, monkeypatch, gone):
+    """For the operator, for whoever asks again, and in the log."""
+    if gone == 'no ROS':
+        stage.context.fleet = None
+    else:
+        monkeypatch.setattr(order_handlers, 'ORDER_S', 0.2)
+        monkeypatch.setattr(stage.crew, 'send_order', lambda *_: None)
+    body = {'request_id': 'a' * 32, 'verb': 'land', 'revisions': revisions_of(stage)}
+    assert caller.ask('/api/orders', body)[0] == 201
+    answers = [caller.ask(f'/api/orders/{"a" * 32}/confirm', {}) for _ in range(2)]
+    assert answers[0] == answers[1]
+    status, answer = answers[0]
+    outcome = 'refused' if gone == 'no ROS' else 'no answer'
+    assert (status, {one['outcome'] for one in answer['results']}) == (200, {outcome})
+    entries = checked((tmp_path / 'console.jsonl').read_bytes().split(b'\n')[:-1])
+    assert [entry['kind'] for entry in entries] == ['login', 'order', 'outcome']
+
+
+def test_a_slow_disk_holds_up_no_picture(stage, caller, monkeypatch):
+    """Frames reach a page while an order waits for its line in the log."""
+    write, begun, done = stage.context.desk.write, threading.Event(), threading.Event()
+
+    def slow(*event: object) -> None:
+        begun.set()
+        done.wait(20.0)
+        write(*event)
+
+    monkeypatch.setattr(stage.context.desk, 'write', slow)
+    with ThreadPoolExecutor(1) as pool:
+        order = pool.submit(caller.order, 'land', revisions_of(stage))
+        try:
+            assert begun.wait(20.0)
+            assert asyncio.run(frames_read(caller, stage.step, 5)) == 5
+            assert not stage.crew.sent
+            stage.state['rav2'] = 6
+            stage.step()
+        finally:
+            done.set()
+        outcomes = {one['vehicle']: one['outcome'] for one in order.result()[1]['results']}
+    # What has moved on meanwhile gets no order either.
+    assert outcomes == {'rav1': 'done', 'rav2': 'state has changed', 'rav3': 'done'}
+
+
+def test_nothing_is_seen_or_marked_that_cannot_be_written_down(stage, caller, monkeypatch):
+    """A full disk is told in one line, and an alarm stays open."""
+
+    def full(*_: object) -> None:
+        raise OSError(28, 'No space left on device', 'evidence.jsonl')
+
+    alarm = stage.context.live.picture.alarm(1.0, 'critical', '', 'fire')
+    monkeypatch.setattr(stage.context.desk, 'write', full)
+    mark = {'latitude_deg': 1.0, 'longitude_deg': 1.0, 'text': 'drum'}
+    for path, body in ((f'/api/alarms/{alarm.number}/acknowledge', {}), ('/api/marks', mark)):
+        status, answer = caller.ask(path, body)
+        assert (status, 'No space left on device' in answer['error']) == (503, True)
+    assert not stage.context.live.picture.alarms.of(alarm.number).seen_by
+    assert not stage.context.live.picture.sections.value('marks')
+
+
+def test_nobody_ends_the_sessions_of_others_by_his_own(tmp_path, people):
+    """Not by links either, and not faster than a person."""
+    stage = Stage(tmp_path, users=people)
+    sessions = stage.context.sessions
+    kept = sessions.begin('commander', Role.COMMANDER, '', 0.0)[1]
+    for is_link in (True, False):
+        for _ in range(MOST_SESSIONS):
+            newest = sessions.begin('viewer', Role.VIEWER, '', 0.0, is_link=is_link)[1]
+    assert sessions.is_alive(kept, 1.0)
+    assert sessions.is_alive(newest, 1.0)
+    with served(stage) as address:
+        caller = Caller(address)
+        body = {'name': 'viewer', 'password': PASSWORD}
+        assert caller.ask('/api/login', body)[0] == 200
+        statuses = [caller.ask('/api/links', {})[0] for _ in range(ORDERS + 1)]
+    assert statuses == [200] * ORDERS + [429]
 
 
 def test_a_vehicle_that_has_moved_on_gets_no_order(stage, caller):
@@ -374,6 +477,71 @@ def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
         assert viewer.ask('/api/runs')[0] == 401
 
 
+def test_whoever_plans_keeps_nobody_else_waiting(caller, monkeypatch):
+    """Plans that take long leave the threads by which others log in and look at runs."""
+    done, asked = threading.Event(), []
+
+    def preflight(*_: object) -> Step:
+        asked.append(1)
+        done.wait(20.0)
+        return Step(is_done=True, text='')
+
+    monkeypatch.setattr(Drafts, 'preflight', preflight)
+    with ThreadPoolExecutor(16) as pool:
+        plans = [pool.submit(caller.ask, '/api/drafts/m/preflight', {}) for _ in range(16)]
+        while not asked:
+            time.sleep(0.01)
+        try:
+            other = Caller(caller.address)
+            other.ask('/api/token', {'token': TOKEN})
+            began_s = time.monotonic()
+            assert other.ask('/api/runs')[0] == 200
+            assert time.monotonic() - began_s < 5.0
+        finally:
+            done.set()
+        assert [plan.result()[0] for plan in plans] == [200] * 16
+
+
+def test_a_user_who_was_removed_may_nothing_more(tmp_path, people):
+    """Nor one who has another password: the console reads the changed file, and his page ends."""
+    path = tmp_path / 'users.yaml'
+    write_users(path, people)
+    stage = Stage(tmp_path, users=people)
+    stage.context.users = Users(people, path)
+    with served(stage) as address:
+        callers = {name: Caller(address) for name in people}
+        for name, caller in callers.items():
+            assert caller.ask('/api/login', {'name': name, 'password': PASSWORD})[0] == 200
+        url = callers['viewer'].ask('/api/links', {})[1]['url'].removeprefix(address[:-1])
+        commander = people['commander']
+        write_users(
+            path, {'commander': commander, 'operator': replace(commander, name='operator')}
+        )
+        statuses = {name: caller.ask('/api/runs')[0] for name, caller in callers.items()}
+        assert statuses == {'viewer': 401, 'operator': 401, 'commander': 200}
+        assert callers['viewer'].ask(url)[0] == 401
+        path.write_text('users: {')
+        assert callers['commander'].ask('/api/runs')[0] == 200
+
+
+def test_a_wrong_certificate_is_told_in_one_line_and_no_password_is_asked_for(tmp_path):
+    """By its name, before the page is served."""
+    stage, path = Stage(tmp_path), tmp_path / 'c.pem'
+    path.write_text('no certificate')
+    stage.context.options = replace(stage.context.options, certificate=path, key=path)
+    with pytest.raises(ConsoleError, match=r'c\.pem: cannot be used'):
+        ServerThread(stage.context, print)
+
+
+def test_an_address_of_ipv6_can_be_opened(tmp_path):
+    """It is printed as a browser takes it."""
+    stage = Stage(tmp_path)
+    stage.context.options = replace(stage.context.options, host='::1')
+    with served(stage) as address:
+        assert address.startswith('http://[::1]:')
+        assert Caller(address).ask('/api/token', {'token': TOKEN})[0] == 200
+
+
 @pytest.mark.parametrize(
     ('options', 'users', 'words'),
     [
@@ -381,6 +549,7 @@ def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
         ({'host': '192.168.1.5'}, 2, 'needs --certificate'),
         ({'host': 'example.org'}, 2, 'needs --certificate'),
         ({'certificate': 'c'}, 2, 'both are needed'),
+        ({'port': 65536}, 0, '--port 65536: must be within 0 and 65535'),
     ],
 )
 def test_other_machines_reach_it_only_with_users_and_tls(options, users, words):

@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from rocsafe_fleet.agreement.agent import Agent
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, plan_of, situation_of
+from rocsafe_fleet.agreement.fleet_plan import (
+    FleetPlan,
+    SharedPlans,
+    Wanted,
+    plan_of,
+    situation_of,
+)
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS
 from rocsafe_fleet.ledger.ledger import Kind
 from rocsafe_fleet.ledger.packet import MOST_BYTES, decode
@@ -165,8 +171,8 @@ def test_who_computes_another_plan_is_left_to_itself():
     one = trial()
     right = surveys.plans()
 
-    def wrong(proposal, coordinator, rings) -> FleetPlan:
-        plan = right.get(proposal, coordinator, rings)
+    def wrong(wanted: Wanted) -> FleetPlan:
+        plan = right.get(wanted)
         routes = {k: tuple(reversed(route)) for k, route in plan.routes.items()}
         return dataclasses.replace(plan, routes=routes)
 
@@ -205,10 +211,10 @@ def test_a_plan_by_insertion_covers_the_same_points():
     one.at(15.0, lambda fleet: fleet.lose(1))
     one.run(after(25.0))
     agent = one.live[0]
-    found = plan_of(one.survey, agent.proposal, agent.epoch[1:], ())
+    wanted = Wanted(proposal=agent.proposal, coordinator=agent.epoch[1:])
+    found = plan_of(one.survey, wanted)
     assert found.routes == agent.plan.routes
-    names = [vehicle.name for vehicle in one.survey.request.vehicles]
-    rest = replan(one.survey, situation_of(agent.proposal, names, ()), method='insertion')
+    rest = replan(one.survey, situation_of(one.survey, wanted), method='insertion')
     flown = [view.id for route in rest.routes for view in route.viewpoints]
     assert sorted(flown) == sorted(p for route in found.routes.values() for p in route)
     for route in rest.routes:

@@ -62,9 +62,11 @@ def test_agents_of_two_processes_agree(begin):
     assert {agent.epoch[:2] for agent in agents} == {(1, 0)}
     assert len({agent.plan.digest for agent in agents}) == 1
     assert agents[0].proposal.names == {0, 1, 2}
-    told = state_of(agents[0], one.names, 10, is_done=False, text='')
+    told = state_of(agents[0], one.names, 10, is_done=False, is_planning=True)
     assert (told.coordinator, told.members) == ('rav0', ['rav0', 'rav1', 'rav2'])
     assert told.unable == ['rav3']
+    assert told.is_planning
+    assert told.search_round == 0
 
 
 def test_agents_that_start_again_know_what_they_knew(begin):

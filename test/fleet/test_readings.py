@@ -6,8 +6,14 @@ import math
 import pytest
 
 from rocsafe_fleet.conversions import dose_reading_of_message
-from rocsafe_fleet.ledger.ledger import Kind, Ledger
-from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, dose_reading_of, table_of
+from rocsafe_fleet.ledger.ledger import Delta, Kind, Ledger
+from rocsafe_fleet.ledger.readings import (
+    DoseReading,
+    ReadingSums,
+    dose_reading_of,
+    readings_of,
+    table_of,
+)
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
 from rocsafe_radiation.readings.readings_file import read_readings
@@ -24,6 +30,7 @@ def reading(east_m: float, counts: int) -> DoseReading:
         std_usvh=0.1 * math.sqrt(counts),
         counts=counts,
         live_time_s=1.0,
+        time_s=1000.0 + east_m,
     )
 
 
@@ -63,8 +70,8 @@ def test_merged_readings_count_once(tmp_path):
         for delta in ledger.deltas({}, 1000):
             other.merge(delta)
     assert sum(each.counts for each in known(one)) == 2 * 3 + 5 + 2 * 7
-    table = table_of([one, other, parts[0]], NAMES)
-    assert table == table_of([other], NAMES)
+    table = table_of(readings_of([one, other, parts[0]], NAMES))
+    assert table == table_of(readings_of([other], NAMES))
     path = tmp_path / 'readings.csv'
     path.write_text(table)
     read = read_readings(path)
@@ -84,6 +91,24 @@ def test_plans_go_before_readings():
         assert other.newest(0, Kind.PROPOSAL) == b'proposal'
     assert packets < 15
     assert other.vector == ledger.vector
+
+
+def test_what_came_after_a_gap_is_spread_though_it_fills_several_packets():
+    """The writer is gone, and what it wrote before the gap is lost: the rest is not."""
+    whole = flown(0, 1, [20.0 * k for k in range(120)], 3)
+    known = Ledger((1, 1))
+    for entry in whole.entries:
+        if entry.version <= 5 or entry.version > 20:
+            base = entry.version - 1
+            delta = Delta(writer=(0, 1), base=base, upto=base + 1, entries=(entry,))
+            known.merge(delta)
+    other, packets = Ledger((2, 1)), 0
+    while other.digest != known.digest and packets < 60:
+        for delta in known.deltas(other.vector, 1000):
+            other.merge(delta)
+        packets += 1
+    assert other.entries == known.entries
+    assert packets < 40
 
 
 def test_readings_without_a_place_or_an_upper_limit_are_left_out():

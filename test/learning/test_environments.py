@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Environments pass the official checks, repeat themselves, and reward what they say."""
 
+import math
 import subprocess
 import sys
 import warnings
@@ -130,3 +131,23 @@ def test_drone_that_surveys_gets_home():
         _, _, _, is_cut, info = env.step(action)
     assert env.survey.place_m == env.survey.home_m
     assert info['time_s'] <= 30.0
+
+
+@pytest.mark.parametrize(
+    ('action', 'words'),
+    [
+        ([math.nan, 0.0], 'action is nan, 0.0: must be two numbers'),
+        ([0.0], r'action has shape \(1,\)'),
+        ([[0.0, 0.0]], r'action has shape \(1, 2\)'),
+    ],
+)
+def test_an_action_that_is_none_is_named(action, words):
+    """Of a policy that has diverged, or of another environment."""
+    for env in (SourceSearchEnv(), SurveyEnv()):
+        env.reset(seed=1)
+        with pytest.raises(ValueError, match=words):
+            env.step(np.array(action, np.float32))
+    fleet = FleetSearchEnv()
+    fleet.reset(seed=1)
+    with pytest.raises(ValueError, match='actions: that of rav1 is missing'):
+        fleet.step({})

@@ -1,20 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
 """Missions with agents: the orchestrator watches, and takes over when the agents are gone."""
 
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from rocsafe_fleet.agreement.batteries import Batteries
+from rocsafe_fleet.search.round_chooser import SearchOptions
+from rocsafe_geo.storage.value_file import values_of
+from rocsafe_orchestrator.mission.landing import AGENTS_IDLE_S
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.mission_state.presence import Sighting
 from rocsafe_orchestrator.mission_state.request import Order, OrderKind
 from rocsafe_orchestrator.mission_state.situation import Crew, Situation
-from rocsafe_orchestrator.parameters.node_parameters import world_parameters
+from rocsafe_orchestrator.parameters.goal_conversions import plan_goal
+from rocsafe_orchestrator.parameters.node_parameters import agent_parameters, world_parameters
+from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
+from rocsafe_scenario.search_reserve import (
+    MOST_OF_BATTERY,
+    planned_endurance_s,
+    search_reserve_s,
+)
 
 PROCESSES = frozenset({'planner', 'world', 'agents', 'rav1', 'rav2'})
 CREW = Crew(vehicle_processes={'rav1': 'rav1', 'rav2': 'rav2'}, processes=PROCESSES)
@@ -34,10 +46,13 @@ def airborne() -> Mission:
     return mission
 
 
-def situation(*, done: bool = False, stored: int = 0, lost: str = '') -> Situation:
+def situation(
+    *, done: bool = False, stored: int = 0, lost: str = '', plan: bool = False
+) -> Situation:
     """Return how things are during the flight."""
     return Situation(
         ready=PROCESSES,
+        agents_plan=plan,
         images_stored=stored,
         images_expected=6,
         aloft=frozenset() if done else frozenset({'rav1', 'rav2'}),
@@ -88,6 +103,68 @@ def test_the_flight_is_over_when_the_agents_are_done():
     assert mission.faults == []
 
 
+def test_agents_that_leave_their_vehicles_standing_are_not_waited_for_for_ever():
+    """The mission goes on to its map, with a fault."""
+    mission = airborne()
+    mission.answered(Order(kind=OrderKind.RUN_CLOCK))
+    for vehicle in ('rav1', 'rav2'):
+        mission.flown(vehicle, 3)
+
+    def stand(now_s: float) -> None:
+        mission.advance(
+            now_s, dataclasses.replace(situation(), aloft=frozenset(), simulated_s=now_s)
+        )
+
+    stand(110.0)
+    stand(110.0 + 0.9 * AGENTS_IDLE_S)
+    assert mission.phase is Phase.FLYING
+    stand(110.0 + 1.1 * AGENTS_IDLE_S)
+    assert mission.phase is Phase.COLLECTING
+    assert any('although agents have something to fly' in text for text in mission.faults)
+
+
+def test_time_stands_still_while_agents_plan():
+    """A choice of places may take long; but not longer than a plan may."""
+    mission = airborne()
+    mission.answered(Order(kind=OrderKind.RUN_CLOCK))
+    mission.advance(102.0, dataclasses.replace(situation(), simulated_s=1.0))
+    limit_s = Deadlines().plan_s
+    for now_s in (103.0, 103.0 + 0.9 * limit_s):
+        assert mission.advance(now_s, situation(plan=True)) == []
+        assert mission.stalled_s == 0.0
+    mission.advance(103.0 + 1.1 * limit_s, situation(plan=True))
+    mission.advance(103.0 + 3.0 * limit_s, situation(plan=True))
+    assert any('simulated time stands still' in text for text in mission.faults)
+
+
+def test_the_first_plan_leaves_battery_for_the_search(small: Callable[..., Path], tmp_path: Path):
+    """As much as the rounds can take at most; agents may use it, and have the estimator."""
+    search = {'radiation.search.extra_rounds': 2, 'radiation.search.viewpoints_a_round': 4}
+    plain, found = (read_scenario(small({**AGENTS, **more})) for more in ({}, search))
+    vehicle = found.vehicles[0]
+    kept_s = search_reserve_s(found, vehicle)
+    assert search_reserve_s(plain, vehicle) == 0.0
+    assert 0.0 < kept_s < MOST_OF_BATTERY * vehicle.usable_endurance_s
+    goal = plan_goal(found)
+    assert goal.vehicles[0].endurance_s == pytest.approx(vehicle.usable_endurance_s - kept_s)
+    assert plan_goal(plain).vehicles[0].endurance_s == vehicle.usable_endurance_s
+    run = RunDirectory(tmp_path)
+    parameters = agent_parameters(found, run)
+    search_options = values_of(parameters['search_file'], SearchOptions, 'search')
+    assert (search_options.extra_rounds, search_options.viewpoints_a_round) == (2, 4)
+    batteries = values_of(parameters['batteries_file'], Batteries, 'batteries')
+    assert batteries.vehicles[0].usable_s == vehicle.usable_endurance_s
+    assert 'search_file' not in agent_parameters(plain, run)
+
+
+def test_a_search_that_does_not_fit_keeps_half_of_the_battery(small: Callable[..., Path]):
+    """The survey goes first; the agents fly what is left of the rounds."""
+    search = {'radiation.search.extra_rounds': 20, 'radiation.search.viewpoints_a_round': 100}
+    found = read_scenario(small({**AGENTS, **search}))
+    usable_s = found.vehicles[0].usable_endurance_s
+    assert planned_endurance_s(found, found.vehicles[0]) == MOST_OF_BATTERY * usable_s
+
+
 def test_without_agents_losses_are_handled_here():
     """Simulated time does not wait for them, and the next loss is replaced."""
     mission = airborne()
@@ -130,7 +207,10 @@ def test_resumed_after_the_flight_only_map_and_products_are_made(stored, faults)
         ({'survey.separation.by': 'layers'}, "by = 'layers': must be reserved"),
         ({'survey.separation.distance_m': 0}, 'distance_m = 0: must be positive'),
         ({'replan': 'never'}, "replan = 'never': must be on_loss"),
-        ({'radiation.search.extra_rounds': 1}, 'extra_rounds = 1: must be 0'),
+        (
+            {'air.search.extra_rounds': 1, 'air.gas_sensors': ['pid_10_6_ev']},
+            'air.search.extra_rounds = 1: must be 0 with fleet.agents',
+        ),
     ],
 )
 def test_scenarios_that_agents_cannot_fly_are_refused(

@@ -251,7 +251,8 @@ def resume(post):
 def test_flight_that_has_not_begun_begins_again(post):
     """Killed while uploading, switching and arming: nothing is armed by finding it.
 
-    The route is flown once.
+    The route is flown once, when the motors that the killed bridge started have stopped: a start
+    that waits for that is withdrawn, since a person may have stopped them.
     """
     for last in ('MISSION_COUNT 0', 'COMMAND_LONG 176', 'COMMAND_LONG 400'):
         count = post.orders().count(last)
@@ -261,6 +262,7 @@ def test_flight_that_has_not_begun_begins_again(post):
             before = post.start_again()
             post.until(lambda: post.state.state != VehicleState.UNKNOWN)
         assert post.orders() == before
+    post.until(lambda: post.state.state != VehicleState.ARMED)
     completed(post)
     # A PX4 takes off as soon as it is armed: whoever armed it, and was killed, began the flight.
     starts = 1 if post.air.begins_with == SET_CURRENT else 0

@@ -177,7 +177,8 @@ class AirsimNode(Node):
             self._open()
 
     def _renew(self) -> None:
-        for vehicle in self._by_name.values():
+        # Where no client is left, nobody leads: the leases end.
+        for vehicle in self._by_name.values() if self._server.clients else ():
             asyncio.run_coroutine_threadsafe(_renewed(vehicle), self._loop)
 
 

@@ -8,3 +8,7 @@ class CampaignError(Exception):
 
 class NotPureError(CampaignError):
     """A scenario needs what only whole processes have."""
+
+
+class MachineError(CampaignError):
+    """The machine cannot carry out runs now: that is no result of a run, and ends the campaign."""

@@ -45,12 +45,14 @@ from rocsafe_interfaces.msg import (
     WindReading,
 )
 from rocsafe_ros import topics
+from rocsafe_ros.interface_spec import TopicSpec, name_of
 
 STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
 # What only a ground vehicle offers.
 DRIVE_TYPE = 'rocsafe_interfaces/action/DriveRoute_FeedbackMessage'
 LOOK_S = 0.5
 POSTED_S = 0.02
+TELL_AGAIN_S = 10.0
 
 
 class ConsoleNode(Node):
@@ -93,7 +95,7 @@ class ConsoleNode(Node):
             (topics.RECEIPTS, self._on_receipt),
             (topics.TF_STATIC, self._on_frames),
         ):
-            topics.create_subscription(self, spec, heard)
+            self._hear(spec, heard)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.create_timer(LOOK_S, self._look, clock=steady)
         self.create_timer(POSTED_S, self._do_posted, clock=steady)
@@ -116,7 +118,10 @@ class ConsoleNode(Node):
             finish(None, f'{name} does not drive')
             return
         with self._live.lock:
-            vehicle = self._live.picture.vehicles[name]
+            vehicle = self._live.picture.vehicles.get(name)
+        if vehicle is None:
+            finish(None, f'{name} is not part of this mission')
+            return
         self.orders.drives.plan(order, vehicle, finish)
 
     def destroy_node(self) -> None:
@@ -153,9 +158,7 @@ class ConsoleNode(Node):
             spec, vehicle = topics.CAMERA_IMAGE_COMPRESSED, name
             if name == SCENE:
                 spec, vehicle = topics.SCENE_VIEW, ''
-            self._cameras[name] = topics.create_subscription(
-                self, spec, partial(self._on_camera, name), vehicle
-            )
+            self._cameras[name] = self._hear(spec, partial(self._on_camera, name), vehicle)
 
     def _on_camera(self, name: str, message: CompressedImage) -> None:
         stamp_s = conversions.seconds_of(message.header.stamp)
@@ -178,7 +181,23 @@ class ConsoleNode(Node):
             (topics.ANEMOMETER, self._on_wind),
             (topics.GAS, self._on_gas),
         ):
-            topics.create_subscription(self, spec, partial(heard, name), name)
+            self._hear(spec, partial(heard, name), name)
+
+    def _hear(
+        self, spec: TopicSpec, heard: Callable[[Any], None], vehicle: str = ''
+    ) -> Subscription:
+        """Subscribe to what others publish: a message that cannot be shown ends nothing."""
+        topic = name_of(spec, vehicle)
+        return topics.create_subscription(
+            self, spec, lambda message: self._show(topic, partial(heard, message)), vehicle
+        )
+
+    def _show(self, what: str, show: Callable[[], None]) -> None:
+        try:
+            show()
+        except (ValueError, LookupError, TypeError, ArithmeticError) as error:
+            text = f'{what}: cannot be shown: {error}'
+            self.get_logger().warning(text, throttle_duration_sec=TELL_AGAIN_S)
 
     def _on_state(self, name: str, message: VehicleState) -> None:
         report = conversions.report_of(message, is_ground=name in self._ground)
@@ -261,8 +280,16 @@ class ConsoleNode(Node):
         return on_message
 
     def _put(self, name: str, value: Any) -> None:
+        """Set a section; what has a stamp is as old as that, however late it was heard."""
+        if isinstance(value, dict) and 'stamp_s' in value:
+            value = {**value, 'heard_s': self._made_s(value['stamp_s'])}
         with self._live.lock:
             self._live.picture.sections.put(name, value)
+
+    def _made_s(self, stamp_s: float) -> float:
+        """Return when a stamp was made by the clock on the wall, seconds; -infinity: long ago."""
+        with self._live.lock:
+            return self._live.picture.clock.wall_of(stamp_s, time.time())
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:
@@ -271,22 +298,21 @@ class ConsoleNode(Node):
             return
         with self._live.lock:
             self._live.note_photograph(message.shot_id, Path(message.path))
-            stamp_s = conversions.seconds_of(message.header.stamp)
-            newest = {'shot_id': message.shot_id, 'vehicle': message.vehicle, 'stamp_s': stamp_s}
-            self._live.picture.sections.put('photograph', {**newest, 'heard_s': time.time()})
+        stamp_s = conversions.seconds_of(message.header.stamp)
+        newest = {'shot_id': message.shot_id, 'vehicle': message.vehicle, 'stamp_s': stamp_s}
+        self._put('photograph', newest)
 
     def _on_mosaic(self, message: Mosaic) -> None:
         with self._live.lock:
             self._live.images['mosaic'] = bytes(message.preview.data)
-            value = {**conversions.mosaic_of(message), 'heard_s': time.time()}
-            self._live.picture.sections.put('mosaic', value)
+        self._put('mosaic', conversions.mosaic_of(message))
 
     def _on_frames(self, message: TFMessage) -> None:
         frame = conversions.frame_of(message)
         if frame is not None:
             self._frame = frame
-            for draw in self._placed.values():
-                draw(frame)
+            for name, draw in self._placed.items():
+                self._show(name, partial(draw, frame))
 
     def _on_grid(self, name: str, scale: Scale) -> Callable[[OccupancyGrid], None]:
         def on_message(message: OccupancyGrid) -> None:
@@ -304,18 +330,18 @@ class ConsoleNode(Node):
         value = {
             'stamp_s': conversions.seconds_of(message.header.stamp),
             'corners': corners_of(grid, frame),
-            'heard_s': time.time(),
         }
         picture = png_of(grid, scale)
         with self._live.lock:
             self._live.images[name] = picture
-            self._live.picture.sections.put(name, value)
+        self._put(name, value)
 
     def _on_lines(
         self, name: str, convert: Callable[[MarkerArray, LocalFrame], Any]
     ) -> Callable[[MarkerArray], None]:
         def on_message(message: MarkerArray) -> None:
             self._place(name, lambda frame: self._put(name, convert(message, frame)))
+            self._put(f'{name}_heard_s', self._made_s(conversions.oldest_s(message)))
 
         return on_message
 

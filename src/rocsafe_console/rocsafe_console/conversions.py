@@ -45,6 +45,11 @@ def seconds_of(stamp: Any) -> float:
     return float(ns_of_stamp(stamp) / NS_PER_S)
 
 
+def oldest_s(message: MarkerArray) -> float:
+    """Return the oldest stamp of some markers, seconds since 1970; -infinity: there is none."""
+    return min((seconds_of(one.header.stamp) for one in message.markers), default=-math.inf)
+
+
 def mission_of(message: MissionState) -> MissionNow:
     """Return the state of the mission."""
     return MissionNow(
@@ -212,9 +217,11 @@ def mosaic_of(message: Mosaic) -> dict[str, Any]:
     }
 
 
-def wind_of(vehicle: str, message: WindReading) -> dict[str, Any]:
-    """Return the wind: where it comes from, degrees clockwise from north, and how fast it is."""
+def wind_of(vehicle: str, message: WindReading) -> dict[str, Any] | None:
+    """Return whence the wind comes, degrees clockwise from north, and its speed; None: unknown."""
     east, north = message.towards_east_mps, message.towards_north_mps
+    if not math.isfinite(east + north):
+        return None
     return {
         'vehicle': vehicle,
         'stamp_s': seconds_of(message.header.stamp),

@@ -8,3 +8,7 @@ class ConsoleError(Exception):
 
 class RefusedError(ConsoleError):
     """A request is refused: it names who may not, or what has changed."""
+
+
+class TooManyError(RefusedError):
+    """Somebody asks faster than a person can."""

@@ -151,8 +151,10 @@ class Orders:
             self._ask(calls.GO_TO, request, name, waiting)
         elif order.verb is Action.TAKE:
             self._take(order.user, name, waiting)
-        else:
+        elif lease:
             self._release(name, lease, waiting)
+        else:
+            self._note(waiting, name, False, f'{name}: {order.user} does not lead it')
 
     def _take(self, user: str, name: str, waiting: _Waiting) -> None:
         """Take the lease over, which is deliberate: the operator has confirmed it."""

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rocsafe_console.evidence.seal import seals_of, signer_of, verify_run
+from rocsafe_console.evidence.seal import notes_of, seals_of, signer_of, verify_run
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 
@@ -28,7 +28,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     seal = seals_of(given.run)[-1]
     signer = signer_of(seal)
     by = f'signed with {signer}' if signer else 'not signed: whoever changed all could seal again'
-    sys.stdout.write(f'{given.run}: every byte is as sealed in {seal.name}, {by}\n')
+    notes = ''.join(f'; {note}' for note in notes_of(given.run))
+    sys.stdout.write(f'{given.run}: every byte is as sealed in {seal.name}, {by}{notes}\n')
     return EXIT_OK
 
 

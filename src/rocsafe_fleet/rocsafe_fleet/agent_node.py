@@ -5,19 +5,17 @@ import fcntl
 import os
 import re
 import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from std_srvs.srv import SetBool
 
-from rocsafe_fleet.agreement.agent import Wanted
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan
 from rocsafe_fleet.conversions import (
     dose_reading_of_message,
-    is_aloft,
+    has_flown,
     place_of_state,
     route_of,
     state_of,
@@ -32,7 +30,7 @@ from rocsafe_fleet.options import AgentOptions
 from rocsafe_fleet.vehicle_link_node import VehicleLink
 from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
-from rocsafe_ros import calls, topics
+from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
@@ -57,17 +55,16 @@ class AgentsNode(Node):
 
     Publishes ``fleet/delta`` and ``fleet/agents``; subscribes ``plan``, ``fleet/delta``, and
     ``<vehicle>/state``, ``<vehicle>/control`` and ``<vehicle>/radiation``. Uses
-    ``<vehicle>/fly_route``, ``<vehicle>/lease`` and ``<vehicle>/return_home``; in simulated time
-    ``world/run``, so that no time passes while they plan.
+    ``<vehicle>/fly_route``, ``<vehicle>/lease`` and ``<vehicle>/return_home``. No simulated time
+    passes while they plan, and until vehicles have taken their routes.
     """
 
     def __init__(self, **node_options: Any) -> None:
         super().__init__(NAME, **node_options)
         self._options = options = declare_options(self, AgentOptions)
         self._fleet: FleetStart | None = None
-        self._job: tuple[Wanted, BackgroundJob[FleetPlan, None]] | None = None
+        self._job: tuple[BackgroundJob[Any, None], Callable[[Any], None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
-        self._is_paused = False
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
         self._plan_id = ''
@@ -78,7 +75,6 @@ class AgentsNode(Node):
         self._link = self._linked(options)
         self._states = topics.create_publisher(self, topics.AGENTS)
         self._done = topics.create_publisher(self, topics.STEP_DONE)
-        self._world = self.create_client(SetBool, calls.WORLD_RUN.name)
         leases = Leases(
             self, options.vehicles, options.mission, self._warn, role='agent', is_reserve=True
         )
@@ -101,6 +97,7 @@ class AgentsNode(Node):
                 self, topics.RADIATION, partial(self._on_reading, name), name
             )
         steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._participant: Participant | None = None
         if options.lock_step:
             # The agents of each host have a name of their own.
             self._participant = Participant(self, self.get_name(), self._on_step)
@@ -176,8 +173,16 @@ class AgentsNode(Node):
         for data in self._link.receive():
             fleet.local.receive(data, self._now_s())
 
-    def _on_step(self, time_ns: int) -> bool:
-        """Let the agents think at one time; return whether they have nothing to do."""
+    @property
+    def _is_busy(self) -> bool:
+        """Whether a plan, a round or an order is under way."""
+        return self._job is not None or any(link.is_busy for link in self._links.values())
+
+    def _on_step(self, time_ns: int) -> bool | None:
+        """Let the agents think at one time; return whether they have nothing to do.
+
+        None: the step is done when what is under way is.
+        """
         self._step_s = time.monotonic()
         if self._fleet is None:
             return True
@@ -185,17 +190,18 @@ class AgentsNode(Node):
         self._receive(fleet)
         for name, link in self._links.items():
             self._tell_agent(fleet, name, link, time_ns * _NS)
+            link.fly_again()
         for data in fleet.local.advance(time_ns * _NS):
             self._link.send(data)
         self._plan(fleet)
-        return self._is_done()
+        return None if self._is_busy else self._is_done()
 
     def _tell_agent(self, fleet: FleetStart, name: str, link: VehicleLink, time_s: float) -> None:
         """Tell an agent what its vehicle does."""
         agent = fleet.agent(name)
         if link.state is None:
             return
-        self._has_flown = self._has_flown or is_aloft(link.state)
+        self._has_flown = self._has_flown or has_flown(link.state)
         place = place_of_state(link.state, fleet.endurance_s(name))
         if place is not None:
             agent.move(place)
@@ -211,13 +217,24 @@ class AgentsNode(Node):
     # Plans and routes.
 
     def _plan(self, fleet: FleetStart) -> None:
-        wanted = fleet.local.wanted
-        if wanted is None or not self._has_flown:
+        """Begin to plan the newest proposal, or to choose the places of a round."""
+        if self._job is not None or not self._has_flown:
             return
-        if self._job is None:
-            self._pause(is_paused=True)
-            job = BackgroundJob(partial(fleet.plan, wanted), 'planning', None)
-            self._job = wanted, job
+        wanted, seeker = fleet.local.wanted, fleet.local.seeker
+        if wanted is not None:
+            self._work(fleet, partial(fleet.plan, wanted), partial(fleet.local.planned, wanted))
+        elif seeker is not None:
+            self._work(fleet, fleet.choosing(seeker), seeker.decide)
+
+    def _work(
+        self,
+        fleet: FleetStart,
+        work: Callable[[Callable[[None], bool]], Any],
+        take: Callable[[Any], None],
+    ) -> None:
+        """Compute beside the event loop, while no simulated time passes."""
+        self._job = BackgroundJob(work, 'planning', None), take
+        self._tell(fleet)
 
     def _look(self) -> None:
         """Take plans that are ready, repeat orders, find vehicles that hold up time."""
@@ -228,14 +245,13 @@ class AgentsNode(Node):
             if self._plan_id and Path(self._options.plan_file).is_file():
                 self._begin(self._plan_id)
             return
-        if self._job is not None and self._job[1].is_done:
-            (wanted, job), self._job = self._job, None
-            self._fleet.local.planned(wanted, job.result())
+        if self._job is not None and self._job[0].is_done:
+            (job, take), self._job = self._job, None
+            take(job.result())
             self._fly(self._fleet)
             self._plan(self._fleet)
-        is_busy = self._job is not None or any(link.is_busy for link in self._links.values())
-        if self._is_paused and not is_busy:
-            self._pause(is_paused=False)
+        if self._participant is not None and not self._is_busy:
+            self._participant.finish(is_idle=self._is_done())
         self._watch_time(self._fleet)
         if time.monotonic() - self._report_s >= REPORT_S:
             self._report_s = time.monotonic()
@@ -254,17 +270,11 @@ class AgentsNode(Node):
                 )
                 link.fly(source.plan_id, route_of(source, name, agent.visited))
 
-    def _pause(self, *, is_paused: bool) -> None:
-        """Let no simulated time pass while routes are made."""
-        if self._options.lock_step and self._is_paused != is_paused:
-            self._is_paused = is_paused
-            self._world.call_async(SetBool.Request(data=not is_paused))
-
     # Simulated time.
 
     def _watch_time(self, fleet: FleetStart) -> None:
         """Let time not wait for a vehicle whose process is gone."""
-        if not self._options.lock_step or not self._has_flown or self._is_paused:
+        if not self._options.lock_step or not self._has_flown or self._is_busy:
             return
         limit_s = self._options.alone_after_s if is_orphan() else self._options.lost_after_s
         stalled_s = time.monotonic() - self._step_s
@@ -296,7 +306,7 @@ class AgentsNode(Node):
 
     def _is_done(self) -> bool:
         fleet, links = self._fleet, self._links.values()
-        if fleet is None or self._job is not None or any(link.is_busy for link in links):
+        if fleet is None or self._is_busy:
             return fleet is None
         now_s = self._now_s()
         gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent
@@ -308,13 +318,16 @@ class AgentsNode(Node):
             fleet.save({name: link.routes for name, link in self._links.items()})
         except OSError as error:
             self.get_logger().error(f'what the agents know is not kept: {error}', once=True)
+        self._tell(fleet)
+
+    def _tell(self, fleet: FleetStart) -> None:
+        """Publish what the agents know."""
         stamp = self.get_clock().now().to_msg()
-        is_done = self._is_done()
+        is_done, is_planning = self._is_done(), self._job is not None
         for name in self._links:
             agent = fleet.agent(name)
             sent = fleet.local.bytes_sent[agent.own]
-            text = 'plans' if self._job is not None else ''
-            state = state_of(agent, fleet.names, sent, is_done=is_done, text=text)
+            state = state_of(agent, fleet.names, sent, is_done=is_done, is_planning=is_planning)
             state.header.stamp = stamp
             self._states.publish(state)
 

@@ -11,7 +11,7 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import AgentState, Control, RadiationReading, Route, VehicleState
 from rocsafe_planner.conversions import message_of_plan
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_ros.conversions import position_of_point
+from rocsafe_ros.conversions import ns_of_stamp, position_of_point
 
 _ALOFT = (
     VehicleState.TAKING_OFF,
@@ -25,6 +25,11 @@ _ALOFT = (
 def is_aloft(state: VehicleState) -> bool:
     """Return whether a vehicle is in the air."""
     return state.state in _ALOFT
+
+
+def has_flown(state: VehicleState) -> bool:
+    """Return whether a vehicle has taken off, wherever it is now."""
+    return is_aloft(state) or state.state in (VehicleState.LANDED, VehicleState.CRASHED)
 
 
 def place_of_state(state: VehicleState, endurance_s: float) -> Place | None:
@@ -48,6 +53,7 @@ def dose_reading_of_message(message: RadiationReading) -> DoseReading | None:
         std_usvh=message.dose_rate_std_usvh,
         counts=message.counts if counted else 0,
         live_time_s=message.live_time_s if counted else 0.0,
+        time_s=1e-9 * ns_of_stamp(message.header.stamp),
     )
 
 
@@ -67,8 +73,8 @@ def inability(state: VehicleState, control: Control | None, mission: str, is_rea
         return state.text or 'aborted its flight'
     if state.state in (VehicleState.CRASHED, VehicleState.LOST):
         return 'it is lost'
-    if is_real and state.state == VehicleState.LANDED:
-        return 'it has landed'
+    if is_real and state.state in (VehicleState.LANDING, VehicleState.LANDED):
+        return 'it lands' if state.state == VehicleState.LANDING else 'it has landed'
     if control is not None and control.lease and control.mission != mission:
         return f'{control.holder} leads it'
     return ''
@@ -95,11 +101,13 @@ def numbers_of(route: Route) -> tuple[int, ...]:
 
 
 def state_of(
-    agent: Agent, names: Sequence[str], bytes_sent: int, *, is_done: bool, text: str
+    agent: Agent, names: Sequence[str], bytes_sent: int, *, is_done: bool, is_planning: bool
 ) -> AgentState:
     """Return what an agent knows, without a stamp."""
     number, coordinator, _ = agent.epoch
     members = agent.proposal.names if number else frozenset(range(len(names)))
+    rounds = agent.knowledge.rounds
+    newest = max(rounds, key=lambda key: (key[2], *key), default=None)
     return AgentState(
         vehicle=names[agent.own],
         epoch=number,
@@ -114,6 +122,11 @@ def state_of(
         bytes_sent=bytes_sent,
         packets_refused=agent.refused,
         alarms=len(agent.alarms),
+        search_round=newest[2] if newest else 0,
+        search_by=names[newest[0]] if newest else '',
+        search_places=len(rounds[newest].places) if newest else 0,
+        search_text=rounds[newest].reason if newest else '',
+        is_planning=is_planning,
         is_done=is_done,
-        text=text or agent.plan.error,
+        text=agent.plan.error,
     )

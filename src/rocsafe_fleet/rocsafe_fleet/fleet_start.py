@@ -8,16 +8,21 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from rocsafe_fleet.agreement.agent import Agent, Wanted
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, first_plan
+from rocsafe_fleet.agreement.agent import Agent
+from rocsafe_fleet.agreement.batteries import Batteries
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, SharedPlans, Wanted, first_plan
 from rocsafe_fleet.agreement.local_agents import LocalAgents
 from rocsafe_fleet.errors import PacketError
 from rocsafe_fleet.ledger.ledger import Kind
 from rocsafe_fleet.ledger.packet import Packet, decode, encode
-from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, table_of
+from rocsafe_fleet.ledger.readings import DoseReading, ReadingSums, readings_of, table_of
+from rocsafe_fleet.membership.identity import START_BITS
 from rocsafe_fleet.options import AgentOptions
+from rocsafe_fleet.search.round_chooser import RoundChooser, SearchOptions
+from rocsafe_fleet.search.search_round import SearchRound
 from rocsafe_fleet.trial.trial import planner_of
 from rocsafe_geo.storage.durable import replace_whole, write_whole
+from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan
@@ -25,12 +30,15 @@ from rocsafe_planner.plan.plan_reading import read_plan
 _STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'
 _READINGS = 'readings.csv'
 _ALL_BYTES = 2**31
-START_BITS = 16
-"""Drawn bits of the number of a start: two starts of one agent that lost their count differ."""
 
 
 class FleetStart:
     """The agents of a process, and what they plan with.
+
+    Parameters
+    ----------
+    search
+        How they search after the survey; None: they do not.
 
     Attributes
     ----------
@@ -42,15 +50,25 @@ class FleetStart:
         Vehicles whose process does not answer.
     """
 
-    def __init__(self, survey: SurveyPlan, local: LocalAgents, key: bytes, folder: str) -> None:
+    def __init__(
+        self,
+        survey: SurveyPlan,
+        local: LocalAgents,
+        key: bytes,
+        folder: str,
+        batteries: Batteries,
+        search: SearchOptions | None = None,
+    ) -> None:
         self.local = local
         self._key, self._folder = key, Path(folder) if folder else None
         self._saved = 0
         self.names = [route.vehicle.name for route in survey.routes]
         self.silent: set[str] = set()
-        self._survey = survey
+        self._survey, self._batteries = survey, batteries
+        area = survey.request.regions[0].area
+        self._chooser = None if search is None else RoundChooser(search, area)
         self._sums = {name: ReadingSums(self.agent(name).ledger) for name in self.own_names}
-        self._plans = SharedPlans(planner_of(survey))
+        self._plans = SharedPlans(planner_of(batteries.freed(survey)))
 
     def agent(self, name: str) -> Agent:
         """Return the agent of a vehicle."""
@@ -69,8 +87,8 @@ class FleetStart:
             self._sums[name].add(reading)
 
     def endurance_s(self, name: str) -> float:
-        """Return the usable flight time of a vehicle's battery."""
-        return self._survey.routes[self.names.index(name)].vehicle.endurance_s
+        """Return the flight time of a vehicle's full battery."""
+        return self._batteries.endurance_s(self._survey.routes[self.names.index(name)].vehicle)
 
     def first_route(self, name: str) -> tuple[int, ...]:
         """Return the viewpoints of a vehicle by the survey's plan."""
@@ -109,12 +127,21 @@ class FleetStart:
         ):
             write_whole(self._folder / name, data)
         if any(True for _ in ledgers[0].values(Kind.READING)):
-            replace_whole(self._folder / _READINGS, table_of(ledgers, self.names).encode())
+            table = table_of(readings_of(ledgers, self.names))
+            replace_whole(self._folder / _READINGS, table.encode())
         self._saved = digest
 
     def plan(self, wanted: Wanted, _report: Callable[[None], bool]) -> FleetPlan:
         """Return the plan of a proposal; runs in a thread."""
-        return self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
+        return self._plans.get(wanted)
+
+    def choosing(self, seeker: Agent) -> Callable[[Callable[[None], bool]], SearchRound]:
+        """Return what chooses the places of the round that an agent seeks; runs in a thread."""
+        if self._chooser is None:
+            raise ValueError('the agents have no search')
+        number, readings = seeker.seeks, readings_of([seeker.ledger], self.names)
+        choose = self._chooser.choose
+        return lambda _report: choose(number, readings)
 
     @property
     def others_aloft(self) -> bool:
@@ -130,10 +157,7 @@ class FleetStart:
     @property
     def is_done(self) -> bool:
         """Whether no agent here has anything left that somebody could fly."""
-        return all(
-            agent.wanted is None and (not agent.left or bool(agent.plan.error))
-            for agent in self.local.agents.values()
-        )
+        return all(agent.is_done for agent in self.local.agents.values())
 
 
 def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -> FleetStart:
@@ -152,11 +176,26 @@ def fleet_start(options: AgentOptions, plan_id: str, token: str, now_s: float) -
     strangers = sorted(set(options.vehicles) - set(names))
     if strangers:
         raise ValueError(f'vehicles has {strangers[0]!r}: must be of {", ".join(names)}')
-    first = first_plan(survey)
+    batteries, search = _batteries(options), _search(options)
+    first, rounds = first_plan(survey), search.extra_rounds if search else 0
     key = hashlib.sha256(f'{options.mission}/{survey.plan_id}/{token}'.encode()).digest()
     start = _count_start(options.state_directory) << START_BITS | secrets.randbits(START_BITS)
-    agents = [Agent(names.index(name), first, key, now_s, start) for name in options.vehicles]
-    return FleetStart(survey, LocalAgents(agents), key, options.state_directory)
+    agents = [
+        Agent(names.index(name), first, key, now_s, start, rounds=rounds)
+        for name in options.vehicles
+    ]
+    local = LocalAgents(agents)
+    return FleetStart(survey, local, key, options.state_directory, batteries, search)
+
+
+def _batteries(options: AgentOptions) -> Batteries:
+    path = options.batteries_file
+    return read_values(Path(path), Batteries) if path else Batteries()
+
+
+def _search(options: AgentOptions) -> SearchOptions | None:
+    path = options.search_file
+    return read_values(Path(path), SearchOptions) if path else None
 
 
 def has_started(folder: str) -> bool:

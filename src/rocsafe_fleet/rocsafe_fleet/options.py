@@ -15,6 +15,8 @@ class AgentOptions:
     mission: str = option('', 'mission whose vehicles are flown')
     plan_file: str = option('', 'plan.json with which the survey begins, on this machine')
     terrain_file: str = option('', 'heights that the plan follows')
+    batteries_file: str = option('', 'flight times of batteries; empty: those of the plan')
+    search_file: str = option('', 'how agents search after the survey; empty: they do not')
     state_directory: str = option('', 'folder in which agents count their starts')
     link: str = option('dds', 'way of packets to agents of other processes: dds or zenoh')
     link_listen: str = option('', 'address of this process with zenoh, host:port')

@@ -69,6 +69,9 @@ class VehicleLink:
         self._control: Control | None = None
         self.routes: dict[str, tuple[int, ...]] = {}
         self._sending: tuple[Callable[[], None], float, int] | None = None
+        self._landing: tuple[str, Route] | None = None
+        self._rejections = 0
+        self._newest = self._refusal = ''
         topics.create_subscription(node, topics.STATE, self._on_state, name)
         topics.create_subscription(node, topics.CONTROL, self._on_control, name)
         self._flights = ActionClient(node, FlyRoute, name_of(calls.FLY_ROUTE, name))
@@ -97,8 +100,8 @@ class VehicleLink:
     @property
     def inability(self) -> str:
         """Why it takes no more work; empty: it does."""
-        if self.state is None:
-            return ''
+        if self.state is None or self._refusal:
+            return self._refusal
         return inability(self.state, self._control, self._mission, self._is_real)
 
     @property
@@ -109,13 +112,30 @@ class VehicleLink:
         return visited_of(self.state, self.routes.get(self.state.plan_id, ()))
 
     def fly(self, plan_id: str, route: Route | None) -> None:
-        """Let it fly a route in place of its present one; without one it returns home."""
+        """Let it fly a route in place of its present one; without one it returns home.
+
+        A vehicle that lands takes no orders: it is given the route when it has landed.
+        """
+        self._landing, self._rejections = None, 0
+        self._newest = plan_id
+        is_landing = self.state is not None and self.state.state == VehicleState.LANDING
         if route is None:
-            if not self.is_down:
+            if not self.is_down and not is_landing:
                 self._begin(self._return)
             return
         self.routes[plan_id] = numbers_of(route)
-        self._begin(partial(self._send, plan_id, route))
+        if is_landing and self._is_real:
+            self._refuse_all('it lands, and a real vehicle takes off again by hand only')
+        elif is_landing:
+            self._landing = plan_id, route
+        else:
+            self._begin(partial(self._send, plan_id, route))
+
+    def fly_again(self) -> None:
+        """Send the route that it did not take while it landed, once it stands."""
+        if self._landing is not None and self.is_down:
+            order, self._landing = self._landing, None
+            self._begin(partial(self._send, *order))
 
     def look(self) -> None:
         """Repeat an order that was not answered; give it up after some tries."""
@@ -125,7 +145,7 @@ class VehicleLink:
         if time.monotonic() < due_s:
             return
         if tries >= MOST_TRIES:
-            self._log.error(f'{self.name}: did not take its route within {tries} tries')
+            self._refuse_all(f'did not take its route within {tries} tries')
             self._sending = None
             return
         self._sending = send, time.monotonic() + REPEAT_S, tries + 1
@@ -139,23 +159,37 @@ class VehicleLink:
         def send(lease: str) -> None:
             goal = FlyRoute.Goal(route=route, plan_id=plan_id, replace=True, lease=lease)
             goal.confirmation = route_digest(plan_id, route)
-            self._flights.send_goal_async(goal).add_done_callback(self._on_goal)
+            answered = partial(self._on_goal, plan_id, route)
+            self._flights.send_goal_async(goal).add_done_callback(answered)
 
         self._leases.carry(self.name, send, self._refuse)
 
     def _return(self) -> None:
         self._home.call_async(Trigger.Request()).add_done_callback(self._on_return)
 
-    def _on_goal(self, future: Any) -> None:
+    def _on_goal(self, plan_id: str, route: Route, future: Any) -> None:
         handle = future.result()
         if handle is not None and handle.accepted:
             self._sending = None
-            handle.get_result_async().add_done_callback(self._on_result)
+            handle.get_result_async().add_done_callback(partial(self._on_result, plan_id, route))
 
-    def _on_result(self, future: Any) -> None:
+    def _on_result(self, plan_id: str, route: Route, future: Any) -> None:
         result = future.result().result
-        if result.outcome == FlyRoute.Result.REJECTED:
-            self._log.warning(result.error_msg)
+        if result.outcome != FlyRoute.Result.REJECTED:
+            return
+        self._log.warning(f'{self.name}: {result.error_msg}')
+        if plan_id != self._newest:
+            return
+        self._rejections += 1
+        if self._rejections > MOST_TRIES:
+            self._refuse_all(f'refuses its route: {result.error_msg}')
+        else:
+            self._landing = plan_id, route
+
+    def _refuse_all(self, why: str) -> None:
+        """Note that it takes no more work: others fly its route."""
+        self._log.error(f'{self.name}: {why}')
+        self._refusal = why
 
     def _on_return(self, future: Any) -> None:
         self._sending = None

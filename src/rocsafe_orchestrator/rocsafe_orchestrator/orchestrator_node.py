@@ -74,7 +74,7 @@ class OrchestratorNode(Node):
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
-        self._agents: dict[str, tuple[bool, float]] = {}
+        self._agents: dict[str, tuple[AgentState, float]] = {}
         self._steps_watch: Any = None
         self.requester = Node(
             f'{NAME}_requests',
@@ -174,7 +174,13 @@ class OrchestratorNode(Node):
         self._monitor.on_vehicle(conversions.status_of_vehicle(message), time.monotonic())
 
     def _on_agent(self, message: AgentState) -> None:
-        self._agents[message.vehicle] = message.is_done, time.monotonic()
+        self._agents[message.vehicle] = message, time.monotonic()
+
+    @property
+    def agents_plan(self) -> bool:
+        """Whether an agent that is heard plans."""
+        heard_s = time.monotonic() - AGENT_SILENCE_S
+        return any(m.is_planning and told_s >= heard_s for m, told_s in self._agents.values())
 
     @property
     def agents_are_done(self) -> bool:
@@ -184,7 +190,7 @@ class OrchestratorNode(Node):
         """
         heard_s = time.monotonic() - AGENT_SILENCE_S
         return bool(self._agents) and all(
-            is_done or told_s < heard_s for is_done, told_s in self._agents.values()
+            message.is_done or told_s < heard_s for message, told_s in self._agents.values()
         )
 
     def _on_reading(self, vehicle: str, message: RadiationReading) -> None:

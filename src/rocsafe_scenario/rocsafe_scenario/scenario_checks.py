@@ -161,8 +161,10 @@ def _unfit_for_agents(scenario: Scenario) -> Iterator[str]:
         yield f'replan = {scenario.replan!r}: must be on_loss with fleet.agents'
     if count > MOST_AGENTS:
         yield f'vehicles = {count} of them: must be at most {MOST_AGENTS} with fleet.agents'
-    if scenario.extra_rounds:
-        yield f'extra_rounds = {scenario.extra_rounds}: must be 0 with fleet.agents'
+    if rounds := scenario.air.search.extra_rounds:
+        yield f'air.search.extra_rounds = {rounds}: must be 0 with fleet.agents'
+    if scenario.radiation.search.extra_rounds and not scenario.has_radiation:
+        yield 'radiation.search.extra_rounds: needs a source, a background or a real detector'
 
 
 def _two_ends(scenario: Scenario) -> Iterator[str]:

@@ -44,6 +44,24 @@ def test_contact_is_the_part_of_the_time_that_others_were_heard() -> None:
     )
 
 
+def test_rounds_of_the_search_are_told_once() -> None:
+    """With who chose them and why; the last has no places."""
+    first = {
+        'search_round': 1, 'search_by': 'rav1', 'search_places': 4, 'search_text': 'too wide',
+    }  # fmt: skip
+    last = {'search_round': 2, 'search_by': 'rav2', 'search_text': 'enough'}
+    view = fleet_view(
+        (sample(1.0, 'rav1'), sample(40.0, 'rav1', **first), sample(41.0, 'rav2', **first),
+         sample(90.0, 'rav2', **last), sample(91.0, 'rav1', **last)),
+        BEGIN_NS,
+    )  # fmt: skip
+    assert view is not None
+    assert view.round_rows == (
+        ('1', '00:40', 'rav1', '4', 'too wide'),
+        ('2', '01:30', 'rav2', 'none: the search is over', 'enough'),
+    )
+
+
 def test_each_epoch_of_each_part_of_the_fleet_is_told_once() -> None:
     """Two parts may have made plans with the same number; duplicates and alarms are counted."""
     left = {'epoch': 1, 'coordinator': 'rav1', 'members': ('rav1', 'rav2'), 'unable': ('rav3',)}

@@ -16,6 +16,9 @@ MethodT = TypeVar('MethodT', bound=Method)
 FIRST_CAMERA_NAMES = frozenset({'', '0', '1', '3', 'front_center', 'bottom_center', 'high_res'})
 # AirSim's own examples name their vehicles so.
 _NUMBERED = re.compile(r'(?:[Dd]rone|[Vv]ehicle|UAV)_?(\d+)$')
+_ESCAPED = re.compile(r'\\.', re.DOTALL)
+_REPEATED_GROUP = re.compile(r'\)[*+{]')
+MOST_REPEATS = 3
 _WHITE = (1.0, 1.0, 1.0, 1.0)
 # Messages hold seconds in 32 bits.
 LONGEST_SHOWN_S = 1e9
@@ -181,7 +184,19 @@ def at_least(timeout_s: Any, default_s: float) -> float:
 
 
 def matches(pattern: str, row: Mapping[str, Any]) -> bool:
-    """Return whether the name of an instance matches a regular expression."""
+    """Return whether the name of an instance matches a regular expression.
+
+    Raises
+    ------
+    AirsimError
+        If it is none, or one for which a search could take hours, in which nobody else is served.
+    """
+    plain = _ESCAPED.sub('', pattern)
+    repeats = sum(map(plain.count, '*+{'))
+    if repeats > MOST_REPEATS or _REPEATED_GROUP.search(plain):
+        raise AirsimError(
+            f'{pattern[:80]!r}: must have {MOST_REPEATS} repeats at most, and no repeated group'
+        )
     try:
         return re.fullmatch(pattern, str(row['name']), re.IGNORECASE) is not None
     except re.error as error:

@@ -15,6 +15,7 @@ from rocsafe_airsim.vehicle import Vehicle
 
 # AirSim's own.
 RADIUS_M = 200.0
+MOST_NAMES = 100
 # Rows of the table of instances that are no things.
 _NO_THINGS = frozenset({'sky', 'ground'})
 Key = tuple[str, str, int]
@@ -47,7 +48,11 @@ class DetectionMethods:
     @served('simAddDetectionFilterMeshName')
     async def _sim_add_detection_filter_mesh_name(self, *call: Any) -> None:
         camera, kind, mesh, name, *_ = (*parameters(call, 3), '')
-        self._filter(self._at.simulated(name), camera, kind).names.append(str(mesh))
+        names = self._filter(self._at.simulated(name), camera, kind).names
+        if str(mesh) not in names:
+            if len(names) >= MOST_NAMES:
+                raise AirsimError(f'{len(names)} names are looked for already, which is the most')
+            names.append(str(mesh))
 
     @served('simSetDetectionFilterRadius')
     async def _sim_set_detection_filter_radius(self, *call: Any) -> None:

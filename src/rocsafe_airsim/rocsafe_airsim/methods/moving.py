@@ -4,7 +4,8 @@
 import asyncio
 import math
 from collections import Counter, defaultdict
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from rocsafe_airsim.errors import AirsimError
@@ -13,9 +14,11 @@ from rocsafe_airsim.values import vector
 from rocsafe_airsim.vehicle import (
     AIRBORNE,
     CRASHED,
+    FLYING,
     HOLDING,
     LANDED,
     LANDING,
+    TAKING_OFF,
     Turn,
     Vehicle,
     VehicleNow,
@@ -24,6 +27,8 @@ from rocsafe_airsim.vehicle import (
 from rocsafe_geo.angle import wrap_rad
 
 NS_PER_S = 1_000_000_000
+# In these states a vehicle does what a client has ordered, or is about to.
+LED = frozenset({TAKING_OFF, FLYING, HOLDING})
 POLL_S = 0.02
 # AirSim climbs to 3 m.
 TAKE_OFF_M, TAKE_OFF_S = 3.0, 60.0
@@ -33,20 +38,24 @@ NEAR_M, NEAR_RAD, SLOW_MPS = 0.5, math.radians(2.0), 0.15
 NEAR_BY_FIX_M = 2.0
 FORWARD_ONLY = 1
 LONGEST_S = 3600.0
+# Metres, or metres a second; no vehicle gets so far from home.
+FARTHEST_M = 1e6
 
 
 class Mover:
     """Moves vehicles, and waits for the end of each movement.
 
     Another movement of the same vehicle, or its cancelling, ends the wait: the answer is then
-    false. A vehicle has one order at a time in hand: of those that come meanwhile it gets the
-    newest, so that a script that sends orders in a loop is obeyed at the pace of the vehicle.
+    false. If the client goes meanwhile, the vehicle holds. A vehicle has one order at a time in
+    hand: of those that come meanwhile it gets the newest, so that a script that sends orders in a
+    loop is obeyed at the pace of the vehicle.
     """
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._tasks: Counter[str] = Counter()
         self._in_hand: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._holds: set[asyncio.Task[None]] = set()
 
     def cancel(self, vehicle: Vehicle) -> None:
         """Let what is awaited of a vehicle end without success."""
@@ -54,7 +63,10 @@ class Mover:
 
     async def take_off(self, vehicle: Vehicle, timeout_s: float) -> bool:
         """Climb above home, if on the ground."""
-        task = self._begin(vehicle)
+        with self._led(vehicle) as task:
+            return await self._take_off(vehicle, task, timeout_s)
+
+    async def _take_off(self, vehicle: Vehicle, task: int, timeout_s: float) -> bool:
         if vehicle.now().state == LANDING and not await self._until(
             vehicle, task, lambda now: now.state != LANDING, timeout_s
         ):
@@ -100,8 +112,19 @@ class Mover:
         """
         if not places_ned:
             raise AirsimError('the path has no place: must have one at least')
-        task = self._begin(vehicle)
-        goals = [vehicle.origin.to_enu(place) for place in places_ned]
+        with self._led(vehicle) as task:
+            return await self._along(vehicle, task, places_ned, speed_mps, timeout_s, aim)
+
+    async def _along(
+        self,
+        vehicle: Vehicle,
+        task: int,
+        places_ned: Sequence[Vector],
+        speed_mps: float,
+        timeout_s: float,
+        aim: Mapping[str, Any],
+    ) -> bool:
+        goals = [vehicle.origin.to_enu(possible(place)) for place in places_ned]
         await self._face(vehicle, task, goals[0], aim)
         home_up_m = vehicle.origin.home_enu[2]
         places = []
@@ -118,6 +141,7 @@ class Mover:
     ) -> bool:
         """Fly at a velocity for some time; upwards from the ground it takes off first."""
         seconds, turn = _duration(duration_s), _turn(yaw_mode)
+        velocity_ned = possible(velocity_ned)
         if velocity_ned[2] < 0.0:
             await self.take_off(vehicle, TAKE_OFF_S)
         return await self._fly_at(vehicle, swapped(velocity_ned), seconds, turn)
@@ -125,12 +149,11 @@ class Mover:
     async def _fly_at(
         self, vehicle: Vehicle, velocity_enu: Vector, seconds: float, turn: Turn
     ) -> bool:
-        task = self._begin(vehicle)
-        if not await self._give(
-            vehicle, task, lambda: vehicle.at_velocity(velocity_enu, seconds, turn)
-        ):
-            return False
-        return await self._for(vehicle, task, seconds)
+        with self._led(vehicle) as task:
+            given = self._give(
+                vehicle, task, lambda: vehicle.at_velocity(velocity_enu, seconds, turn)
+            )
+            return await given and await self._for(vehicle, task, seconds)
 
     async def at_height(
         self,
@@ -142,19 +165,19 @@ class Mover:
     ) -> bool:
         """Fly at a horizontal velocity (north, east), and reach a height meanwhile."""
         seconds, turn = _duration(duration_s), _turn(yaw_mode)
+        north_mps, east_mps, down_m = possible((*velocity, down_m))
         if down_m < vehicle.origin.to_ned(vehicle.now().true_enu)[2]:
             await self.take_off(vehicle, TAKE_OFF_S)
         place = vehicle.origin.to_ned(vehicle.now().true_enu)
         down_mps = (down_m - place[2]) / max(seconds, 1.0)
-        return await self._fly_at(vehicle, swapped((*velocity, down_mps)), seconds, turn)
+        return await self._fly_at(vehicle, swapped((north_mps, east_mps, down_mps)), seconds, turn)
 
     async def turn(self, vehicle: Vehicle, yaw_deg: float, timeout_s: float) -> bool:
         """Turn to a yaw, degrees clockwise from north."""
-        task = self._begin(vehicle)
         yaw = yaw_ned(math.radians(float(yaw_deg)))
-        if not await self._give(vehicle, task, lambda: vehicle.turn(yaw)):
-            return False
-        return await self._until(vehicle, task, _faces(yaw), timeout_s)
+        with self._led(vehicle) as task:
+            given = self._give(vehicle, task, lambda: vehicle.turn(yaw))
+            return await given and await self._until(vehicle, task, _faces(yaw), timeout_s)
 
     async def spin(self, vehicle: Vehicle, rate_deg_s: float, duration_s: float) -> bool:
         """Turn at a yaw rate, degrees per second clockwise."""
@@ -230,10 +253,41 @@ class Mover:
             await asyncio.sleep(POLL_S)
         return False
 
+    @contextmanager
+    def _led(self, vehicle: Vehicle) -> Iterator[int]:
+        """Begin a movement that ends when its client goes; gives its number."""
+        task = self._begin(vehicle)
+        try:
+            yield task
+        except asyncio.CancelledError:
+            self._leave(vehicle, task)
+            raise
+
+    def _leave(self, vehicle: Vehicle, task: int) -> None:
+        """Let a vehicle hold whose client has gone."""
+        if self._tasks[vehicle.name] == task and vehicle.now().state in LED:
+            self.cancel(vehicle)
+            hold = asyncio.get_running_loop().create_task(_held(vehicle))
+            self._holds.add(hold)
+            hold.add_done_callback(self._holds.discard)
+
+
+async def _held(vehicle: Vehicle) -> None:
+    with suppress(AirsimError):
+        await vehicle.plain('hold')
+
 
 def vector_of(value: Any) -> Vector:
     """Return the numbers of a Vector3r."""
-    return tuple(float(value[key]) for key in vector((0.0, 0.0, 0.0)))  # type: ignore[return-value]
+    return possible([value[key] for key in vector((0.0, 0.0, 0.0))])
+
+
+def possible(numbers: Sequence[Any]) -> Vector:
+    """Return a place or velocity; raises `AirsimError` unless it is on this earth."""
+    x, y, z = map(float, numbers)
+    if not max(abs(x), abs(y), abs(z)) <= FARTHEST_M or math.isnan(x + y + z):
+        raise AirsimError(f'{x:g}, {y:g}, {z:g}: must be within {FARTHEST_M:g}')
+    return x, y, z
 
 
 def _is_at(vehicle: Vehicle, goal: Vector) -> Callable[[VehicleNow], bool]:

@@ -5,7 +5,7 @@ import asyncio
 from typing import Any
 
 from rocsafe_airsim.detections import rotation_of
-from rocsafe_airsim.methods.access import Access, parameters, pen, served
+from rocsafe_airsim.methods.access import LONGEST_TEXT, Access, parameters, pen, served
 from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S, vector_of
 from rocsafe_airsim.ned import Vector
 
@@ -93,7 +93,7 @@ class WorldMethods:
     async def _sim_print_log_message(
         self, message: str, parameter: str = '', _severity: int = 0
     ) -> None:
-        self._at.tell(f'{message}{parameter}')
+        self._at.tell(' '.join(f'{message}{parameter}'[:LONGEST_TEXT].split()))
 
 
 def _axis(pose: Any, axis: int, scale: float) -> list[Vector]:

@@ -13,6 +13,8 @@ PORT = 41451
 MOST_CLIENTS = 64
 # Calls of one client that wait for their end, such as movements; no more are read meanwhile.
 MOST_PENDING = 64
+# A client that reads nothing for so long has gone, or is stuck.
+READ_S = 30.0
 CHUNK = 65_536
 # So many different refusals are told, each once and cut to a length.
 MOST_TOLD, LONGEST_TOLD = 200, 300
@@ -29,11 +31,16 @@ class AirsimServer:
         Carries a call out; raises `AirsimError` to refuse it.
     tell
         Takes a line for people.
+
+    Attributes
+    ----------
+    clients
+        Connections that are open.
     """
 
     def __init__(self, handle: Handle, tell: Tell) -> None:
         self._handle, self._tell = handle, tell
-        self._clients = 0
+        self.clients = 0
         self._refusals: set[str] = set()
         self._server: asyncio.Server | None = None
 
@@ -48,11 +55,11 @@ class AirsimServer:
             self._server.close()
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        if self._clients >= MOST_CLIENTS:
+        if self.clients >= MOST_CLIENTS:
             self._tell(f'a client is turned away: {MOST_CLIENTS} are connected')
             writer.close()
             return
-        self._clients += 1
+        self.clients += 1
         pending: set[asyncio.Task[None]] = set()
         try:
             await self._read(reader, writer, pending)
@@ -61,7 +68,7 @@ class AirsimServer:
         except (ConnectionError, TimeoutError):
             pass
         finally:
-            self._clients -= 1
+            self.clients -= 1
             for task in pending:
                 task.cancel()
             writer.close()
@@ -72,18 +79,17 @@ class AirsimServer:
         writer: asyncio.StreamWriter,
         pending: set[asyncio.Task[None]],
     ) -> None:
-        calls = CallReader()
+        calls, sending = CallReader(), asyncio.Lock()
         while data := await reader.read(CHUNK):
             for call in calls.feed(data):
                 if len(pending) >= MOST_PENDING:
                     # Scripts send orders in a loop: what comes faster than it is done waits in
                     # the connection.
                     await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
-                task = asyncio.create_task(self._answer(call, writer))
+                task = asyncio.create_task(self._answer(call, writer, sending))
                 pending.add(task)
                 task.add_done_callback(pending.discard)
                 task.add_done_callback(partial(self._ended, writer))
-            await writer.drain()
 
     def _ended(self, writer: asyncio.StreamWriter, task: asyncio.Task[None]) -> None:
         """Close the connection of a call that failed without an answer: its client would wait."""
@@ -91,7 +97,9 @@ class AirsimServer:
             self._tell(f'a connection is closed: a call has failed: {error!r}')
             writer.close()
 
-    async def _answer(self, call: Call, writer: asyncio.StreamWriter) -> None:
+    async def _answer(
+        self, call: Call, writer: asyncio.StreamWriter, sending: asyncio.Lock
+    ) -> None:
         try:
             result = await self._handle(call)
             told = answer(call.call_id or 0, result)
@@ -100,8 +108,23 @@ class AirsimServer:
         except (TypeError, ValueError, KeyError, AttributeError, OverflowError) as error:
             # A parameter of the client has a wrong type.
             told = self._refused(call, f'{call.method}: wrong parameters: {error}')
-        if call.call_id is not None and not writer.is_closing():
-            writer.write(told)
+        if call.call_id is None:
+            return
+        # The next answer waits until this one is read: images would fill the memory.
+        async with sending:
+            await self._send(told, writer)
+
+    async def _send(self, told: bytes, writer: asyncio.StreamWriter) -> None:
+        if writer.is_closing():
+            return
+        writer.write(told)
+        try:
+            await asyncio.wait_for(writer.drain(), READ_S)
+        except ConnectionError:
+            return
+        except asyncio.TimeoutError:
+            self._tell(f'a connection is closed: its client has read nothing for {READ_S:g} s')
+            writer.transport.abort()
 
     def _refused(self, call: Call, text: str) -> bytes:
         """Return the refusal of a call.

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """A run of whole processes: `rocsafe run` in a ROS domain of its own."""
 
+import errno
 import os
 import signal
 import subprocess
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_campaign.design.campaign import Run
-from rocsafe_campaign.errors import CampaignError
+from rocsafe_campaign.errors import CampaignError, MachineError
 from rocsafe_campaign.results.metrics import Metrics, metrics_of_summary
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.process_table.executables import find_executable
@@ -18,6 +20,7 @@ from rocsafe_scenario.scenario import Scenario
 # Time in which an interrupted mission can end in order before it is killed, seconds.
 PATIENCE_S = 60.0
 LARGEST_DOMAIN = 101
+LOOK_S = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +53,8 @@ class FullRuns:
         CampaignError
             If the mission fails, with its last words, takes longer than `limit_s`, or would fly a
             real vehicle.
+        MachineError
+            If the disk is full, or other missions are in all domains for as long.
         """
         for name in scenario.real_names:
             raise CampaignError(f'{name}: has a link: campaigns fly simulated vehicles only')
@@ -59,7 +64,9 @@ class FullRuns:
         file.write_text(scenario.to_yaml(), encoding='utf-8')
         rocsafe = str(find_executable('rocsafe_orchestrator', 'rocsafe'))
         command = [rocsafe, 'run', str(file), '--quiet', '--out', str(folder)]
-        code, words = _ended(command, self._free_domain(), limit_s)
+        code, words = _ended(command, self._free_domain(limit_s), limit_s)
+        if code and os.strerror(errno.ENOSPC) in words:
+            raise MachineError(f'run {run.number}: {words}')
         if code:
             raise CampaignError(f'rocsafe run: exit code {code}: {words or "no reason given"}')
         summaries = sorted(folder.glob('*/summary.json'), key=lambda path: path.stat().st_mtime)
@@ -67,19 +74,25 @@ class FullRuns:
             raise CampaignError(f'{folder}: the run left no summary.json')
         return metrics_of_summary(scenario, summaries[-1])
 
-    def _free_domain(self) -> int:
+    def _free_domain(self, limit_s: float) -> int:
         """Return a domain in which no mission of this user runs now.
 
-        Each worker begins its search at another one; `rocsafe run` locks the domain itself.
+        Each worker begins its search at another one; `rocsafe run` locks the domain itself. A
+        mission of a campaign that was killed flies on to its end, for which this waits.
         """
         first = os.getpid() % len(self.domains)
-        for domain in (*self.domains[first:], *self.domains[:first]):
-            try:
-                with domain_lock(str(domain), 'rocsafe campaign'):
-                    return domain
-            except SetupError:
-                continue
-        raise CampaignError(f'ROS domains {list(self.domains)}: a mission runs in each')
+        until_s = time.monotonic() + limit_s
+        while True:
+            for domain in (*self.domains[first:], *self.domains[:first]):
+                try:
+                    with domain_lock(str(domain), 'rocsafe campaign'):
+                        return domain
+                except SetupError:
+                    continue
+            if time.monotonic() > until_s:
+                domains = f'ROS domains {list(self.domains)}'
+                raise MachineError(f'{domains}: a mission runs in each for {limit_s:g} s')
+            time.sleep(LOOK_S)
 
 
 def _ended(command: list[str], domain: int, limit_s: float) -> tuple[int, str]:

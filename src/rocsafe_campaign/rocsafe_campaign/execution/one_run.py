@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """One run of a campaign, and its row: a failure is a row like any other."""
 
+import errno
 import resource
 import signal
 import threading
@@ -11,7 +12,7 @@ from dataclasses import dataclass, replace
 from types import FrameType
 
 from rocsafe_campaign.design.campaign import Campaign, Run
-from rocsafe_campaign.errors import CampaignError
+from rocsafe_campaign.errors import CampaignError, MachineError
 from rocsafe_campaign.execution.full_run import FullRuns
 from rocsafe_campaign.flight.pure_mission import run_purely
 from rocsafe_campaign.results.metrics import Metrics, metrics_of_mission
@@ -23,6 +24,9 @@ from rocsafe_sim.errors import SimError
 
 # What a run may fail by without a fault of the software.
 _REASONS = (CampaignError, PlannerError, RadiationError, ScenarioError, SimError, ValueError)
+
+# A full or broken disk, too many files.
+_OF_MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EMFILE, errno.ENFILE)
 
 
 class OverTimeError(CampaignError):
@@ -46,7 +50,13 @@ class Task:
 
 
 def carry_out(task: Task, run: Run) -> Row:
-    """Carry out a run and return its row, whatever happens in it."""
+    """Carry out a run and return its row, whatever happens in it.
+
+    Raises
+    ------
+    MachineError
+        If the machine cannot carry out runs: the same command goes on when it can.
+    """
     begun_s = _cpu_s()
     outcome, text, metrics = _carried_out(task, run)
     row = row_without_figures(task, run, outcome, text)
@@ -85,6 +95,12 @@ def _carried_out(task: Task, run: Run) -> tuple[str, str, Metrics]:
             return COMPLETE, '', task.full.metrics(scenario, run, limit_s)
         with _at_most(limit_s):
             return COMPLETE, '', metrics_of_mission(run_purely(scenario))
+    except MachineError:
+        raise
+    except OSError as error:
+        if error.errno in _OF_MACHINE:
+            raise MachineError(f'run {run.number}: {error}') from error
+        return FAULT, f'{type(error).__name__}: {error}', Metrics()
     except _REASONS as error:
         return FAILED, '; '.join(str(error).splitlines()), Metrics()
     # A fault of the software in one run must not end the others: it is seen in the table.

@@ -4,10 +4,11 @@
 What the mission itself does is written by its recorder, to the same log.
 """
 
+from contextlib import suppress
 from pathlib import Path
-from threading import Lock
+from threading import Lock, Thread
 
-from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceLog
+from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceError, EvidenceLog
 
 CONSOLE_LOG = 'console.jsonl'
 
@@ -29,8 +30,18 @@ class Desk:
         self._logs: dict[Path, EvidenceLog] = {}
 
     def on_mission(self, mission: str) -> None:
-        """Take events for this mission from now on."""
+        """Take events for this mission from now on.
+
+        Its log is read meanwhile: after a restart of the console in a long mission, the first
+        order does not wait for it.
+        """
         self._mission = mission
+        Thread(target=self._open, args=(self._path(mission),), daemon=True).start()
+
+    def _open(self, path: Path) -> None:
+        # Whoever writes is told why not.
+        with self._writing, suppress(OSError, EvidenceError):
+            self._log(path)
 
     def write(self, event: Event, run: str = '') -> None:
         """Write an event: it is safely on disk on return.
@@ -47,14 +58,19 @@ class Desk:
         """
         path = self._path(run or self._mission)
         with self._writing:
-            if path not in self._logs:
-                self._logs[path] = EvidenceLog(path)
-            self._logs[path].add([event])
+            self._log(path).add([event])
 
     def close(self) -> None:
         """Close the logs."""
-        for log in self._logs.values():
-            log.close()
+        with self._writing:
+            for log in self._logs.values():
+                log.close()
+            self._logs.clear()
+
+    def _log(self, path: Path) -> EvidenceLog:
+        if path not in self._logs:
+            self._logs[path] = EvidenceLog(path)
+        return self._logs[path]
 
     def _path(self, mission: str) -> Path:
         folder = self._runs / mission

@@ -142,6 +142,16 @@ def verify_run(run: Path, public_key: str = '') -> list[str]:
     return faults + [text for _, text in _differences(contents[-1], files)]
 
 
+def notes_of(run: Path) -> list[str]:
+    """Return what a reader must know of a run in which `verify_run` finds nothing wrong."""
+    seal = json.loads(seals_of(run)[-1].read_bytes())['seal']
+    added = len(read_log(run / LOG_NAME)) - seal['log']['lines']
+    notes = [f'{LOG_NAME}: the last {added} lines are in no seal'] if added else []
+    if seal['run'] != run.name:
+        notes.append(f'it was sealed as the run {seal["run"]}')
+    return notes
+
+
 def signer_of(seal: Path) -> str:
     """Return the public key that signed a seal, empty if none did."""
     return str(json.loads(seal.read_bytes()).get('public_key', ''))
@@ -165,7 +175,10 @@ def _chain_faults(seals: list[Path], contents: list[dict[str, Any]]) -> Iterator
 
 def _log_faults(run: Path, contents: list[dict[str, Any]]) -> list[str]:
     """Return what is wrong with the log: lines may have been added since a seal."""
-    entries = read_log(run / LOG_NAME)
+    path = run / LOG_NAME
+    entries = read_log(path)
+    if path.is_file() and path.read_bytes()[-1:] not in (b'', b'\n'):
+        return [f'{LOG_NAME}: its end is no line']
     for sealed in (content['log'] for content in contents):
         if len(entries) < sealed['lines']:
             return [f'{LOG_NAME}: has {len(entries)} lines, {sealed["lines"]} were sealed']
@@ -244,14 +257,16 @@ def _differences(
 
 
 def _files(run: Path) -> Iterator[Path]:
-    """Yield what a seal covers: every file but the log, which grows, and seals."""
+    """Yield what a seal covers: every file and link but the log, which grows, and seals."""
     seals = set(seals_of(run))
     for path in sorted(run.rglob('*')):
-        if path.is_file() and path not in seals and path != run / LOG_NAME:
+        if (path.is_file() or path.is_symlink()) and path not in seals and path != run / LOG_NAME:
             yield path
 
 
 def _fingerprint(path: Path) -> dict[str, Any]:
+    if path.is_symlink():
+        return {'link': str(path.readlink())}
     digest, size = hashlib.sha256(), 0
     with path.open('rb') as file:
         while piece := file.read(_PIECE_BYTES):

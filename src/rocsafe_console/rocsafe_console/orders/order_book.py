@@ -164,8 +164,9 @@ class OrderBook:
         return entry.order
 
     def finish(self, request_id: str, results: tuple[Result, ...]) -> None:
-        """Keep what became of an order."""
-        self._entries[request_id].results = results
+        """Keep what became of an order, unless a thousand others have come since."""
+        if entry := self._entries.get(request_id):
+            entry.results = results
 
     def results(self, request_id: str) -> tuple[Result, ...] | None:
         """Return what became of an order, None if that is not known yet."""

@@ -6,6 +6,7 @@ converted.
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
@@ -13,6 +14,7 @@ from typing import Any
 from xml.etree import ElementTree as Xml
 
 from rocsafe_console.picture.picture import Picture
+from rocsafe_console.picture.sections import placed
 from rocsafe_view import formats
 
 # What the standard has for an unknown error or height.
@@ -26,6 +28,8 @@ LASTING_STALE_S = 60.0
 # A datagram is not to be cut into pieces.
 MOST_POINTS = 24
 MULTICAST = ('239.2.3.1', 6969)
+# What XML 1.0 cannot hold, not even escaped: a receiver would close the connection.
+_NOT_XML = re.compile('[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,7 +50,7 @@ class Event:
     def to_xml(self, now_s: float) -> bytes:
         """Return the event as it is at `now_s`, seconds since 1970."""
         times = {'time': _time(now_s), 'start': _time(now_s), 'stale': _time(now_s + self.stale_s)}
-        named = {'version': '2.0', 'uid': self.uid, 'type': self.kind, 'how': 'm-g'}
+        named = {'version': '2.0', 'uid': _xml(self.uid), 'type': self.kind, 'how': 'm-g'}
         event = Xml.Element('event', {**named, **times})
         Xml.SubElement(
             event,
@@ -58,9 +62,9 @@ class Event:
             le=f'{UNKNOWN_M:.1f}',
         )
         detail = Xml.SubElement(event, 'detail')
-        Xml.SubElement(detail, 'contact', callsign=self.callsign)
+        Xml.SubElement(detail, 'contact', callsign=_xml(self.callsign))
         if self.remarks:
-            Xml.SubElement(detail, 'remarks').text = self.remarks
+            Xml.SubElement(detail, 'remarks').text = _xml(self.remarks)
         for latitude, longitude in self.ring:
             Xml.SubElement(detail, 'link', point=f'{latitude:.7f},{longitude:.7f}')
         return bytes(Xml.tostring(event, encoding='utf-8', xml_declaration=True))
@@ -97,7 +101,7 @@ def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
 
 
 def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
-    for one in (picture.sections.value('sources') or {}).get('sources', []):
+    for one in placed((picture.sections.value('sources') or {}).get('sources', [])):
         strength = formats.spaced(formats.dose_rate(one['dose_rate_at_1m_usvh']))
         yield Event(
             uid=f'{prefix}.source.{one["id"]}',
@@ -105,7 +109,7 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
             callsign=f'source {one["id"]}',
             latitude_deg=one['place'][0],
             longitude_deg=one['place'][1],
-            circular_error_m=max(one['half_axes_m']),
+            circular_error_m=max(map(_number, one['half_axes_m'])),
             stale_s=LASTING_STALE_S,
             remarks=f'{strength} at 1 m, with {one["probability"]}; estimated',
         )
@@ -113,15 +117,15 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
 
 def _releases(picture: Picture, prefix: str) -> Iterator[Event]:
     found = picture.sections.value('releases') or {}
-    for one in found.get('releases', []):
-        rate = formats.figures(one['rate_g_s'], 2)
+    for one in placed(found.get('releases', [])):
+        rate = formats.figures(_number(one['rate_g_s']), 2)
         yield Event(
             uid=f'{prefix}.release.{one["id"]}',
             kind=SPOT,
             callsign=f'release {one["id"]}',
             latitude_deg=one['place'][0],
             longitude_deg=one['place'][1],
-            circular_error_m=one['radius_95_m'],
+            circular_error_m=_number(one['radius_95_m']),
             stale_s=LASTING_STALE_S,
             remarks=f'{rate} g/s of {found["agent"]}; estimated',
         )
@@ -141,10 +145,10 @@ def _zones(picture: Picture, prefix: str) -> Iterator[Event]:
 
 def _shape(line: Mapping[str, Any], uid: str, callsign: str, remarks: str) -> Iterator[Event]:
     """Yield the event of a line around ground, unless it is that of the mean."""
-    if line['is_mean'] or len(line['ring']) < 3:
+    corners = [(place[0], place[1]) for place in line['ring'] if None not in place]
+    if line['is_mean'] or len(corners) < 3:
         return
-    step = math.ceil(len(line['ring']) / MOST_POINTS)
-    ring = tuple((place[0], place[1]) for place in (*line['ring'][::step], line['ring'][-1]))
+    ring = (*corners[:: math.ceil(len(corners) / MOST_POINTS)], corners[-1])
     yield Event(
         uid=uid,
         kind=SHAPE,
@@ -168,6 +172,14 @@ def _marks(picture: Picture, prefix: str) -> Iterator[Event]:
             stale_s=LASTING_STALE_S,
             remarks=f'{one["text"]} ({one["by"]})',
         )
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _xml(text: str) -> str:
+    return _NOT_XML.sub('\ufffd', text)
 
 
 def _known(value: float) -> float:

@@ -52,7 +52,7 @@ class EventTarget:
             context.load_verify_locations(str(path))
             path = self.identity
             # A key that asks for a password would wait for a terminal.
-            context.load_cert_chain(str(path), password=_refuse_password)
+            context.load_cert_chain(str(path), password=refuse_password)
         except (OSError, ValueError) as error:
             reason = getattr(error, 'reason', None) or getattr(error, 'strerror', None) or error
             raise ConsoleError(f'{path}: cannot be used for {self}: {reason}') from error
@@ -85,5 +85,6 @@ def target_of(
     return target
 
 
-def _refuse_password() -> str:
+def refuse_password() -> str:
+    """Refuse to ask for the password of a key; raises `ValueError`."""
     raise ValueError('the key must have no password')

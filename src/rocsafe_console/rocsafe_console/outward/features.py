@@ -3,7 +3,9 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from datetime import datetime, timezone
 from typing import Any
+from urllib.parse import urlencode
 
 from rocsafe_console.picture.picture import Picture
 
@@ -13,6 +15,7 @@ CONFORMANCE = (
     'http://www.opengis.net/spec/ogcapi-features-1/1.0/conf/geojson',
 )
 GEOJSON = 'application/geo+json'
+OPENAPI = 'application/vnd.oai.openapi+json;version=3.0'
 MOST_ITEMS = 10_000
 
 
@@ -23,6 +26,7 @@ def landing_of(base: str) -> dict[str, Any]:
         'description': 'The mission as it is now; WGS84 longitude and latitude.',
         'links': [
             _link(base, 'self', 'application/json'),
+            _link(f'{base}/api', 'service-desc', OPENAPI),
             _link(f'{base}/conformance', 'conformance', 'application/json'),
             _link(f'{base}/collections', 'data', 'application/json'),
         ],
@@ -49,27 +53,132 @@ def collection_of(base: str, name: str) -> dict[str, Any]:
     }
 
 
-def items_of(base: str, name: str, picture: Picture, now_s: float, limit: int) -> dict[str, Any]:
+def items_of(
+    base: str, name: str, picture: Picture, now_s: float, query: Mapping[str, str]
+) -> dict[str, Any]:
     """Return the features of a collection as it is now.
+
+    Parameters
+    ----------
+    query
+        ``limit`` and ``offset``, ``bbox`` (west, south, east, north); ``datetime`` selects
+        nothing, because all is as it is now.
 
     Raises
     ------
     KeyError
         If there is no collection of this name.
     ValueError
-        If `limit` is not within 1 and 10000.
+        If the query makes no sense.
     """
-    if not 1 <= limit <= MOST_ITEMS:
-        raise ValueError(f'limit = {limit}: must be within 1 and {MOST_ITEMS}')
-    _, make = COLLECTIONS[name]
-    features = [{'type': 'Feature', 'id': n, **f} for n, f in enumerate(make(picture, now_s), 1)]
+    limit, offset = int(query.get('limit', MOST_ITEMS)), int(query.get('offset', 0))
+    if limit < 1 or offset < 0:
+        raise ValueError(f'limit = {limit}, offset = {offset}: must be 1 and 0 at least')
+    limit = min(limit, MOST_ITEMS)
+    features = _features(name, picture, now_s)
+    if 'bbox' in query:
+        box = _box_of(query['bbox'])
+        features = [one for one in features if _is_in(box, one['geometry']['coordinates'])]
+    items = f'{base}/collections/{name}/items'
+    links = [_link(items, 'self', GEOJSON)]
+    if offset + limit < len(features):
+        rest = urlencode({**query, 'limit': limit, 'offset': offset + limit})
+        links.append(_link(f'{items}?{rest}', 'next', GEOJSON))
+    found = features[offset : offset + limit]
     return {
         'type': 'FeatureCollection',
-        'features': features[:limit],
+        'features': found,
         'numberMatched': len(features),
-        'numberReturned': min(len(features), limit),
-        'links': [_link(f'{base}/collections/{name}/items', 'self', GEOJSON)],
+        'numberReturned': len(found),
+        'timeStamp': _time_text(now_s),
+        'links': links,
     }
+
+
+def item_of(base: str, name: str, picture: Picture, now_s: float, number: int) -> dict[str, Any]:
+    """Return one feature of a collection; raises `KeyError` if there is none of this number."""
+    found = [one for one in _features(name, picture, now_s) if one['id'] == number]
+    if not found:
+        raise KeyError(f'feature {number} of {name}: there is none')
+    collection = f'{base}/collections/{name}'
+    links = [
+        _link(f'{collection}/items/{number}', 'self', GEOJSON),
+        _link(collection, 'collection', 'application/json'),
+    ]
+    return {**found[0], 'links': links}
+
+
+def definition_of(base: str) -> dict[str, Any]:
+    """Return the definition of the interface (OpenAPI 3.0)."""
+    answer = {'200': {'description': 'as in OGC 17-069r4'}}
+    name = {'name': 'name', 'in': 'path', 'required': True, 'schema': {'type': 'string'}}
+    number = {**name, 'name': 'number', 'schema': {'type': 'integer'}}
+    asked = [
+        {'name': key, 'in': 'query', 'schema': {'type': kind}}
+        for key, kind in (
+            ('limit', 'integer'),
+            ('offset', 'integer'),
+            ('bbox', 'string'),
+            ('datetime', 'string'),
+        )
+    ]
+    collection = '/collections/{name}'
+    paths = {
+        '/': [], '/conformance': [], '/collections': [], collection: [name],
+        f'{collection}/items': [name, *asked], f'{collection}/items/{{number}}': [name, number],
+    }  # fmt: skip
+    return {
+        'openapi': '3.0.3',
+        'info': {'title': 'ROCSAFE', 'version': '1.0'},
+        'servers': [{'url': base}],
+        'paths': {
+            path: {'get': {'parameters': parameters, 'responses': answer}}
+            for path, parameters in paths.items()
+        },
+    }
+
+
+def _features(name: str, picture: Picture, now_s: float) -> list[Feature]:
+    """Return the features of a collection whose places are all known."""
+    _, make = COLLECTIONS[name]
+    return [
+        {'type': 'Feature', 'id': number, **one}
+        for number, one in enumerate(make(picture, now_s), 1)
+        if not any(None in place for place in _places_of(one['geometry']['coordinates']))
+    ]
+
+
+def _box_of(text: str) -> tuple[float, float, float, float]:
+    """Return west, south, east, north of a box of four numbers, or of six with heights."""
+    numbers = [float(part) for part in text.split(',')]
+    if len(numbers) not in (4, 6) or not all(map(math.isfinite, numbers)):
+        raise ValueError(f'bbox = {text[:80]}: must be west,south,east,north')
+    west, south, *_, east, north = numbers if len(numbers) == 4 else (*numbers[:2], *numbers[3:5])
+    return west, south, east, north
+
+
+def _is_in(box: tuple[float, float, float, float], coordinates: list[Any]) -> bool:
+    """Return whether a geometry meets a box; across 180 degrees, west is above east."""
+    west, south, east, north = box
+    places = list(_places_of(coordinates))
+    longitudes, latitudes = [place[0] for place in places], [place[1] for place in places]
+    if not places or min(latitudes) > north or max(latitudes) < south:
+        return False
+    if west > east:
+        return max(longitudes) >= west or min(longitudes) <= east
+    return max(longitudes) >= west and min(longitudes) <= east
+
+
+def _places_of(coordinates: list[Any]) -> Iterator[list[float]]:
+    if coordinates and isinstance(coordinates[0], list):
+        for part in coordinates:
+            yield from _places_of(part)
+    elif coordinates:
+        yield coordinates
+
+
+def _time_text(seconds: float) -> str:
+    return f'{datetime.fromtimestamp(seconds, tz=timezone.utc):%Y-%m-%dT%H:%M:%SZ}'
 
 
 def _vehicles(picture: Picture, now_s: float) -> Iterator[Feature]:
@@ -171,7 +280,7 @@ def _feature(kind: str, coordinates: list[Any], **properties: Any) -> Feature:
 
 def _rings(rings: list[list[list[float]]]) -> list[list[list[float]]]:
     """Return rings of longitude and latitude, closed."""
-    return [[place[::-1] for place in (*ring, ring[0])] for ring in rings]
+    return [[place[::-1] for place in (*ring, ring[0])] for ring in rings if ring]
 
 
 def _link(address: str, relation: str, kind: str) -> dict[str, str]:

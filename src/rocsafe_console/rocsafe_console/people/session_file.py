@@ -15,6 +15,8 @@ from rocsafe_geo.storage.durable import part_of, replace_whole
 from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
 
 NAME = 'console-sessions.json'
+# Some hundred bytes a session.
+LARGEST = 2**20
 
 
 def save_sessions(folder: Path, sessions: Sessions) -> None:
@@ -27,6 +29,6 @@ def save_sessions(folder: Path, sessions: Sessions) -> None:
 def load_sessions(folder: Path, sessions: Sessions, roles: Mapping[str, Role]) -> None:
     """Take over the sessions in a folder, of users who still have their role."""
     try:
-        sessions.restore(json.loads(read_secret(folder / NAME)), roles)
+        sessions.restore(json.loads(read_secret(folder / NAME, LARGEST)), roles)
     except (SecretFileError, ValueError, KeyError, TypeError, AttributeError):
         return

@@ -12,6 +12,8 @@ from rocsafe_console.people.roles import Role
 
 LONGEST_S = 12 * 3600.0
 MOST_SESSIONS = 200
+# Of one user, and as many links: nobody ends the sessions of others by beginning his own.
+MOST_OF_USER = 20
 ATTEMPTS, ATTEMPTS_S = 5, 60.0
 _MOST_KEYS = 10_000
 
@@ -45,7 +47,10 @@ class Sessions:
     def begin(
         self, user: str, role: Role, address: str, now_s: float, *, is_link: bool = False
     ) -> tuple[str, Session]:
-        """Begin a session; return its secret and itself. The oldest ends if there are too many."""
+        """Begin a session; return its secret and itself.
+
+        The user's oldest ends if he has too many, and the oldest of all if there are too many.
+        """
         secret = secrets.token_urlsafe(32)
         key = _key(secret)
         session = Session(
@@ -57,6 +62,9 @@ class Sessions:
             is_link=is_link,
         )
         self._sessions[key] = session
+        own = [k for k, s in self._sessions.items() if (s.user, s.is_link) == (user, is_link)]
+        for one in own[:-MOST_OF_USER]:
+            del self._sessions[one]
         while len(self._sessions) > MOST_SESSIONS:
             del self._sessions[next(iter(self._sessions))]
         return secret, session

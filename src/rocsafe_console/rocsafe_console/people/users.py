@@ -18,6 +18,9 @@ from rocsafe_geo.storage.yaml_source import YamlError, parse_yaml
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9._-]{0,31}')
 _HASH = re.compile(r'\$argon2id\$v=19\$m=\d+,t=\d+,p=\d+\$[A-Za-z0-9+/]+\$[A-Za-z0-9+/]+')
 
+# Some thousand users.
+LARGEST = 2**20
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class User:
@@ -37,10 +40,34 @@ class User:
 
 
 class Users:
-    """The users by name."""
+    """The users by name.
 
-    def __init__(self, users: Mapping[str, User]) -> None:
+    Parameters
+    ----------
+    path
+        Their file; None: they never change.
+    """
+
+    def __init__(self, users: Mapping[str, User], path: Path | None = None) -> None:
         self._users = dict(users)
+        self._path = path
+        self._read_ns = _changed_ns(path)
+
+    def changed(self) -> list[str]:
+        """Read the file again if it is another one; return the users who are not as before.
+
+        A file that cannot be read, or has no user, changes nothing.
+        """
+        now_ns = _changed_ns(self._path)
+        if self._path is None or now_ns == self._read_ns:
+            return []
+        self._read_ns = now_ns
+        try:
+            after = read_users(self._path)
+        except ConsoleError:
+            return []
+        before, self._users = self._users, after or self._users
+        return [name for name, user in before.items() if self._users.get(name) != user]
 
     def __len__(self) -> int:
         return len(self._users)
@@ -56,6 +83,13 @@ class Users:
         return user if right else None
 
 
+def _changed_ns(path: Path | None) -> int:
+    try:
+        return path.stat().st_mtime_ns if path is not None else 0
+    except OSError:
+        return 0
+
+
 def read_users(path: Path) -> dict[str, User]:
     """Return the users in a file.
 
@@ -65,13 +99,15 @@ def read_users(path: Path) -> dict[str, User]:
         Naming the file, and what is wrong with it or with its mode.
     """
     try:
-        content = parse_yaml(read_secret(path).decode(), str(path)) or {}
+        content = parse_yaml(read_secret(path, LARGEST).decode(), str(path)) or {}
         entries = content['users']
         return {
             name: User(name=name, role=Role(entry['role']), password_hash=entry['password_hash'])
             for name, entry in entries.items()
         }
-    except (SecretFileError, YamlError, ValueError) as error:
+    except SecretFileError as error:
+        raise ConsoleError(str(error)) from error
+    except (YamlError, ValueError) as error:
         raise ConsoleError(f'{path}: {error}') from error
     except (KeyError, TypeError, AttributeError) as error:
         raise ConsoleError(

@@ -38,12 +38,19 @@ class Alarm:
 
 
 class Alarms:
-    """The alarms of a mission, the newest last."""
+    """The alarms of a mission, the newest last.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    newest
+        Number of the newest alarm before. No number comes twice: who acknowledges an alarm names
+        the one that he saw, also after another mission or another process has begun.
+    """
+
+    def __init__(self, newest: int = 0) -> None:
         self._alarms: dict[int, Alarm] = {}
         self._newest: dict[tuple[str, str], int] = {}
-        self._count = 0
+        self.newest = newest
 
     def __len__(self) -> int:
         return len(self._alarms)
@@ -53,14 +60,20 @@ class Alarms:
         before = self._alarms.get(self._newest.get((vehicle, text), 0))
         if before is not None and not before.seen_by:
             return None
-        self._count += 1
+        self.newest += 1
         alarm = Alarm(
-            number=self._count, time_s=time_s, severity=severity, vehicle=vehicle, text=text
+            number=self.newest, time_s=time_s, severity=severity, vehicle=vehicle, text=text
         )
         self._alarms[alarm.number] = alarm
         self._newest[vehicle, text] = alarm.number
         self._forget()
         return alarm
+
+    def of(self, number: int) -> Alarm:
+        """Return the alarm of a number; raises `ValueError` if there is none."""
+        if number not in self._alarms:
+            raise ValueError(f'alarm {number}: there is none')
+        return self._alarms[number]
 
     def acknowledge(self, number: int, who: str, time_s: float) -> Alarm:
         """Note that `who` has seen an alarm, and return it; the first who did stays.
@@ -70,9 +83,7 @@ class Alarms:
         ValueError
             If there is none of this number.
         """
-        alarm = self._alarms.get(number)
-        if alarm is None:
-            raise ValueError(f'alarm {number}: there is none')
+        alarm = self.of(number)
         if not alarm.seen_by:
             alarm = self._alarms[number] = replace(alarm, seen_by=who, seen_s=time_s)
         return alarm
@@ -87,4 +98,6 @@ class Alarms:
             return
         seen = (number for number, alarm in self._alarms.items() if alarm.seen_by)
         number = next(seen, next(iter(self._alarms)))
-        del self._alarms[number]
+        gone = self._alarms.pop(number)
+        if self._newest[gone.vehicle, gone.text] == number:
+            del self._newest[gone.vehicle, gone.text]

@@ -8,16 +8,20 @@ near the poles, where UPS would be used, there are no UTM and MGRS.
 import math
 from dataclasses import asdict, dataclass
 from functools import lru_cache
+from itertools import product
 
 from pyproj import Transformer
 
 from rocsafe_geo.position import GeoPosition
 
 _BANDS = 'CDEFGHJKLMNPQRSTUVWX'
+NORTHERN_BANDS = _BANDS[_BANDS.index('N') :]
 _COLUMNS = ('ABCDEFGH', 'JKLMNPQR', 'STUVWXYZ')
 _ROWS = ('ABCDEFGHJKLMNPQRSTUV', 'FGHJKLMNPQRSTUVABCDE')
 _SOUTHERN_LIMIT_DEG, _NORTHERN_LIMIT_DEG = -80.0, 84.0
 _SQUARE_M = 100_000
+# About 40 km, by which grids are printed beyond their zone.
+_OVERLAPS_DEG = (-0.4, 0.0, 0.4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +42,7 @@ def coordinates_of(latitude_deg: float, longitude_deg: float) -> Coordinates:
     ValueError
         If the position is not on the earth.
     """
-    if not (-90.0 <= latitude_deg <= 90.0 and -180.0 <= longitude_deg <= 180.0):
+    if not is_on_earth(latitude_deg, longitude_deg):
         raise ValueError(
             f'latitude {latitude_deg}, longitude {longitude_deg}: must be within -90 and 90, '
             '-180 and 180 degrees'
@@ -52,9 +56,14 @@ def coordinates_of(latitude_deg: float, longitude_deg: float) -> Coordinates:
     )
 
 
+def is_on_earth(latitude_deg: float, longitude_deg: float) -> bool:
+    """Return whether there is such a position; NaN is none."""
+    return -90.0 <= latitude_deg <= 90.0 and -180.0 <= longitude_deg <= 180.0
+
+
 def forms_of(latitude_deg: float, longitude_deg: float) -> dict[str, str] | None:
-    """Return a position in all forms, fit for JSON; None if it is unknown."""
-    if not math.isfinite(latitude_deg + longitude_deg):
+    """Return a position in all forms, fit for JSON; None if it is unknown or impossible."""
+    if not is_on_earth(latitude_deg, longitude_deg):
         return None
     return asdict(coordinates_of(latitude_deg, longitude_deg))
 
@@ -88,7 +97,7 @@ def _grid(latitude_deg: float, longitude_deg: float) -> tuple[str, str]:
     if not _SOUTHERN_LIMIT_DEG <= latitude_deg <= _NORTHERN_LIMIT_DEG:
         return '', ''
     zone = zone_of(latitude_deg, longitude_deg)
-    band = _BANDS[min(int((latitude_deg + 80.0) // 8.0), len(_BANDS) - 1)]
+    band = _band(latitude_deg)
     east, north = _to_utm(zone, band < 'N').transform(longitude_deg, latitude_deg)
     # Truncated and not rounded, as MGRS demands: a square keeps its points.
     east_m, north_m = math.floor(east), max(math.floor(north), 0)
@@ -98,15 +107,42 @@ def _grid(latitude_deg: float, longitude_deg: float) -> tuple[str, str]:
     return f'{zone}{band} {east_m} {north_m}', f'{zone}{band} {column}{row} {square}'
 
 
-def from_utm(zone: int, band: str, east_m: float, north_m: float) -> tuple[float, float]:
-    """Return latitude and longitude of UTM coordinates, degrees; raises `ValueError`."""
+def from_utm(zone: int, bands: str, east_m: float, north_m: float) -> tuple[float, float]:
+    """Return latitude and longitude of UTM coordinates, degrees.
+
+    Parameters
+    ----------
+    bands
+        Letters of MGRS, of which it must be one.
+
+    Raises
+    ------
+    ValueError
+        If they lie outside of the zone or the band: a figure or a letter is wrong, and the place
+        may be a thousand kilometres away.
+    """
     if not 1 <= zone <= 60:
         raise ValueError(f'zone {zone}: must be 1 to 60')
-    to_utm = _to_utm(zone, band < 'N')
+    to_utm = _to_utm(zone, bands < 'N')
     longitude, latitude = to_utm.transform(east_m, north_m, direction='INVERSE')
-    if not math.isfinite(latitude + longitude):
-        raise ValueError(f'UTM {zone}{band} {east_m:g} {north_m:g}: is not on the earth')
+    if not _is_in(zone, bands, latitude, longitude):
+        raise ValueError(f'{east_m:.0f} {north_m:.0f} m are not in zone {zone}, band {bands[0]}')
     return latitude, longitude
+
+
+def _is_in(zone: int, bands: str, latitude_deg: float, longitude_deg: float) -> bool:
+    """Return whether a place lies in a zone and one of some bands, or close to both."""
+    if not _SOUTHERN_LIMIT_DEG <= round(latitude_deg, 3) <= _NORTHERN_LIMIT_DEG:
+        return False
+    latitudes = [latitude_deg + one for one in _OVERLAPS_DEG]
+    wider = 1.0 / math.cos(math.radians(latitude_deg))
+    longitudes = [(longitude_deg + wider * one + 180.0) % 360.0 - 180.0 for one in _OVERLAPS_DEG]
+    zones = {zone_of(*place) for place in product(latitudes, longitudes)}
+    return zone in zones and any(_band(latitude) in bands for latitude in latitudes)
+
+
+def _band(latitude_deg: float) -> str:
+    return _BANDS[min(max(int((latitude_deg + 80.0) // 8.0), 0), len(_BANDS) - 1)]
 
 
 def square_corner_m(zone: int, band: str, column: str, row: str) -> tuple[float, float]:

@@ -83,4 +83,4 @@ def _scaled(value: float, per_unit: float, least: int, unknown: int) -> int:
     """Return `value` in steps of its field, within its limits; the largest is for unknown."""
     if not math.isfinite(value):
         return unknown
-    return max(least, min(round(value * per_unit), unknown - 1))
+    return round(max(float(least), min(value * per_unit, unknown - 1.0)))

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from rocsafe_console.picture.alarms import ERROR, WARN, Alarm, Alarms
-from rocsafe_console.picture.coordinates import forms_of
+from rocsafe_console.picture.coordinates import forms_of, is_on_earth
 from rocsafe_console.picture.frame_bytes import VehicleFrame
 from rocsafe_console.picture.freshness import MissionClock
 from rocsafe_console.picture.gas import GasNow, GasReadings
@@ -20,6 +20,8 @@ from rocsafe_console.picture.vehicle import CRASHED, LOST, Holder, Vehicle, Vehi
 
 MOST_VEHICLES = 1000
 DECISIONS_KEPT = 500
+# 1e12 Sv/h: a fault of a detector.
+IMPOSSIBLE_USVH = 1e18
 PHASES = (
     'starting', 'planning', 'flying', 'collecting', 'mapping', 'reporting', 'complete', 'failed',
     'cancelled', 'driving',
@@ -61,14 +63,15 @@ class Picture:
     Parameters
     ----------
     first_revision
-        Revisions of vehicles begin here: an order that names one of an earlier process is refused.
+        Revisions of vehicles and numbers of alarms begin here: an order that names one of an
+        earlier process is refused.
     sections
         Emptied ones of the picture before.
     """
 
     def __init__(self, first_revision: int = 0, sections: Sections | None = None) -> None:
         self.sections = Sections() if sections is None else sections
-        self.alarms = Alarms()
+        self.alarms = Alarms(first_revision)
         self.gas = GasReadings()
         self.vehicles: dict[str, Vehicle] = {}
         self.clock = MissionClock()
@@ -88,7 +91,8 @@ class Picture:
         """Return an empty picture of another mission; numbers of changes and revisions rise on."""
         self.sections.drop(list(self.sections.after(0)))
         revisions = (vehicle.revision + 1 for vehicle in self.vehicles.values())
-        return Picture(max(revisions, default=self._first_revision), self.sections)
+        first = max(self._first_revision, self.alarms.newest, *revisions)
+        return Picture(first, self.sections)
 
     def on_mission(self, mission: MissionNow, now_s: float) -> None:
         """Take over the state of the mission."""
@@ -132,9 +136,9 @@ class Picture:
             self._heard(vehicle, stamp_s, now_s)
 
     def on_reading(self, reading: Reading, now_s: float) -> None:
-        """Take over a dose rate."""
+        """Take over a dose rate; one that is no possible number is none."""
         vehicle = self.vehicles.get(reading.vehicle)
-        if vehicle is None:
+        if vehicle is None or not abs(reading.dose_rate_usvh) < IMPOSSIBLE_USVH:
             return
         vehicle.dose_rate_usvh = reading.dose_rate_usvh
         vehicle.trend.note(reading.stamp_s, reading.dose_rate_usvh)
@@ -167,7 +171,7 @@ class Picture:
     def on_home(self, name: str, home: tuple[float, float, float]) -> None:
         """Take over where a vehicle returns to: latitude, longitude in degrees, altitude in m."""
         vehicle = self.vehicles.get(name)
-        if vehicle is not None:
+        if vehicle is not None and is_on_earth(*home[:2]):
             vehicle.home = home
             self._tell(vehicle)
 
@@ -260,7 +264,7 @@ class Picture:
     def _place(
         self, vehicle: Vehicle, latitude_deg: float, longitude_deg: float, altitude_m: float
     ) -> None:
-        if not math.isfinite(latitude_deg + longitude_deg):
+        if not is_on_earth(latitude_deg, longitude_deg):
             return
         vehicle.latitude_deg, vehicle.longitude_deg = latitude_deg, longitude_deg
         vehicle.altitude_m = altitude_m

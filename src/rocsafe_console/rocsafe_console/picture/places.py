@@ -4,7 +4,12 @@
 import math
 import re
 
-from rocsafe_console.picture.coordinates import coordinates_of, from_utm, square_corner_m
+from rocsafe_console.picture.coordinates import (
+    NORTHERN_BANDS,
+    coordinates_of,
+    from_utm,
+    square_corner_m,
+)
 
 MOST_LETTERS = 80
 _NUMBER = r'[+-]?\d+(?:\.\d+)?'
@@ -25,6 +30,10 @@ _MGRS = re.compile(
 _MGRS_CLOSED = re.compile(
     r'(\d{1,2})([C-HJ-NP-X])\s*([A-HJ-NP-Z])([A-HJ-NP-V])\s*((?:\d\d){1,5})', re.IGNORECASE
 )
+# As receivers show it: the letters first.
+_LETTERS_FIRST = re.compile(r'([NS])\s*([^NSEW]+?)[\s,;]*([EW])\s*([^NSEW]+)', re.IGNORECASE)
+# Of a decimal comma and of two numbers nobody knows which one is meant.
+_COMMA = re.compile(r'[+-]?\d+,\d+')
 _FORMS = '53.2800, -9.0633; 53°16\u203248\u2033N 9°03\u203248\u2033W; 29U MV 29125 03560'
 
 
@@ -42,6 +51,10 @@ def place_of_text(text: str) -> tuple[float, float]:
         If it is none of these, or not on the earth.
     """
     text = text.strip()[:MOST_LETTERS]
+    if _COMMA.fullmatch(text):
+        raise ValueError(f'place {text!r}: write a point for decimals, and two numbers')
+    if letters := _LETTERS_FIRST.fullmatch(text):
+        text = '{1} {0} {3} {2}'.format(*letters.groups())
     for form, read in (
         (_DMS, _of_dms), (_DECIMAL, _of_decimal), (_MGRS_CLOSED, _of_closed_mgrs),
         (_MGRS, _of_mgrs), (_UTM, _of_utm),
@@ -61,15 +74,23 @@ def _of_decimal(
 
 
 def _of_dms(*parts: str | None) -> tuple[float, float]:
-    latitude, longitude = (
-        _signed(float(d or 0) + float(m or 0) / 60.0 + float(s or 0) / 3600.0, letter)
-        for d, m, s, letter in (parts[:4], parts[4:])
-    )
+    latitude, longitude = (_of_angle(*angle) for angle in (parts[:4], parts[4:]))
     return latitude, longitude
 
 
+def _of_angle(
+    degrees: str | None, minutes: str | None, seconds: str | None, letter: str | None
+) -> float:
+    parts = [float(part or 0) for part in (minutes, seconds)]
+    if max(parts) >= 60.0:
+        raise ValueError(f'{minutes}\u2032 {seconds or 0}\u2033: must be below 60')
+    return _signed(float(degrees or 0) + parts[0] / 60.0 + parts[1] / 3600.0, letter)
+
+
 def _of_utm(zone: str, band: str, east_m: str, north_m: str) -> tuple[float, float]:
-    return from_utm(int(zone), band.upper(), float(east_m), float(north_m))
+    # Programs of maps write N for the northern half, whatever the band.
+    bands = NORTHERN_BANDS if band.upper() == 'N' else band.upper()
+    return from_utm(int(zone), bands, float(east_m), float(north_m))
 
 
 def _of_closed_mgrs(

@@ -2,7 +2,7 @@
 """Parts of the picture that change rarely: each has a version, and is encoded once."""
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 from rocsafe_geo.storage.json_values import finite
@@ -59,3 +59,8 @@ def message_of(texts: Mapping[str, str], kind: str = 'sections') -> str:
     """Return one JSON message that holds sections as they are encoded."""
     parts = ','.join(f'{json.dumps(name)}:{text}' for name, text in texts.items())
     return f'{{"kind":{json.dumps(kind)},"sections":{{{parts}}}}}'
+
+
+def placed(found: Iterable[Mapping[str, Any]]) -> Iterator[Mapping[str, Any]]:
+    """Yield the values of a section whose ``place`` is known: what is not known is None."""
+    return (one for one in found if None not in one['place'])

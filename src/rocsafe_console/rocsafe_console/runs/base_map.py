@@ -93,18 +93,21 @@ class MbTiles:
         self.bounds = _bounds_of(str(facts.get('bounds', '')))
 
     def tile(self, zoom: int, column: int, row: int) -> bytes | None:
-        """Return a tile, None if there is none; rows count from the north."""
-        if not 0 <= zoom <= DEEPEST:
+        """Return a tile, None if there is none or the file is damaged there."""
+        if not 0 <= zoom <= DEEPEST or max(column, row) >= 2**zoom:
             return None
         # MBTiles counts rows from the south.
         place = (zoom, column, 2**zoom - 1 - row)
-        with self._opened() as file:
-            found = file.execute(
-                'SELECT tile_data FROM tiles '
-                'WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?',
-                place,
-            ).fetchone()
-        return None if found is None else bytes(found[0])
+        try:
+            with self._opened() as file:
+                found = file.execute(
+                    'SELECT tile_data FROM tiles '
+                    'WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?',
+                    place,
+                ).fetchone()
+        except sqlite3.Error:
+            return None
+        return found[0] if found is not None and isinstance(found[0], bytes) else None
 
     @contextmanager
     def _opened(self) -> Iterator[sqlite3.Connection]:

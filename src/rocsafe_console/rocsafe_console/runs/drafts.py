@@ -31,6 +31,8 @@ EARLY_END_S = 4.0
 # Tells `rocsafe run` who commands the mission; else it is the user of the machine.
 COMMANDER_VARIABLE = 'ROCSAFE_COMMANDER'
 DRAFTS = 'drafts'
+LAUNCHED = 'launched'
+NOT_APPROVED = 'this is not the plan that was approved: plan and approve it again'
 # A mission that is launched here belongs to nobody else's.
 NOT_PASSED_ON = ('ROCSAFE_SUPERVISOR_PID', 'ROCSAFE_MISSION_TOKEN')
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9_-]{0,60}')
@@ -110,22 +112,23 @@ class Drafts:
         """Run `rocsafe plan`; return its answer, the plan as GeoJSON, and what is approved."""
         out = self._plan_folder(name)
         shutil.rmtree(out, ignore_errors=True)
+        text = self._path(name).read_text(encoding='utf-8')
         step = self._step('plan', str(self._path(name)), '--out', str(out))
         if not step.is_done:
             return step, None, ''
         plan = next(iter(sorted(out.rglob('plan.geojson'))), None)
-        return step, plan and json.loads(plan.read_text()), self.digest(name)
+        return step, plan and json.loads(plan.read_text()), self.digest(name, text)
 
     def preflight(self, name: str) -> Step:
         """Run `rocsafe preflight`."""
         return self._step('preflight', str(self._path(name)), '--wait', '10')
 
-    def digest(self, name: str) -> str:
-        """Return the hash of a draft and its plan; empty: it is not planned."""
+    def digest(self, name: str, text: str) -> str:
+        """Return the hash of the text of a draft and of its plan; empty: it is not planned."""
         plan = next(iter(sorted(self._plan_folder(name).rglob('plan.json'))), None)
         if plan is None:
             return ''
-        return hashlib.sha256(self._path(name).read_bytes() + plan.read_bytes()).hexdigest()
+        return hashlib.sha256(text.encode() + plan.read_bytes()).hexdigest()
 
     def launch(
         self, name: str, approved: str, user: str, confirmed: Sequence[str] = ()
@@ -146,15 +149,25 @@ class Drafts:
         RefusedError
             If the draft or its plan is not the one that was approved, or it is flying.
         """
-        if not approved or approved != self.digest(name):
-            raise RefusedError('this is not the plan that was approved: plan and approve it again')
         if not all(_HASH.fullmatch(one) for one in confirmed):
             raise ValueError('confirm: must be hashes as the log of the mission tells them')
         words = [part for one in confirmed for part in ('--confirm', one)]
-        command = [self._command(), 'run', str(self._path(name)), '--out', str(self._runs), *words]
+        scenario = self._frozen(name, approved)
+        command = [self._command(), 'run', str(scenario), '--out', str(self._runs), *words]
         log = self._path(name).with_suffix('.log')
         environment = {**self._environment, COMMANDER_VARIABLE: user}
         return self._launches.begin(name, command, log, environment, EARLY_END_S)
+
+    def _frozen(self, name: str, approved: str) -> Path:
+        """Return a copy of a draft that was approved: nobody changes what is launched."""
+        path = self._path(name)
+        text = path.read_text(encoding='utf-8')
+        if not approved or approved != self.digest(name, text):
+            raise RefusedError(NOT_APPROVED)
+        copy = path.parent / LAUNCHED / path.name
+        copy.parent.mkdir(exist_ok=True)
+        replace_whole(copy, with_whole_paths(text, path.parent).encode())
+        return copy
 
     def mission(self, name: str) -> Launch:
         """Tell how the mission of a draft stands."""

@@ -12,16 +12,33 @@ const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', 
 const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
 // Rows that are made in one go: the page answers between them.
 const ROWS_AT_ONCE = 12;
+// A wind that was measured longer ago is not the wind now.
+const WIND_OLD_S = 10;
 const M_PER_WORLD = 40075016;
 
-// Replaces children only if the text differs, so that nothing flickers and focus stays.
+// Replaces only what differs, so that nothing flickers, and a press or the focus of a key stays.
 export function fill(element, ...children) {
-  const next = children.flat().filter(Boolean);
-  const text = next.map((child) => (child.outerHTML ?? child)).join('');
-  if (element.dataset.made === text) return;
-  element.dataset.made = text;
-  element.replaceChildren(...next);
+  merge(element, children.flat().filter(Boolean).map((child) => (child.nodeType ? child : document.createTextNode(child))));
 }
+
+function merge(parent, next) {
+  const before = [...parent.childNodes];
+  next.forEach((node, index) => {
+    const old = before[index];
+    if (!old) parent.append(node);
+    else if (old === node || old.isEqualNode(node)) return;
+    else if (isSameKind(old, node)) merge(old, [...node.childNodes]);
+    else {
+      const hasFocus = old === document.activeElement;
+      old.replaceWith(node);
+      if (hasFocus) node.focus?.();
+    }
+  });
+  for (const old of before.slice(next.length)) if (!next.includes(old)) old.remove();
+}
+
+// A button is replaced as a whole: what it does belongs to its text.
+const isSameKind = (old, node) => old.nodeType === Node.ELEMENT_NODE && old.tagName === node.tagName && old.tagName !== 'BUTTON' && old.cloneNode(false).isEqualNode(node.cloneNode(false));
 
 export class Facts {
   constructor(element, link, actions) {
@@ -63,12 +80,17 @@ export class Facts {
     return [make('span', { class: isOld ? 'age old' : 'age', text }), isOld];
   }
 
+  // A button that shows a place on the map.
+  lookButton(latitude, longitude, text) {
+    return make('button', { type: 'button', class: 'link', 'data-place': `${latitude},${longitude}`, onclick: () => this.actions.look(latitude, longitude), text });
+  }
+
   // The worst gas reading of each unit; a mission may measure dose, gas or both.
   gasLines(gas) {
     return gas.flatMap(({ unit, worst, newest }) => {
       const [mark, isOld] = this.ageMark(newest.heard_s);
       const told = (one) => (one.is_below_limit ? t('below_limit') : `${one.is_saturated ? '≥ ' : ''}${t('gas_reading', { value: figures(one.value), unit })}`);
-      const place = make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(worst.latitude_deg, worst.longitude_deg), text: placeText(worst.forms) });
+      const place = this.lookButton(worst.latitude_deg, worst.longitude_deg, placeText(worst.forms));
       return [make('h3', { text: t('fact_gas') }), make('p', { class: 'big', text: told(worst) }),
         make('p', { class: 'line' }, `${t('by_at', { vehicle: worst.vehicle, detector: [worst.sensor, worst.calibration_gas].filter(Boolean).join(', ') })} `, isNumber(worst.latitude_deg) ? place : '', ' ', this.ageMark(worst.heard_s, Infinity)[0]),
         make('p', { class: isOld ? 'line grey' : 'line' }, `${t('fact_now')}: `, make('strong', { text: told(newest) }), ` ${newest.vehicle} `, mark)];
@@ -81,7 +103,7 @@ export class Facts {
     if (!worst) { fill(this.boxes.worst, make('p', { class: 'none', text: t('no_reading') })); return; }
     const [mark, isOld] = this.ageMark(newest.heard_s);
     const now = make('p', { class: isOld ? 'line grey' : 'line' }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
-    const place = make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(worst.latitude_deg, worst.longitude_deg), text: placeText(worst.forms) });
+    const place = this.lookButton(worst.latitude_deg, worst.longitude_deg, placeText(worst.forms));
     const [worstMark] = this.ageMark(worst.heard_s, Infinity);
     fill(this.boxes.worst,
       make('p', { class: 'big', text: doseRate(worst.dose_rate_usvh) }),
@@ -91,18 +113,19 @@ export class Facts {
 
   drawSources(value, gas) {
     const list = (value?.sources ?? []).map((source) => {
-      const size = figures(Math.max(...source.half_axes_m), 2);
-      return make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...source.place), text: t('source_name', { id: source.id }) }), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
+      const size = figures(source.half_axes_m.every(isNumber) ? Math.max(...source.half_axes_m) : NaN, 2);
+      return make('li', {}, this.lookButton(...source.place, t('source_name', { id: source.id })), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
     });
     for (const one of gas?.releases ?? []) {
       const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });
-      list.push(make('li', {}, make('button', { type: 'button', class: 'link', onclick: () => this.actions.look(...one.place), text: t('release_name', { id: one.id }) }), ` ${line}`));
+      list.push(make('li', {}, this.lookButton(...one.place, t('release_name', { id: one.id })), ` ${line}`));
     }
+    const told = (one) => (one ? [' ', this.ageMark(one.heard_s, Infinity)[0]] : []);
     const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text }));
-    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note', text: value.verdict }) : '', gas?.verdict ? make('p', { class: 'note', text: t('gas_verdict', { text: gas.verdict }) }) : '');
+    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note' }, value.verdict, ...told(value)) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: gas.verdict }), ...told(gas)) : '');
   }
 
-  drawZones({ cordons, wind, zones: gas, releases }) {
+  drawZones({ cordons, wind, zones: gas, releases, cordons_heard_s: heard, zones_heard_s: gasHeard }) {
     const zones = new Map();
     for (const one of cordons ?? []) {
       const key = `${one.level_usvh} ${one.is_mean}`;
@@ -113,13 +136,14 @@ export class Facts {
     const rows = [...zones.values()].filter((one) => !one.is_mean).sort((a, b) => b.level_usvh - a.level_usvh)
       .map((one) => make('li', { text: t('zone_line', { level: doseRate(one.level_usvh), radius: figures(one.radius, 2) }) }));
     rows.push(...gasZones(gas ?? [], releases?.releases?.[0]?.place));
-    const list = rows.length ? make('ul', {}, ...rows, make('li', { class: 'note', text: t('zone_upper') })) : make('p', { class: 'none', text: t('no_zone') });
+    const list = rows.length ? make('ul', {}, ...rows, make('li', { class: 'note' }, `${t('zone_upper')} `, this.ageMark(Math.min(heard ?? Infinity, gasHeard ?? Infinity), Infinity)[0])) : make('p', { class: 'none', text: t('no_zone') });
     let line = make('p', { class: 'none', text: t('no_wind') });
     if (wind) {
       const arrow = make('span', { class: 'wind-arrow', text: '↓', 'aria-hidden': 'true' });
       arrow.style.transform = `rotate(${wind.from_deg}deg)`;
       const from = `${Math.round(wind.from_deg)}`;
-      line = make('p', { class: 'line' }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${COMPASS[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })}`);
+      const [mark, isOld] = this.ageMark(wind.heard_s, WIND_OLD_S);
+      line = make('p', { class: isOld ? 'line grey' : 'line' }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${COMPASS[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })} `, mark);
     }
     fill(this.boxes.zones, list, make('h3', { text: t('fact_wind') }), line);
   }
@@ -174,7 +198,7 @@ export class Facts {
   drawVehicles(facts) {
     const box = this.boxes.vehicles;
     if (!this.link.vehicles.size) { fill(box, make('p', { class: 'none', text: t('no_vehicle') })); this.rows.clear(); return; }
-    if (!this.rows.size) { delete box.dataset.made; box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
+    if (!this.rows.size) { box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
     for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
     let room = ROWS_AT_ONCE;
     for (const vehicle of this.link.vehicles.values()) {

@@ -5,6 +5,8 @@ const HEAD_BYTES = 24;
 const VEHICLE_BYTES = 24;
 const SILENT_S = 3;
 const MOST_WAIT_S = 1;
+// Of a command that plans; a server that says nothing for longer is gone.
+const LONGEST_S = 150;
 
 export function readFrame(buffer) {
   const view = new DataView(buffer);
@@ -123,9 +125,9 @@ export class Link extends EventTarget {
 }
 
 // A request to the server; a refusal is an Error with its reason.
-export async function ask(path, body) {
+export async function ask(path, body, deadline = LONGEST_S) {
   const options = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
-  const answer = await fetch(path, { credentials: 'same-origin', ...options });
+  const answer = await fetch(path, { credentials: 'same-origin', signal: AbortSignal.timeout(deadline * 1000), ...options });
   const content = await answer.json().catch(() => ({}));
   if (!answer.ok) throw Object.assign(new Error(content.error ?? answer.statusText), { status: answer.status });
   return content;

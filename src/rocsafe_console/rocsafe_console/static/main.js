@@ -135,6 +135,7 @@ const { access } = link.sections;
 });
 
 // Whether it is live, told by the word and the colour, twice a second.
+let wasOld = true;
 setInterval(() => {
   link.watch();
   const isLive = link.isLive;
@@ -142,6 +143,10 @@ setInterval(() => {
   const missionAge = link.now - (link.sections.mission_heard_s ?? -Infinity);
   const isOver = ['complete', 'failed', 'cancelled'].includes(link.sections.mission?.phase);
   const isMissionOld = isLive && link.sections.mission && !isOver && missionAge > MISSION_SILENT_S;
+  // Who does not look hears that what he would see is old.
+  const isOld = !isLive || Boolean(isMissionOld);
+  if (isOld && !wasOld) sound.play('critical');
+  wasOld = isOld;
   const pulse = $('#pulse');
   const word = t(isLive ? 'live' : 'not_live');
   if (pulse.textContent !== word) pulse.textContent = word;

@@ -144,7 +144,10 @@ export class MissionMap {
   onSections({ names, isHello }) {
     if (this.source) return;
     if (isHello) this.readTracks(this.link.sections.tracks ?? {});
-    if (isHello || names.includes('mission')) { this.isFitted = false; if (isHello) this.images = {}; }
+    if (isHello) this.images = {};
+    // The map moves by itself for another mission only: not under the hand of somebody.
+    const mission = this.link.sections.mission?.id;
+    if (mission !== this.mission) { this.mission = mission; this.isFitted = false; }
     this.drawSections(isHello ? null : new Set(names));
   }
 

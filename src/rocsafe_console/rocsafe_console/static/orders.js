@@ -8,6 +8,10 @@ const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], [
 // Of the whole mission, whatever is selected.
 const OF_ALL = new Set(['replan']);
 const TOUCH_S = 0.6;
+// An answer that is lost is asked for again: the server sends an order once.
+// The server gives up after seven.
+const ANSWER_S = 10;
+const ASK_AGAIN_S = [0.5, 1, 2, 4];
 const OUTCOMES = { refused: 'outcome_refused', 'no answer': 'outcome_silent', 'state has changed': 'outcome_stale' };
 
 export const newId = () => [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -76,8 +80,10 @@ export class Orders {
       pressed = setTimeout(send, TOUCH_S * 1000);
     });
     for (const name of ['pointerup', 'pointercancel', 'pointerleave']) confirm.addEventListener(name, () => { clearTimeout(pressed); confirm.classList.remove('pressing'); });
+    // A double click, or a key that is kept down, is one decision and not two.
+    confirm.addEventListener('keydown', (event) => { if (event.repeat) event.preventDefault(); });
     confirm.addEventListener('contextmenu', (event) => event.preventDefault());
-    confirm.addEventListener('click', () => { if (confirm.dataset.touch) { delete confirm.dataset.touch; confirm.textContent = t('confirm_touch', words); } else send(); });
+    confirm.addEventListener('click', (event) => { if (event.detail > 1) return; if (confirm.dataset.touch) { delete confirm.dataset.touch; confirm.textContent = t('confirm_touch', words); } else send(); });
     this.bar.replaceChildren(confirm, cancel, left, ...(armed.drive ? [make('span', { class: 'order-offer', text: driveText(armed.drive) })] : []));
     this.onOffer?.(armed.drive ?? null);
     confirm.focus();
@@ -95,12 +101,30 @@ export class Orders {
     if (armed.isSent) return;
     armed.isSent = true;
     this.bar.replaceChildren(make('span', { class: 'order-for', text: t('sending') }));
+    const verb = t(`verb_${armed.verb}`);
     try {
-      const { results } = await ask(`/api/orders/${armed.id}/confirm`, {});
+      const { results, unlogged } = await this.confirmed(armed.id);
       const done = results.filter((one) => one.outcome === 'done').length;
-      this.tell(results, t('sent', { verb: t(`verb_${armed.verb}`), done, all: results.length }));
-    } catch (error) { this.tell([], t('refused', { why: error.message })); }
+      this.tell(results, [t('sent', { verb, done, all: results.length }), unlogged ? t('unlogged', { why: unlogged }) : ''].join(' '));
+    } catch (error) { this.tell([], error.isUnknown ? t('sent_unknown', { verb }) : t('refused', { why: error.message })); }
     this.disarm();
+  }
+
+  // The results of an order, asked for until they are known. What was sent once may have been
+  // obeyed: no later refusal takes that back.
+  async confirmed(id) {
+    let isUnknown = false;
+    for (const wait of [...ASK_AGAIN_S, 0]) {
+      try {
+        const answer = await ask(`/api/orders/${id}/confirm`, {}, ANSWER_S);
+        if (answer.results) return answer;
+      } catch (error) {
+        if (error.status) throw Object.assign(error, { isUnknown });
+      }
+      isUnknown = true;
+      await new Promise((resolve) => { setTimeout(resolve, wait * 1000); });
+    }
+    throw Object.assign(new Error(), { isUnknown });
   }
 
   disarm() {

@@ -99,8 +99,8 @@ export class Runs {
   // Hashes all files of a run, which takes seconds.
   async verify(name, button) {
     await this.told(button, async () => {
-      const { faults, seal, signer } = await ask(`/api/runs/${encodeURIComponent(name)}/verify`);
-      const whole = `${t('run_whole', { seal })}, ${signer ? t('run_signed', { signer }) : t('run_unsigned')}`;
+      const { faults, seal, signer, notes } = await ask(`/api/runs/${encodeURIComponent(name)}/verify`);
+      const whole = `${t('run_whole', { seal })}, ${[signer ? t('run_signed', { signer }) : t('run_unsigned'), ...notes].join('; ')}`;
       return faults.length ? t('run_changed', { what: faults.join('; ') }) : whole;
     });
   }

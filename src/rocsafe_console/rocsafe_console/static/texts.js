@@ -27,7 +27,7 @@ export const TEXTS = {
   drive_offer: '{vehicle} drives {time} (at least {bound}), {dose}, in 95 of 100 cases below {upper}', drive_left_out: 'not reached: {what}', drive_line: 'route: {time}, {dose}, 95 %: {upper} of {budget}',
   verb_mark: 'Mark', orders_for: 'For {what}', orders_for_live: 'Live mission, for {what}', orders_all: 'all {count} vehicles', orders_none: 'no vehicle',
   confirm: 'Confirm: {verb} {what}', confirm_touch: 'Keep pressed: {verb} {what}', cancel: 'Cancel', confirm_left: '{seconds} s',
-  sending: 'sending …', sent: '{verb}: {done} of {all} done', results: 'Results', close: 'Close',
+  sending: 'sending …', sent: '{verb}: {done} of {all} done', sent_unknown: '{verb}: no answer from the server. The vehicles may have obeyed: look at them.', unlogged: 'The outcome is not in the evidence log: {why}', results: 'Results', close: 'Close',
   login_name: 'Name', login_password: 'Password', login_go: 'Log in', login_token: 'Open the address that the console printed: it has the token.',
   login_title: 'ROCSAFE console', who: '{user}, {role}', revoked: 'Your session has ended.',
   copy: 'Copy', mark_text: 'What is here?', mark_save: 'Mark as evidence', place_go_to: 'Send {vehicle} here', place_height: 'Height, m',

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the handlers of requests work with."""
 
+import asyncio
 import contextlib
+import math
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
 from aiohttp import web
 
+from rocsafe_console.errors import TooManyError
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
 from rocsafe_console.outward.event_target import EventTarget
@@ -21,7 +25,7 @@ from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
 from rocsafe_geo.storage.evidence_log import Event
 
-# Orders of one session; a person cannot click faster.
+# Orders, marks and links of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0
 
 
@@ -100,6 +104,8 @@ class Context:
         Of the commands that are run for the page.
     fleet
         None until ROS has started.
+    log_thread
+        Writes the evidence logs, one event after the other.
     """
 
     options: WebOptions
@@ -111,19 +117,34 @@ class Context:
     base_map: BaseMap | None = None
     environment: Mapping[str, str] = field(default_factory=dict)
     fleet: Fleet | None = None
+    log_thread: ThreadPoolExecutor = field(default_factory=lambda: ThreadPoolExecutor(1, 'log'))
     sessions: Sessions = field(default_factory=Sessions)
     orders: OrderBook = field(default_factory=OrderBook)
     logins: AttemptLimit = field(default_factory=AttemptLimit)
     order_rate: AttemptLimit = field(default_factory=lambda: AttemptLimit(ORDERS, ORDERS_S))
+
+    def end_former(self) -> None:
+        """End the sessions of users whom `rocsafe users` has removed or changed."""
+        former = self.users.changed()
+        for session in self.sessions.all(self.clock()):
+            if session.user in former:
+                self.sessions.end(session.public_id)
+        if former:
+            self.save_sessions()
 
     def save_sessions(self) -> None:
         """Keep the sessions for the next process; what hinders it costs a log-in, no more."""
         with contextlib.suppress(OSError):
             save_sessions(self.options.runs, self.sessions)
 
-    def write(self, kind: str, by: str, run: str = '', /, **what: object) -> None:
-        """Write to the evidence log of a run, or the running mission: on disk on return."""
-        self.desk.write(Event(time_s=self.clock(), kind=kind, by=by, what=what), run)
+    async def write(self, kind: str, by: str, run: str = '', /, **what: object) -> None:
+        """Write to the evidence log of a run, or the running mission: on disk on return.
+
+        A slow disk holds up neither the picture nor other requests.
+        """
+        event = Event(time_s=self.clock(), kind=kind, by=by, what=what)
+        loop = asyncio.get_running_loop()
+        await loop.run_in_executor(self.log_thread, self.desk.write, event, run)
 
     @property
     def mission(self) -> str:
@@ -146,6 +167,15 @@ def session_of(request: web.Request, action: Action) -> Session:
     session = request[SESSION]
     require(session.role, action)
     return session
+
+
+def limited(request: web.Request, session: Session) -> None:
+    """Count a request of a session; raises `TooManyError` if no person can be so fast."""
+    context = context_of(request)
+    now_s = context.clock()
+    if wait_s := context.order_rate.wait_s(session.public_id, now_s):
+        raise TooManyError(f'too many requests: wait {math.ceil(wait_s)} s')
+    context.order_rate.note(session.public_id, now_s)
 
 
 def mission_session(request: web.Request, action: Action, run: str = '') -> Session:

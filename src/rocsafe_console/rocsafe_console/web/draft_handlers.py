@@ -2,7 +2,11 @@
 """Handlers of new missions: draw, check, plan, approve, launch."""
 
 import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
+from functools import partial
+from typing import ParamSpec, TypeVar
 
 from aiohttp import web
 
@@ -15,6 +19,10 @@ from rocsafe_console.web.guards import body_of
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
 DRAFTS: web.AppKey[Drafts] = web.AppKey('drafts', Drafts)
+# A plan takes up to two minutes: other requests, log-ins among them, do not wait for it.
+STEPS = ThreadPoolExecutor(max_workers=2, thread_name_prefix='step')
+Arguments = ParamSpec('Arguments')
+Answer = TypeVar('Answer')
 
 
 async def list_drafts(request: web.Request) -> web.Response:
@@ -46,8 +54,8 @@ async def save_draft(request: web.Request) -> web.Response:
     session = session_of(request, Action.DRAFT)
     drafts, name = request.app[DRAFTS], str(body['name'])
     text = drafts.save(name, str(body['text']), dict(body.get('drawn') or {}))
-    context.write('draft', session.user, name=name)
-    step = await asyncio.to_thread(drafts.check, name)
+    await context.write('draft', session.user, name=name)
+    step = await _step(drafts.check, name)
     outline = await asyncio.to_thread(drafts.outline, text)
     return web.json_response({**asdict(step), 'scenario': text, 'outline': outline})
 
@@ -56,14 +64,14 @@ async def plan_draft(request: web.Request) -> web.Response:
     """Plan a draft; the answer has what is to be approved."""
     session_of(request, Action.DRAFT)
     drafts, name = request.app[DRAFTS], request.match_info['name']
-    step, plan, digest = await asyncio.to_thread(drafts.plan, name)
+    step, plan, digest = await _step(drafts.plan, name)
     return web.json_response({**asdict(step), 'plan': plan, 'approve': digest})
 
 
 async def preflight_draft(request: web.Request) -> web.Response:
     """Look at the real vehicles of a draft; nothing is commanded."""
     session_of(request, Action.DRAFT)
-    step = await asyncio.to_thread(request.app[DRAFTS].preflight, request.match_info['name'])
+    step = await _step(request.app[DRAFTS].preflight, request.match_info['name'])
     return web.json_response(asdict(step))
 
 
@@ -74,13 +82,15 @@ async def launch_draft(request: web.Request) -> web.Response:
     name, approved = request.match_info['name'], str(body.get('approved', ''))
     confirmed = [str(one) for one in body.get('confirm', [])]
     try:
-        context.write('launch', session.user, name=name, approved=approved, confirmed=confirmed)
+        await context.write(
+            'launch', session.user, name=name, approved=approved, confirmed=confirmed
+        )
     except (OSError, EvidenceError) as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
     launch = await asyncio.to_thread(
         request.app[DRAFTS].launch, name, approved, session.user, confirmed
     )
-    context.write('outcome', session.user, name=name, **asdict(launch))
+    await context.write('outcome', session.user, name=name, **asdict(launch))
     return web.json_response(asdict(launch))
 
 
@@ -95,6 +105,14 @@ async def end_mission(request: web.Request) -> web.Response:
     """End the mission of a draft; it is written to the evidence log first."""
     context, name = context_of(request), request.match_info['name']
     session = mission_session(request, Action.END)
-    context.write('end', session.user, name=name)
+    await context.write('end', session.user, name=name)
     request.app[DRAFTS].end(name)
     return web.json_response({})
+
+
+async def _step(
+    work: Callable[Arguments, Answer], *given: Arguments.args, **more: Arguments.kwargs
+) -> Answer:
+    """Do a command of a draft in a thread that does nothing else."""
+    loop = asyncio.get_running_loop()
+    return await loop.run_in_executor(STEPS, partial(work, *given, **more))

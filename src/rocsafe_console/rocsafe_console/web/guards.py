@@ -2,12 +2,12 @@
 """What every request must pass: host, origin, form and session; and what every answer says."""
 
 import json
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from aiohttp import web
 
-from rocsafe_console.errors import ConsoleError, RefusedError
+from rocsafe_console.errors import ConsoleError, RefusedError, TooManyError
 from rocsafe_console.web.context import SESSION, WebOptions, context_of
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
@@ -33,6 +33,12 @@ HEADERS = {
     'Permissions-Policy': 'camera=(), microphone=(), geolocation=()',
     'Cache-Control': 'no-store',
 }
+# Of refusals, by the first kind that fits; an error of the system is mostly a full disk.
+STATUSES: Mapping[type[Exception], int] = {
+    TooManyError: 429, RefusedError: 403, ConsoleError: 404, FileNotFoundError: 404,
+    EvidenceError: 503, OSError: 503,
+    ValueError: 400, LookupError: 400, TypeError: 400, ArithmeticError: 400, AttributeError: 400,
+}  # fmt: skip
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -48,18 +54,13 @@ async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
     try:
         refusal = _refusal(request)
         answer = refusal if refusal is not None else await handler(request)
-    except RefusedError as error:
-        answer = refused(403, str(error))
-    except ConsoleError as error:
-        answer = refused(404, str(error))
-    except EvidenceError as error:
-        answer = refused(503, str(error))
     except RecursionError:
         answer = refused(400, 'the body is nested too deeply')
-    except (ValueError, KeyError, TypeError, ArithmeticError) as error:
-        answer = refused(400, str(error))
     except web.HTTPException as error:
         answer = refused(error.status, error.reason)
+    except tuple(STATUSES) as error:
+        status = next(code for kind, code in STATUSES.items() if isinstance(error, kind))
+        answer = refused(status, str(error) or type(error).__name__)
     if not answer.prepared:
         for name, value in HEADERS.items():
             answer.headers.setdefault(name, value)
@@ -96,6 +97,7 @@ def _refusal(request: web.Request) -> web.Response | None:
     if not (is_link or request.path.startswith('/api/')) or request.path in OPEN:
         return None
     cookie = request.cookies.get(context.options.cookie, '')
+    context.end_former()
     # A link is for programs that cannot log in; it opens nothing else.
     secret = request.path.split('/')[2] if is_link else cookie
     session = context.sessions.of_secret(secret, context.clock())

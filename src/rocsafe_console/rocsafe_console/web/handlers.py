@@ -26,13 +26,15 @@ from rocsafe_console.runs.run_folder import (
 from rocsafe_console.web.context import (
     Context,
     context_of,
+    limited,
     local_session,
     mission_session,
     session_of,
 )
 from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
+from rocsafe_geo.storage.evidence_log import line_of
 
-MOST_TEXT = 500
+MOST_TEXT, MOST_MARKS = 500, 1000
 
 
 async def hello(request: web.Request) -> web.Response:
@@ -50,6 +52,7 @@ async def log_in(request: web.Request) -> web.Response:
     context, body = context_of(request), await body_of(request)
     name, password = str(body.get('name', '')), str(body.get('password', ''))
     address, now_s = request.remote or '', context.clock()
+    context.end_former()
     wait_s = max(context.logins.wait_s(key, now_s) for key in (f'n {name}', f'a {address}'))
     if wait_s:
         return refused(429, f'too many attempts: wait {math.ceil(wait_s)} s')
@@ -58,10 +61,10 @@ async def log_in(request: web.Request) -> web.Response:
     # Argon2 takes a tenth of a second and 64 MiB; the loop must not wait for it.
     user = await asyncio.to_thread(context.users.log_in, name, password)
     if user is None:
-        context.write('login', name[:64], address=address, outcome='refused')
+        await context.write('login', name[:64], address=address, outcome='refused')
         return refused(401, 'the name or the password is not right')
     context.logins.forgive(f'n {name}')
-    context.write('login', user.name, address=address, outcome='done', role=user.role.value)
+    await context.write('login', user.name, address=address, outcome='done', role=user.role.value)
     begun = context.sessions.begin(user.name, user.role, address, context.clock())
     return _with_cookie(context, *begun)
 
@@ -78,7 +81,7 @@ async def use_token(request: web.Request) -> web.Response:
         return refused(
             401, 'the token is not right: take the address that the console has printed'
         )
-    context.write('login', context.options.token_user, address=address, outcome='done')
+    await context.write('login', context.options.token_user, address=address, outcome='done')
     return _with_cookie(context, *local_session(context, address))
 
 
@@ -87,7 +90,7 @@ async def log_out(request: web.Request) -> web.Response:
     context, session = context_of(request), session_of(request, Action.SEE)
     context.sessions.end(session.public_id)
     context.save_sessions()
-    context.write('logout', session.user)
+    await context.write('logout', session.user)
     answer = web.json_response({})
     answer.del_cookie(context.options.cookie)
     return answer
@@ -108,7 +111,7 @@ async def revoke(request: web.Request) -> web.Response:
     """End somebody's session."""
     context, session = context_of(request), session_of(request, Action.REVOKE)
     public_id = request.match_info['id']
-    context.write('revoke', session.user, session=public_id)
+    await context.write('revoke', session.user, session=public_id)
     if not context.sessions.end(public_id):
         raise ConsoleError(f'session {public_id}: there is none')
     context.save_sessions()
@@ -120,8 +123,10 @@ async def acknowledge(request: web.Request) -> web.Response:
     context, session = context_of(request), mission_session(request, Action.ACKNOWLEDGE)
     number = int(request.match_info['number'])
     with context.live.lock:
-        alarm = context.live.picture.acknowledge(number, session.user, context.clock())
-    context.write('acknowledge', session.user, alarm=alarm.text, number=number)
+        alarm = context.live.picture.alarms.of(number)
+    await context.write('acknowledge', session.user, alarm=alarm.text, number=number)
+    with context.live.lock:
+        context.live.picture.acknowledge(number, session.user, context.clock())
     return web.json_response({})
 
 
@@ -129,12 +134,17 @@ async def mark(request: web.Request) -> web.Response:
     """Mark a place as evidence, with a note."""
     context, body = context_of(request), await body_of(request)
     session = mission_session(request, Action.MARK)
+    limited(request, session)
     latitude_deg, longitude_deg = float(body['latitude_deg']), float(body['longitude_deg'])
     forms, text = coordinates_of(latitude_deg, longitude_deg), str(body.get('text', ''))
     if not text.strip() or len(text) > MOST_TEXT:
         raise ValueError(f'text has {len(text)} letters: must have 1 to {MOST_TEXT}')
+    with context.live.lock:
+        sections = context.live.picture.sections
+        if len(sections.value('marks') or []) >= MOST_MARKS:
+            raise ValueError(f'marks: there are {MOST_MARKS} already, which is the most')
     place = {'latitude_deg': latitude_deg, 'longitude_deg': longitude_deg, 'datum': 'WGS84'}
-    context.write('mark', session.user, **place, mgrs=forms.mgrs, text=text)
+    await context.write('mark', session.user, **place, mgrs=forms.mgrs, text=text)
     with context.live.lock:
         sections = context.live.picture.sections
         marks = sections.value('marks') or []
@@ -208,7 +218,7 @@ async def assign(request: web.Request) -> web.Response:
     unknown = context.users.unknown((access.commander, *access.members))
     if unknown:
         raise ValueError(f'user {unknown[0]!r}: there is none')
-    context.write('assign', session.user, run.name, mission=run.name, **asdict(access))
+    await context.write('assign', session.user, run.name, mission=run.name, **asdict(access))
     context.missions.put(run.name, access)
     return web.json_response({})
 
@@ -217,7 +227,9 @@ async def replay(request: web.Request) -> web.Response:
     """Send what the page needs to replay a run."""
     run = run_in(context_of(request).options.runs, request.match_info['run'])
     mission_session(request, Action.SEE, run.name)
-    return web.json_response(await asyncio.to_thread(replay_of, run))
+    # Megabytes: encoded in the thread, too.
+    text = await asyncio.to_thread(lambda: line_of(replay_of(run)))
+    return web.Response(body=text, content_type='application/json')
 
 
 async def run_file(request: web.Request) -> web.StreamResponse:

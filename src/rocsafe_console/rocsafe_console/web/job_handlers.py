@@ -37,7 +37,7 @@ async def begin_job(request: web.Request) -> web.Response:
     context, jobs = context_of(request), request.app[JOBS]
     # What is not there is refused before it is logged.
     KINDS[kind].words(jobs.folders, name)
-    context.write(kind, session.user, name if KINDS[kind].is_of_run else '', name=name)
+    await context.write(kind, session.user, name if KINDS[kind].is_of_run else '', name=name)
     job = await asyncio.to_thread(jobs.begin, kind, name, session.user)
     return web.json_response(asdict(job))
 
@@ -51,7 +51,7 @@ async def look_at_job(request: web.Request) -> web.Response:
 async def end_job(request: web.Request) -> web.Response:
     """End a command; it is written to the evidence log first."""
     kind, name, session = _job(request)
-    context_of(request).write('end', session.user, name=f'{kind} {name}')
+    await context_of(request).write('end', session.user, name=f'{kind} {name}')
     request.app[JOBS].end(kind, name)
     return web.json_response({})
 

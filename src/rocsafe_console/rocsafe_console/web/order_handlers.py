@@ -2,7 +2,6 @@
 """Handlers of orders: prepared by a first request, confirmed and sent by a second."""
 
 import asyncio
-import math
 from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, TypeVar
@@ -10,15 +9,22 @@ from typing import Any, TypeVar
 from aiohttp import web
 
 from rocsafe_console.errors import RefusedError
-from rocsafe_console.orders.order_book import TARGETS, Order, Result, stale
+from rocsafe_console.orders.order_book import TARGETS, Order, Outcome, Result, stale
 from rocsafe_console.people.roles import Action
-from rocsafe_console.web.context import Context, Fleet, context_of, mission_session, session_of
-from rocsafe_console.web.guards import body_of, refused
+from rocsafe_console.web.context import (
+    Context,
+    context_of,
+    limited,
+    mission_session,
+    session_of,
+)
+from rocsafe_console.web.guards import body_of
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
 ORDER_S = 7.0
 # Of a search for a way; large maps take some seconds.
 DRIVE_PLAN_S = 20.0
+NO_ROS = 'ROS has not started yet'
 Found = TypeVar('Found')
 Planned = tuple[dict[str, Any] | None, str]
 
@@ -28,10 +34,7 @@ async def prepare_order(request: web.Request) -> web.Response:
     context, body = context_of(request), await body_of(request)
     verb = Action(body['verb'])
     session = mission_session(request, verb)
-    now_s = context.clock()
-    if wait_s := context.order_rate.wait_s(session.public_id, now_s):
-        return refused(429, f'too many orders: wait {math.ceil(wait_s)} s')
-    context.order_rate.note(session.public_id, now_s)
+    limited(request, session)
     target, kind = body.get('target'), TARGETS.get(verb)
     if target and kind is None:
         raise ValueError(f'target: {verb.value} has none')
@@ -64,33 +67,55 @@ async def confirm_order(request: web.Request) -> web.Response:
     if order is None:
         return await _results(context, request_id)
     mission_session(request, order.verb)
-    with context.live.lock:
-        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
-    left_out = stale(order, revisions)
-    names = tuple(order.revisions.keys() - {result.vehicle for result in left_out})
+    left_out, names = _addressees(context, order)
     try:
-        context.write('order', order.user, **_order_plain(order, names))
+        await context.write('order', order.user, **_order_plain(order, names))
     except (OSError, EvidenceError) as error:
-        context.orders.finish(request_id, ())
-        raise RefusedError(
-            f'nothing was sent: the evidence log cannot be written: {error}'
-        ) from error
+        text = f'nothing was sent: the evidence log cannot be written: {error}'
+        context.orders.finish(request_id, (*left_out, *_all(names, Outcome.REFUSED, text)))
+        raise RefusedError(text) from error
+    # The disk may have taken long.
+    left_out, names = _addressees(context, order)
     results = (*left_out, *(await _sent(context, order, names) if names else ()))
     plain = [_result_plain(result) for result in results]
     context.orders.finish(request_id, results)
-    context.write('outcome', order.user, request_id=request_id, results=plain)
-    return web.json_response({'results': plain})
+    answer: dict[str, Any] = {'results': plain}
+    try:
+        await context.write('outcome', order.user, request_id=request_id, results=plain)
+    except (OSError, EvidenceError) as error:
+        # The vehicles have done it: that is told, whatever the disk does.
+        answer['unlogged'] = str(error)
+    return web.json_response(answer)
+
+
+def _addressees(context: Context, order: Order) -> tuple[tuple[Result, ...], tuple[str, ...]]:
+    """Return the vehicles that have moved on since they were seen, and those that are left."""
+    with context.live.lock:
+        revisions = {name: v.revision for name, v in context.live.picture.vehicles.items()}
+    left_out = stale(order, revisions)
+    return left_out, tuple(order.revisions.keys() - {result.vehicle for result in left_out})
 
 
 async def _sent(context: Context, order: Order, names: tuple[str, ...]) -> tuple[Result, ...]:
     """Send an order and return the results of all vehicles."""
-    fleet = _fleet(context)
-    return await _answer_of(lambda finish: fleet.send_order(order, names, finish), ORDER_S)
+    fleet = context.fleet
+    if fleet is None:
+        return _all(names, Outcome.REFUSED, NO_ROS)
+    try:
+        return await _answer_of(lambda finish: fleet.send_order(order, names, finish), ORDER_S)
+    except asyncio.TimeoutError:
+        return _all(names, Outcome.SILENT, f'no answer within {ORDER_S:g} s')
+
+
+def _all(names: tuple[str, ...], outcome: Outcome, text: str) -> tuple[Result, ...]:
+    return tuple(Result(vehicle=name, outcome=outcome, text=text) for name in sorted(names))
 
 
 async def _planned_drive(context: Context, order: Order) -> dict[str, Any]:
     """Return the drive that is offered for an order; `RefusedError` if there is no way."""
-    fleet = _fleet(context)
+    fleet = context.fleet
+    if fleet is None:
+        raise RefusedError(NO_ROS)
 
     def ask(settle: Callable[[Planned], None]) -> None:
         fleet.plan_drive(order, lambda drive, why: settle((drive, why)))
@@ -118,12 +143,6 @@ async def _answer_of(ask: Callable[[Callable[[Found], None]], None], limit_s: fl
 
     ask(on_answer)
     return await asyncio.wait_for(future, limit_s)
-
-
-def _fleet(context: Context) -> Fleet:
-    if context.fleet is None:
-        raise RefusedError('ROS has not started yet')
-    return context.fleet
 
 
 async def _results(context: Context, request_id: str) -> web.Response:

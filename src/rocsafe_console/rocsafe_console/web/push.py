@@ -140,6 +140,7 @@ class Pusher:
         live = self._context.live
         with live.lock:
             if is_refresh:
+                self._context.end_former()
                 live.picture.refresh()
                 access = self._context.missions.of(self._context.mission)
                 live.picture.sections.put('access', asdict(access))

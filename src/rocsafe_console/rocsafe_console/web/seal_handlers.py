@@ -6,7 +6,7 @@ import asyncio
 from aiohttp import web
 
 from rocsafe_console.errors import RefusedError
-from rocsafe_console.evidence.seal import seal_run, seals_of, signer_of, verify_run
+from rocsafe_console.evidence.seal import notes_of, seal_run, seals_of, signer_of, verify_run
 from rocsafe_console.evidence.signing import code_version, usual_key
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.run_folder import is_flying, run_in
@@ -25,9 +25,11 @@ async def verify(request: web.Request) -> web.Response:
     async with request.app[SEALING]:
         faults = await asyncio.to_thread(verify_run, run)
     seals = seals_of(run)
-    signer = '' if faults or not seals else signer_of(seals[-1])
     newest = seals[-1].name if seals else ''
-    return web.json_response({'faults': faults[:100], 'seal': newest, 'signer': signer})
+    answer = {'faults': faults[:100], 'seal': newest, 'signer': '', 'notes': []}
+    if not faults:
+        answer |= {'signer': signer_of(seals[-1]), 'notes': notes_of(run)}
+    return web.json_response(answer)
 
 
 async def seal(request: web.Request) -> web.Response:
@@ -39,7 +41,7 @@ async def seal(request: web.Request) -> web.Response:
     session = mission_session(request, Action.SEAL, run.name)
     if is_flying(run):
         raise RefusedError(f'{run.name} has not ended: it is sealed at its end')
-    context.write('seal', session.user, run.name, mission=run.name)
+    await context.write('seal', session.user, run.name, mission=run.name)
     async with request.app[SEALING]:
         try:
             key = usual_key(context.environment)

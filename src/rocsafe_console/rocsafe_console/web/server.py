@@ -18,6 +18,7 @@ from aiohttp import web
 from aiohttp.http_exceptions import HttpProcessingError
 
 from rocsafe_console.errors import ConsoleError
+from rocsafe_console.outward.event_target import refuse_password
 from rocsafe_console.runs.drafts import Drafts
 from rocsafe_console.runs.jobs import Folders, Jobs
 from rocsafe_console.web import (
@@ -35,11 +36,14 @@ from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
 
 MOST_BODY_BYTES = 2**20
+MOST_PORT = 65535
 # A page needs about ten; most machines let a process open 1024 files. A burst may exceed it by
 # the length of the queue.
 MOST_CONNECTIONS = 400
 QUEUE = 100
 STOP_S = 2.0
+# After a fault that nobody has foreseen.
+AGAIN_S = 1.0
 _log = logging.getLogger(__name__)
 STATIC = Path(str(resources.files('rocsafe_console').joinpath('static')))
 VIEW = Path(str(resources.files('rocsafe_view').joinpath('static')))
@@ -59,6 +63,8 @@ def require_safe(options: WebOptions, user_count: int) -> None:
     """
     if (options.certificate is None) != (options.key is None):
         raise ConsoleError('--certificate and --key: both are needed, or neither')
+    if not 0 <= options.port <= MOST_PORT:
+        raise ConsoleError(f'--port {options.port}: must be within 0 and {MOST_PORT}')
     if _is_loopback(options.host):
         return
     missing = [
@@ -113,7 +119,9 @@ class ServerThread:
     @property
     def address(self) -> str:
         """Address of the page."""
-        return f'{self._context.options.scheme}://{self._context.options.host}:{self.port[0]}/'
+        options = self._context.options
+        host = f'[{options.host}]' if ':' in options.host else options.host
+        return f'{options.scheme}://{host}:{self.port[0]}/'
 
     def close(self) -> None:
         """End the server, and wait until it has ended."""
@@ -123,7 +131,7 @@ class ServerThread:
     def _work(self) -> None:
         try:
             self._loop.run_until_complete(self._serve())
-        except (OSError, ssl.SSLError, ValueError) as error:
+        except (ConsoleError, OSError, ValueError) as error:
             self._fault = error
         finally:
             self._ready.set()
@@ -159,8 +167,21 @@ class ServerThread:
         await runner.cleanup()
 
     def _work_of(self, app: web.Application) -> tuple[Coroutine[None, None, None], ...]:
-        events = send_events(self._context, self._say)
-        return app[PUSHER].run(), events
+        sent = partial(send_events, self._context, self._say)
+        return self._kept_up(app[PUSHER].run), self._kept_up(sent)
+
+    async def _kept_up(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
+        """Do `work` until cancelled: a fault is told, and ends neither the page nor the links."""
+        told = ''
+        while True:
+            try:
+                await work()
+            except Exception as error:  # noqa: BLE001 - whatever it is, the picture goes on
+                if (text := f'fault of the console: {type(error).__name__}: {error}') != told:
+                    self._say(told := text)
+            else:
+                return
+            await asyncio.sleep(AGAIN_S)
 
 
 class _NoRequest(logging.Filter):
@@ -231,7 +252,13 @@ def _tls(options: WebOptions) -> ssl.SSLContext | None:
         return None
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
-    context.load_cert_chain(options.certificate, options.key)
+    try:
+        # A key that asks for a password would wait for a terminal.
+        context.load_cert_chain(options.certificate, options.key, password=refuse_password)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, 'reason', None) or getattr(error, 'strerror', None) or error
+        names = f'--certificate {options.certificate} and --key {options.key}'
+        raise ConsoleError(f'{names}: cannot be used: {reason}') from error
     return context
 
 
@@ -275,10 +302,12 @@ ROUTES = (
     web.post('/api/jobs/{kind}/{name}/end', job_handlers.end_job),
     web.post('/api/links', outward_handlers.make_link),
     web.get('/ogc/{secret}', outward_handlers.landing),
+    web.get('/ogc/{secret}/api', outward_handlers.definition),
     web.get('/ogc/{secret}/conformance', outward_handlers.conformance),
     web.get('/ogc/{secret}/collections', outward_handlers.collections),
     web.get('/ogc/{secret}/collections/{name}', outward_handlers.collection),
     web.get('/ogc/{secret}/collections/{name}/items', outward_handlers.items),
+    web.get(r'/ogc/{secret}/collections/{name}/items/{number:\d{1,9}}', outward_handlers.item),
     web.post('/api/import', draft_handlers.import_areas),
     web.get('/api/missions/{name}', draft_handlers.mission_of_draft),
     web.post('/api/missions/{name}/end', draft_handlers.end_mission),

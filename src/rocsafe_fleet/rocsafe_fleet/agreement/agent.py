@@ -8,15 +8,15 @@ again as soon as they meet.
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from rocsafe_fleet.agreement.exchange import Exchange
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Wanted
 from rocsafe_fleet.agreement.knowledge import Knowledge
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
 from rocsafe_fleet.agreement.possible_routes import PossibleRoutes
 from rocsafe_fleet.errors import PacketError
-from rocsafe_fleet.ledger.ledger import Kind, Ledger, Writer
+from rocsafe_fleet.ledger.ledger import Kind, Ledger
 from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
 from rocsafe_fleet.ledger.records import (
     FIRST_EPOCH,
@@ -30,24 +30,11 @@ from rocsafe_fleet.ledger.records import (
 )
 from rocsafe_fleet.membership.identity import Identity
 from rocsafe_fleet.membership.membership import NEVER, Membership
+from rocsafe_fleet.search.search_round import SearchRound
 
 Numbers = frozenset[int]
 FRESH_BEATS = 8
 """A place counts as old if its vehicle has sent more packets since."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Wanted:
-    """A proposal that is to be planned, and the zones that it names."""
-
-    proposal: Proposal
-    coordinator: Writer
-    rings: tuple[Ring, ...]
-
-    @property
-    def epoch(self) -> Epoch:
-        """Its name."""
-        return self.proposal.number, *self.coordinator
 
 
 class Agent:
@@ -63,6 +50,8 @@ class Agent:
         Key of the fleet, up to 64 bytes.
     incarnation
         Number of this start of the agent, higher than those before.
+    rounds
+        Most rounds of the search that follow the survey.
 
     Attributes
     ----------
@@ -78,6 +67,8 @@ class Agent:
         Epochs in which somebody claims another plan from the same proposal.
     refused
         Packets that were damaged, or of another fleet.
+    seeks
+        Number of the round of the search whose places it is to choose now; 0: none.
     """
 
     def __init__(
@@ -88,19 +79,22 @@ class Agent:
         now_s: float,
         incarnation: int = 1,
         options: AgreementOptions | None = None,
+        rounds: int = 0,
     ) -> None:
         self._options = options or AgreementOptions()
+        self._most_rounds = rounds
         self._count = max(first.routes, default=0) + 1
         points = [p for route in first.routes.values() for p in route]
-        self._points = frozenset(points) | first.left_out
-        _check(own, self._count, self._points)
+        self._survey = frozenset(points) | first.left_out
+        _check(own, self._count, self._survey)
         self.own = own
         self.ledger = Ledger((own, incarnation))
-        self.knowledge = Knowledge(self.ledger, self._count)
+        self.knowledge = Knowledge(self.ledger, self._count, max(self._survey, default=0) + 1)
         self.plan = first
         self.proposal = Proposal(number=0, members=())
         self.alarms: set[Epoch] = set()
-        self.refused = 0
+        self.refused = self.seeks = 0
+        self._seeks_s: float | None = None
         self._key = key
         self._membership = Membership(
             own, self._count, incarnation, now_s, self._options.membership
@@ -143,6 +137,11 @@ class Agent:
         return self.knowledge.visited
 
     @property
+    def _points(self) -> Numbers:
+        extra = self.knowledge.extra_points
+        return self._survey | extra if extra else self._survey
+
+    @property
     def left(self) -> Numbers:
         """Viewpoints that nobody has photographed, and somebody can reach."""
         return self._points - self.visited - self.plan.left_out
@@ -167,10 +166,31 @@ class Agent:
         epoch, proposal = max(mine, key=lambda one: one[0], default=(FIRST_EPOCH, self.proposal))
         if epoch <= self.plan.epoch:
             return None
-        rings = self.knowledge.rings(proposal)
-        if rings is None:
+        rings, extra = self.knowledge.rings(proposal), self.knowledge.places(proposal.rounds)
+        if rings is None or extra is None:
             return None
-        return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings)
+        return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings, extra=extra)
+
+    @property
+    def last_round(self) -> int:
+        """Number of the last round of the search; 0: none has begun."""
+        return max((key[2] for key in self.knowledge.rounds), default=0)
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether no further round of the search follows."""
+        last = self.last_round
+        chosen = self.knowledge.rounds.items()
+        return last >= self._most_rounds or any(
+            not one.places for (_, _, number), one in chosen if number == last
+        )
+
+    @property
+    def is_done(self) -> bool:
+        """Whether nothing is left that somebody could fly, and no round follows."""
+        if self.wanted is not None or self.plan.error:
+            return self.wanted is None
+        return not self.left and (self.is_searched or not self._parts()[0])
 
     # What its vehicle does.
 
@@ -199,6 +219,12 @@ class Agent:
             self._route = plan.routes[self.own]
         claim = Claim(epoch=plan.epoch, plan_hash=plan.digest)
         self.ledger.write(Kind.CLAIM, claim.encoded())
+
+    def decide(self, chosen: SearchRound) -> None:
+        """Tell all which places are those of the round that it seeks."""
+        if chosen.number == self.seeks:
+            self.ledger.write(Kind.ROUND, chosen.encoded(), chosen.number)
+            self.seeks, self._seeks_s = 0, None
 
     # Packets.
 
@@ -233,6 +259,7 @@ class Agent:
     def advance(self, now_s: float) -> list[bytes]:
         """Look who is heard, coordinate if it is this agent's turn, return packets to send."""
         if self._identity.rests(now_s):
+            self.seeks = 0
             return []
         if self._identity.incarnation != self.ledger.writer[1]:
             self._begin_again()
@@ -241,6 +268,7 @@ class Agent:
             self._live = live
             self._next_beat_s = now_s
         self._coordinate(now_s)
+        self._look_for_round(now_s)
         is_beat = now_s >= self._next_beat_s
         is_urgent = is_beat or self._exchange.has_news or self._exchange.is_due(now_s)
         if not is_urgent or now_s - self._sent_s < self._options.least_gap_s - 1e-9:
@@ -326,6 +354,20 @@ class Agent:
             self._propose(members & self._places.keys(), silent)
             self._repeats = self._options.repeats, now_s
 
+    def _look_for_round(self, now_s: float) -> None:
+        """Seek places for a round if it coordinates and nothing is left, once all readings came.
+
+        Those of the others are taken to come within the patience of a proposal.
+        """
+        is_next = not self.is_searched and not self.left and self.wanted is None
+        is_own = is_next and min(self._live) == self.own and not self.plan.error
+        if not is_own or not self._parts()[0] & self._places.keys():
+            self.seeks, self._seeks_s = 0, None
+        elif self._seeks_s is None:
+            self._seeks_s = now_s
+        elif now_s - self._seeks_s >= self._options.patience_s:
+            self.seeks = self.last_round + 1
+
     def _waits_s(self, members: Numbers, now_s: float) -> float:
         """Return how long to wait before a proposal: longer while places are old.
 
@@ -380,6 +422,7 @@ class Agent:
             visited=self.visited,
             last=frozenset(theirs) - self.visited,
             exclusions=self.knowledge.zones,
+            rounds=self.knowledge.open_rounds(),
         )
         self.ledger.write(Kind.PROPOSAL, proposal.encoded())
         self._proposed = self.ledger.vector[self.ledger.writer]

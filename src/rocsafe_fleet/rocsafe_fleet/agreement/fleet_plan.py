@@ -3,16 +3,18 @@
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from rocsafe_fleet.ledger.ledger import Writer
 from rocsafe_fleet.ledger.records import FIRST_EPOCH, HASH_BYTES, Epoch, Proposal
+from rocsafe_fleet.search.search_round import ExtraPlaces
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.vehicle import Aloft
+from rocsafe_planner.plan.viewpoint import viewpoints_over
 from rocsafe_planner.replanning import replan
 
 MOST_KEPT = 16
@@ -50,6 +52,31 @@ class FleetPlan:
         return hashlib.blake2b(text, digest_size=HASH_BYTES).digest()
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """A proposal that is to be planned, and what it refers to.
+
+    Attributes
+    ----------
+    coordinator
+        Who proposes it.
+    rings
+        Zones of the ledger that hold.
+    extra
+        Places of the rounds of the search of which some are left.
+    """
+
+    proposal: Proposal
+    coordinator: Writer
+    rings: tuple[Ring, ...] = ()
+    extra: ExtraPlaces = ()
+
+    @property
+    def epoch(self) -> Epoch:
+        """Its name."""
+        return self.proposal.number, *self.coordinator
+
+
 def first_plan(plan: SurveyPlan) -> FleetPlan:
     """Return the plan with which a survey begins, as that of the first epoch."""
     routes = {k: _numbers(route.viewpoints) for k, route in enumerate(plan.routes)}
@@ -60,9 +87,7 @@ def _numbers(views: object) -> Numbers:
     return tuple(view.id for view in views)  # type: ignore[attr-defined]
 
 
-def plan_of(
-    survey: SurveyPlan, proposal: Proposal, coordinator: Writer, rings: tuple[Ring, ...]
-) -> FleetPlan:
+def plan_of(survey: SurveyPlan, wanted: Wanted) -> FleetPlan:
     """Return the plan for what a proposal leaves, by the planner's search.
 
     The search counts proposals, not seconds. If it cannot run here, the points are inserted
@@ -72,14 +97,12 @@ def plan_of(
     ----------
     survey
         The plan with which the survey began, which all agents have.
-    rings
-        Zones of the ledger that hold.
     """
-    epoch = proposal.number, *coordinator
+    epoch, proposal = wanted.epoch, wanted.proposal
+    survey = with_extra(survey, wanted.extra)
     names = [vehicle.name for vehicle in survey.request.vehicles]
-    situation = situation_of(proposal, names, rings)
     try:
-        plan = _searched(survey, situation)
+        plan = _searched(survey, situation_of(survey, wanted))
     except NothingLeftError:
         return FleetPlan(epoch=epoch, routes=dict.fromkeys(sorted(proposal.names), ()))
     except PlannerError as error:
@@ -103,8 +126,23 @@ def _searched(survey: SurveyPlan, situation: Situation) -> SurveyPlan:
         return replan(survey, situation, method='insertion')
 
 
-def situation_of(proposal: Proposal, names: list[str], rings: tuple[Ring, ...]) -> Situation:
+def with_extra(survey: SurveyPlan, extra: ExtraPlaces) -> SurveyPlan:
+    """Return a survey's plan to which viewpoints over further places belong, on no route."""
+    if not extra:
+        return survey
+    request = survey.request
+    height_m = request.coverage.height_agl_m
+    views = [view for i, p in extra for view in viewpoints_over((p,), request.camera, height_m, i)]
+    continuation = replace(request.continuation, viewpoints=tuple(views))
+    return replace(survey, request=replace(request, continuation=continuation))
+
+
+def situation_of(survey: SurveyPlan, wanted: Wanted) -> Situation:
     """Return a proposal as the planner takes it."""
+    proposal = wanted.proposal
+    names = [vehicle.name for vehicle in survey.request.vehicles]
+    routed = {view.id for route in survey.routes for view in route.viewpoints}
+    known = routed | {i for i, _ in wanted.extra}
     return Situation(
         alive={
             names[k]: Aloft(position=place.position, used_s=place.used_s)
@@ -112,8 +150,8 @@ def situation_of(proposal: Proposal, names: list[str], rings: tuple[Ring, ...]) 
             else place.used_s
             for k, place in proposal.members
         },
-        visited=proposal.visited,
-        new_exclusions=tuple(SurveyArea(ring) for ring in rings),
+        visited=proposal.visited & known,
+        new_exclusions=tuple(SurveyArea(ring) for ring in wanted.rings),
         last=proposal.last,
     )
 
@@ -124,18 +162,17 @@ class SharedPlans:
     Parameters
     ----------
     compute
-        Returns the plan of a proposal, its coordinator and the zones.
+        Returns the plan of a proposal.
     """
 
-    def __init__(self, compute: Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]) -> None:
+    def __init__(self, compute: Callable[[Wanted], FleetPlan]) -> None:
         self._compute = compute
-        self._plans: dict[tuple[bytes, Writer, tuple[Ring, ...]], FleetPlan] = {}
+        self._plans: dict[Wanted, FleetPlan] = {}
 
-    def get(self, proposal: Proposal, coordinator: Writer, rings: tuple[Ring, ...]) -> FleetPlan:
+    def get(self, wanted: Wanted) -> FleetPlan:
         """Return the plan of a proposal; equal proposals have the same."""
-        key = (proposal.encoded(), coordinator, rings)
-        if key not in self._plans:
-            self._plans[key] = self._compute(proposal, coordinator, rings)
+        if wanted not in self._plans:
+            self._plans[wanted] = self._compute(wanted)
             while len(self._plans) > MOST_KEPT:
                 del self._plans[next(iter(self._plans))]
-        return self._plans[key]
+        return self._plans[wanted]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a ledger says of a fleet: who takes work, what is photographed, proposals and claims."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from rocsafe_fleet.agreement.fleet_plan import Ring
 from rocsafe_fleet.ledger.ledger import Kind, Ledger
@@ -9,11 +9,19 @@ from rocsafe_fleet.ledger.records import (
     Claim,
     Epoch,
     Proposal,
+    RoundKey,
     claim_of,
     proposal_of,
     ring_of,
     set_of,
 )
+from rocsafe_fleet.search.search_round import (
+    ExtraPlaces,
+    SearchRound,
+    extra_places,
+    search_round_of,
+)
+from rocsafe_geo.position import GeoPosition
 
 
 class Knowledge:
@@ -25,11 +33,15 @@ class Knowledge:
         What is known.
     count
         Number of vehicles of the survey's plan.
+    first_extra
+        Above the ids of the viewpoints of the survey.
     """
 
-    def __init__(self, ledger: Ledger, count: int) -> None:
+    def __init__(self, ledger: Ledger, count: int, first_extra: int) -> None:
         self._ledger = ledger
         self._count = count
+        self._first_extra = first_extra
+        self._rounds: tuple[int, dict[RoundKey, SearchRound]] = (0, {})
         self._decoded: tuple[int, list[tuple[Epoch, Proposal]]] = (0, [])
         self._visited: tuple[int, frozenset[int]] = (0, frozenset())
 
@@ -82,3 +94,45 @@ class Knowledge:
         """Return the newest plan that a vehicle says it keeps to."""
         value = self._ledger.newest(member, Kind.CLAIM)
         return None if value is None else claim_of(value)
+
+    @property
+    def rounds(self) -> Mapping[RoundKey, SearchRound]:
+        """Rounds of the search, of each agent and number the one that its last start chose."""
+        if self._rounds[0] != self._ledger.digest:
+            written = self._ledger.values(Kind.ROUND)
+            latest = {(writer[0], part): (writer, value) for writer, part, value in written}
+            found = {
+                (*writer, number): search_round_of(number, value)
+                for (_, number), (writer, value) in latest.items()
+            }
+            self._rounds = self._ledger.digest, found
+        return self._rounds[1]
+
+    def open_rounds(self) -> tuple[RoundKey, ...]:
+        """Return the rounds of which places are left."""
+        return tuple(
+            key
+            for key, one in sorted(self.rounds.items(), key=lambda item: item[0])
+            if any(i not in self.visited for i, _ in self._places_of(key, one))
+        )
+
+    @property
+    def extra_points(self) -> frozenset[int]:
+        """Ids of the places of all rounds."""
+        return frozenset(
+            i for key, one in self.rounds.items() for i, _ in self._places_of(key, one)
+        )
+
+    def _places_of(self, key: RoundKey, one: SearchRound) -> Iterator[tuple[int, GeoPosition]]:
+        return extra_places(one, key[0], self._first_extra)
+
+    def places(self, keys: Iterable[RoundKey]) -> ExtraPlaces | None:
+        """Return the places of rounds; None: some are not known here yet."""
+        written = {(*w, part): value for w, part, value in self._ledger.values(Kind.ROUND)}
+        if any(key not in written for key in keys):
+            return None
+        return tuple(
+            place
+            for key in keys
+            for place in self._places_of(key, search_round_of(key[2], written[key]))
+        )

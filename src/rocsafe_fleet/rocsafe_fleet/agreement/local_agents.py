@@ -4,8 +4,8 @@
 from collections import deque
 from collections.abc import Iterable
 
-from rocsafe_fleet.agreement.agent import Agent, Wanted
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan
+from rocsafe_fleet.agreement.agent import Agent
+from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Wanted
 
 ECHOES = 400
 """Packets that are known by themselves if the link brings them back."""
@@ -52,6 +52,11 @@ class LocalAgents:
         """The newest proposal that an agent here has not planned."""
         found = [wanted for agent in self.agents.values() if (wanted := agent.wanted) is not None]
         return max(found, key=lambda one: one.epoch) if found else None
+
+    @property
+    def seeker(self) -> Agent | None:
+        """The agent that is to choose the places of a round of the search."""
+        return next((agent for agent in self.agents.values() if agent.seeks), None)
 
     def planned(self, wanted: Wanted, plan: FleetPlan) -> None:
         """Let all agents that know a proposal keep to its plan."""

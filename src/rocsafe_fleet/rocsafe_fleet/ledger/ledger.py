@@ -22,6 +22,7 @@ ENTRY_BYTES = 8
 """Most bytes that an entry takes in a packet besides its value."""
 DELTA_BYTES = 16
 """Most bytes that a delta takes besides its entries."""
+_TURN_VERSIONS = 8
 
 
 class Kind(IntEnum):
@@ -35,6 +36,7 @@ class Kind(IntEnum):
     FINDING = 6  # number
     DOSE = 7
     READING = 8  # number
+    ROUND = 9  # number
 
 
 Key = tuple[Writer, int, int]
@@ -149,7 +151,7 @@ class Ledger:
         """Return what a ledger of that vector lacks, as much as goes into so many bytes.
 
         Readings come last. What is left out follows when the next vector comes: then another
-        writer is the first.
+        writer is the first, and of what came after a gap other entries are.
         """
         behind = [w for w in sorted(self.latest) if self.latest[w] > vector.get(w, 0)]
         first = self._turn % len(behind) if behind else 0
@@ -160,7 +162,7 @@ class Ledger:
             for entry in self._writers[writer].values()
             if entry.version > vector.get(writer, 0)
         ]
-        newer.sort(key=lambda e: (e.key[1] == Kind.READING, ranks[e.key[0]], e.version))
+        newer.sort(key=lambda e: (e.key[1] == Kind.READING, ranks[e.key[0]], *self._order(e)))
         chosen: dict[Writer, list[Entry]] = {}
         upto = {writer: self.vector.get(writer, 0) for writer in behind}
         for entry in newer:
@@ -181,6 +183,17 @@ class Ledger:
             )
             for writer, entries in chosen.items()
         ]
+
+    def _order(self, entry: Entry) -> tuple[bool, int]:
+        """Return in which order the entries of a writer are sent.
+
+        Vectors do not pass a gap that nobody can fill: what came after it takes turns, else only
+        the first packet of it would ever be sent.
+        """
+        writer = entry.key[0]
+        if entry.version <= self.vector.get(writer, 0):
+            return False, entry.version
+        return True, (entry.version - _TURN_VERSIONS * self._turn) % (self.latest[writer] + 1)
 
     def _take(self, entry: Entry) -> bool:
         known = self._entries.get(entry.key)

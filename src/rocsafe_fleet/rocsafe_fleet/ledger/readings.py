@@ -6,7 +6,7 @@ sum is one entry of one writer, merging ledgers counts no reading twice.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from rocsafe_fleet.ledger.ledger import Kind, Ledger
@@ -17,10 +17,11 @@ WAY_M = 4.0
 """Readings farther than this from the first of a sum begin another."""
 MOST_READINGS = 20
 HEADER = (
-    'vehicle,latitude_deg,longitude_deg,altitude_m,dose_rate_usvh,dose_rate_std_usvh,counts,'
+    'vehicle,time_ns,latitude_deg,longitude_deg,altitude_m,dose_rate_usvh,dose_rate_std_usvh,counts,'
     'live_time_s'
 )
-_E7, _CM, _MICRO, _MS = 1e7, 100.0, 1e6, 1e3
+_E7, _CM, _MICRO, _MS, _DS = 1e7, 100.0, 1e6, 1e3, 10.0
+_NS_A_DS = 100_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +34,8 @@ class DoseReading:
         Mean dose rate and its standard deviation, microsievert per hour.
     counts, live_time_s
         Added up; 0 of a detector that does not count.
+    time_s
+        Of the first, by the clock of its vehicle, to tenths of a second.
     """
 
     position: GeoPosition
@@ -40,13 +43,14 @@ class DoseReading:
     std_usvh: float
     counts: int = 0
     live_time_s: float = 0.0
+    time_s: float = 0.0
 
     @property
     def is_usable(self) -> bool:
         """Whether place and values are numbers that can be sent."""
         here = self.position
         place = (here.latitude_deg, here.longitude_deg, here.altitude_m)
-        values = (self.dose_rate_usvh, self.std_usvh, self.live_time_s)
+        values = (self.dose_rate_usvh, self.std_usvh, self.live_time_s, self.time_s)
         return all(map(math.isfinite, place)) and all(0.0 <= v < 1e12 for v in values)
 
     def encoded(self) -> bytes:
@@ -59,6 +63,7 @@ class DoseReading:
         put_number(into, round(self.std_usvh * _MICRO))
         put_number(into, self.counts)
         put_number(into, round(self.live_time_s * _MS))
+        put_number(into, round(self.time_s * _DS))
         return bytes(into)
 
 
@@ -72,6 +77,7 @@ def dose_reading_of(value: bytes) -> DoseReading:
         std_usvh=reader.number() / _MICRO,
         counts=reader.number(),
         live_time_s=reader.number() / _MS,
+        time_s=reader.number() / _DS,
     )
 
 
@@ -114,26 +120,32 @@ def _sum(readings: list[DoseReading]) -> DoseReading:
         std_usvh=math.sqrt(sum(one.std_usvh**2 for one in readings)) / count,
         counts=sum(one.counts for one in readings),
         live_time_s=sum(one.live_time_s for one in readings),
+        time_s=readings[0].time_s,
     )
 
 
-def table_of(ledgers: Iterable[Ledger], names: list[str]) -> str:
-    """Return the readings of all vehicles that any of some ledgers knows, as a table with commas.
-
-    Columns are those that `rocsafe localize` reads; a detector that does not count has no counts.
-    """
+def readings_of(ledgers: Iterable[Ledger], names: Sequence[str]) -> list[tuple[str, DoseReading]]:
+    """Return the readings that any of some ledgers knows, each once, with the vehicles' names."""
     known = {
         (writer, part): value
         for ledger in ledgers
         for writer, part, value in ledger.values(Kind.READING)
     }
+    return [(names[key[0][0]], dose_reading_of(value)) for key, value in sorted(known.items())]
+
+
+def table_of(readings: Iterable[tuple[str, DoseReading]]) -> str:
+    """Return readings of vehicles as a table with commas.
+
+    Columns are those that `rocsafe localize` reads; a detector that does not count has no counts.
+    """
     lines = [HEADER]
-    for (writer, _), value in sorted(known.items()):
-        one = dose_reading_of(value)
+    for vehicle, one in readings:
         here = one.position
         counted = f'{one.counts},{one.live_time_s:.3f}' if one.live_time_s > 0.0 else ','
         lines.append(
-            f'{names[writer[0]]},{here.latitude_deg:.7f},{here.longitude_deg:.7f},'
-            f'{here.altitude_m:.2f},{one.dose_rate_usvh:.6f},{one.std_usvh:.6f},{counted}'
+            f'{vehicle},{round(one.time_s * _DS) * _NS_A_DS},{here.latitude_deg:.7f},'
+            f'{here.longitude_deg:.7f},{here.altitude_m:.2f},{one.dose_rate_usvh:.6f},'
+            f'{one.std_usvh:.6f},{counted}'
         )
     return '\n'.join(lines) + '\n'

@@ -3,6 +3,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import chain
 
 from rocsafe_fleet.ledger.varint import Reader, put_bytes, put_number, put_signed
 from rocsafe_geo.position import GeoPosition
@@ -11,38 +12,46 @@ _E7 = 10_000_000
 _CM = 100
 _NO_ALTITUDE = -(2**31)
 _DECISECONDS = 10
+_LONGEST_GAP = 2
 HASH_BYTES = 8
 """Bytes of the hashes of situations and plans."""
 
 Epoch = tuple[int, int, int]
 """Number of an agreement, the coordinator that proposed it and its start; the highest holds."""
 FIRST_EPOCH: Epoch = (0, 0, 0)
+RoundKey = tuple[int, int, int]
+"""Agent that chose a round of the search, its start, and the number of the round from 1."""
 
 
 def put_set(into: bytearray, members: Iterable[int]) -> None:
-    """Append a set of numbers as bits, without the empty bytes before and behind them."""
-    bits = 0
+    """Append a set of numbers as bits, without the empty bytes around and between them."""
+    bits: dict[int, int] = {}
     for member in members:
-        bits |= 1 << member
-    skipped = 0
-    while bits and not bits & 0xFF:
-        bits >>= 8
-        skipped += 1
-    put_number(into, skipped)
-    put_bytes(into, bits.to_bytes((bits.bit_length() + 7) // 8, 'little'))
+        bits[member >> 3] = bits.get(member >> 3, 0) | 1 << (member & 7)
+    runs: list[tuple[int, bytearray]] = []
+    for place in sorted(bits):
+        if not runs or place - runs[-1][0] - len(runs[-1][1]) > _LONGEST_GAP:
+            runs.append((place, bytearray()))
+        first, run = runs[-1]
+        run += bytes(place - first - len(run)) + bytes([bits[place]])
+    put_number(into, len(runs))
+    end = 0
+    for first, run in runs:
+        put_number(into, first - end)
+        put_bytes(into, bytes(run))
+        end = first + len(run)
 
 
 def take_set(reader: Reader) -> frozenset[int]:
     """Return the next set of numbers."""
-    first = 8 * reader.number()
-    data = reader.text()
-    return frozenset(
-        first + 8 * index + bit
-        for index, byte in enumerate(data)
-        if byte
-        for bit in range(8)
-        if byte >> bit & 1
-    )
+    members: list[int] = []
+    place = 0
+    for _ in range(reader.number()):
+        place += reader.number()
+        for byte in reader.text():
+            members += [8 * place + bit for bit in range(8) if byte >> bit & 1]
+            place += 1
+    return frozenset(members)
 
 
 def set_bytes(members: Iterable[int]) -> bytes:
@@ -138,6 +147,8 @@ class Proposal:
         Ids of viewpoints that are photographed, and that come after all others.
     exclusions
         Writers and numbers of the zones of the ledger that hold.
+    rounds
+        Those of the search of which places are left.
     """
 
     number: int
@@ -146,6 +157,7 @@ class Proposal:
     visited: frozenset[int] = frozenset()
     last: frozenset[int] = frozenset()
     exclusions: tuple[tuple[int, int], ...] = ()
+    rounds: tuple[RoundKey, ...] = ()
 
     def encoded(self) -> bytes:
         """Return it as the value of an entry."""
@@ -161,6 +173,9 @@ class Proposal:
         for writer, number in self.exclusions:
             put_number(into, writer)
             put_number(into, number)
+        put_number(into, len(self.rounds))
+        for part in chain.from_iterable(self.rounds):
+            put_number(into, part)
         return bytes(into)
 
     @property
@@ -176,8 +191,16 @@ def proposal_of(value: bytes) -> Proposal:
     members = tuple((reader.number(), take_place(reader)) for _ in range(reader.number()))
     silent, visited, last = (take_set(reader) for _ in range(3))
     zones = tuple((reader.number(), reader.number()) for _ in range(reader.number()))
+    count = reader.number()
+    rounds = tuple((reader.number(), reader.number(), reader.number()) for _ in range(count))
     return Proposal(
-        number=number, members=members, silent=silent, visited=visited, last=last, exclusions=zones
+        number=number,
+        members=members,
+        silent=silent,
+        visited=visited,
+        last=last,
+        exclusions=zones,
+        rounds=rounds,
     )
 
 

@@ -9,6 +9,12 @@ before, rests while the later one is heard.
 
 from rocsafe_fleet.ledger.packet import Beat
 
+START_BITS = 16
+"""Drawn bits of the number of a start: two starts of one agent that lost their count differ.
+
+They stay when it begins again: two that do so at once differ, too.
+"""
+
 
 class Identity:
     """The number of this start of an agent.
@@ -54,6 +60,7 @@ class Identity:
             return False
         if self._is_known and now_s - self._later_s <= self._longest_s:
             return True
-        self.incarnation = self._later[0] + 1
+        drawn = self.incarnation & (1 << START_BITS) - 1
+        self.incarnation = (self._later[0] >> START_BITS) + 1 << START_BITS | drawn
         self._is_known, self._later = True, (0, 0)
         return False

@@ -9,10 +9,15 @@ from itertools import combinations
 import numpy as np
 
 from rocsafe_fleet.agreement.agent import Agent
-from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Ring, SharedPlans, first_plan, plan_of
+from rocsafe_fleet.agreement.fleet_plan import (
+    FleetPlan,
+    SharedPlans,
+    Wanted,
+    first_plan,
+    plan_of,
+)
 from rocsafe_fleet.agreement.options import AgreementOptions
-from rocsafe_fleet.ledger.ledger import Writer
-from rocsafe_fleet.ledger.records import Epoch, Proposal
+from rocsafe_fleet.ledger.records import Epoch
 from rocsafe_fleet.trial.radio import RadioOptions, SimulatedRadio
 from rocsafe_fleet.trial.vehicle import TrialVehicle
 from rocsafe_geo.position import level_offset_m
@@ -88,8 +93,8 @@ class Trial:
         By number; a lost one is None.
     now_s
         Simulated time.
-    first_proposal
-        Of the first epoch that was flown.
+    first_wanted
+        Proposal of the first epoch that was flown.
     """
 
     def __init__(
@@ -113,15 +118,13 @@ class Trial:
             TrialVehicle(route.vehicle, origin, self.places, height_m + layer)
             for route, layer in zip(survey.routes, layers, strict=True)
         ]
-        self.agents: list[Agent | None] = [
-            Agent(k, first, KEY, 0.0, options=options.agreement) for k in range(count)
-        ]
         self._first = first
+        self.agents: list[Agent | None] = [self._agent(k, 1, 0.0) for k in range(count)]
         self._computing: dict[int, tuple[float, object, FleetPlan]] = {}
         self._seen: dict[int, int] = {}
         self._events: list[tuple[float, Callable[[Trial], None]]] = []
         self.outcome = Outcome()
-        self.first_proposal: Proposal | None = None
+        self.first_wanted: Wanted | None = None
 
     def at(self, time_s: float, event: Callable[['Trial'], None]) -> None:
         """Let something happen at a time."""
@@ -140,9 +143,10 @@ class Trial:
 
     def start_agent(self, number: int, incarnation: int) -> None:
         """Start an agent that knows the first plan only."""
-        self.agents[number] = Agent(
-            number, self._first, KEY, self._clock_s(number), incarnation, self.options.agreement
-        )
+        self.agents[number] = self._agent(number, incarnation, self._clock_s(number))
+
+    def _agent(self, number: int, incarnation: int, now_s: float) -> Agent:
+        return Agent(number, self._first, KEY, now_s, incarnation, self.options.agreement)
 
     @property
     def live(self) -> list[Agent]:
@@ -206,23 +210,23 @@ class Trial:
         if wanted is not None:
             known = self._computing.get(number)
             if known is None or known[1] != wanted.epoch:
-                plan = self._plans.get(wanted.proposal, wanted.coordinator, wanted.rings)
+                plan = self._plans.get(wanted)
                 due_s = self.now_s + self.options.planning_s
                 self._computing[number] = due_s, wanted.epoch, plan
             elif self.now_s >= known[0]:
                 del self._computing[number]
                 agent.planned(wanted, known[2])
-                self._note_flying(agent)
+                self._note_flying(agent, wanted)
         else:
             self._computing.pop(number, None)
         for data in agent.advance(self._clock_s(number)):
             self.radio.send(number, data, self.now_s)
 
-    def _note_flying(self, agent: Agent) -> None:
+    def _note_flying(self, agent: Agent, wanted: Wanted) -> None:
         members = [self.agents[k] for k in agent.proposal.names]
         if all(m is None or m.epoch >= agent.epoch for m in members):
             self.outcome.flying_s[agent.epoch] = self.now_s
-            self.first_proposal = self.first_proposal or agent.proposal
+            self.first_wanted = self.first_wanted or wanted
 
     def _watch(self) -> None:
         """Note the least distance of vehicles on their legs."""
@@ -242,11 +246,9 @@ class Trial:
         return outcome
 
 
-def planner_of(
-    survey: SurveyPlan,
-) -> Callable[[Proposal, Writer, tuple[Ring, ...]], FleetPlan]:
+def planner_of(survey: SurveyPlan) -> Callable[[Wanted], FleetPlan]:
     """Return how the plans of a survey's epochs are computed."""
-    return lambda proposal, coordinator, rings: plan_of(survey, proposal, coordinator, rings)
+    return lambda wanted: plan_of(survey, wanted)
 
 
 def agreed(agents: Iterable[Agent]) -> bool:

@@ -9,8 +9,7 @@ from itertools import combinations
 
 import numpy as np
 
-from rocsafe_fleet.agreement.fleet_plan import SharedPlans, situation_of
-from rocsafe_fleet.ledger.records import Proposal
+from rocsafe_fleet.agreement.fleet_plan import SharedPlans, Wanted, situation_of
 from rocsafe_fleet.trial.radio import RadioOptions
 from rocsafe_fleet.trial.trial import Trial, TrialOptions, planner_of
 from rocsafe_planner.plan.plan import SurveyPlan
@@ -102,7 +101,7 @@ def what_if(survey: SurveyPlan, radio: RadioOptions, seed: int, budget_s: float)
         for time_s, event in case.events:
             trial.at(time_s, event)
         outcome = trial.run()
-        first = trial.first_proposal if case.is_loss else None
+        first = trial.first_wanted if case.is_loss else None
         yield Row(
             name=case.name,
             makespan_s=outcome.makespan_s,
@@ -115,14 +114,14 @@ def what_if(survey: SurveyPlan, radio: RadioOptions, seed: int, budget_s: float)
         )
 
 
-def central_s(trial: Trial, proposal: Proposal, budget_s: float) -> float:
+def central_s(trial: Trial, wanted: Wanted, budget_s: float) -> float:
     """Return when a fleet with one head would have landed, from the same situation.
 
     All viewpoints are free, and the search has so many seconds of wall time.
     """
-    names = [vehicle.name for vehicle in trial.survey.request.vehicles]
-    free = dataclasses.replace(proposal, last=frozenset())
-    request = remaining_request(trial.survey, situation_of(free, names, ()))
+    proposal = dataclasses.replace(wanted.proposal, last=frozenset())
+    free = dataclasses.replace(wanted, proposal=proposal)
+    request = remaining_request(trial.survey, situation_of(trial.survey, free))
     effort = Effort(budget_s=budget_s, seed=request.effort.seed)
     best = plan_survey(dataclasses.replace(request, effort=effort))
     begun_s = min(trial.outcome.flying_s.values()) - trial.options.planning_s

@@ -161,9 +161,9 @@ class EvidenceLog:
         try:
             written = os.write(self._descriptor, data)
             os.fsync(self._descriptor)
-        except OSError:
+        except OSError as error:
             os.ftruncate(self._descriptor, self._length)
-            raise
+            raise OSError(error.errno, error.strerror, str(self._path)) from error
         if written < len(data):
             os.ftruncate(self._descriptor, self._length)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))

@@ -8,6 +8,7 @@ from stat import S_IMODE
 
 from rocsafe_geo.storage.named_file import require_file
 
+# Of one key or token.
 LARGEST_FILE = 4096
 FEWEST_BITS = 128
 # Fewer different letters are a typed pattern, not a random text.
@@ -24,13 +25,18 @@ class SecretFileError(ValueError):
     """A secret is unreadable, readable by others, or weak; the message never contains its text."""
 
 
-def read_secret(path: Path) -> bytes:
+def read_secret(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """Return the content of a file that only its owner can read.
+
+    Parameters
+    ----------
+    largest
+        Most bytes that it may have.
 
     Raises
     ------
     SecretFileError
-        Naming the file and its mode, never its content.
+        Naming the file and its mode or size, never its content.
     """
     try:
         require_file(path)
@@ -38,9 +44,12 @@ def read_secret(path: Path) -> bytes:
         if mode & 0o077:
             raise SecretFileError(f'{path} has mode {mode:04o}: must be 0600')
         with path.open('rb') as file:
-            return file.read(LARGEST_FILE)
+            content = file.read(largest + 1)
     except OSError as error:
         raise SecretFileError(f'{path}: {error.strerror}') from error
+    if len(content) > largest:
+        raise SecretFileError(f'{path} is larger than {largest} bytes')
+    return content
 
 
 def read_token(path: Path) -> str:

@@ -77,6 +77,8 @@ class FleetSearchEnv(ParallelEnv[str, Observation, NDArray[np.float32]]):
         """Fly to the places that `actions` name, one of each drone, and read."""
         if not self.agents:
             return {}, {}, {}, {}, {}
+        if missing := [name for name in self.possible_agents if name not in actions]:
+            raise ValueError(f'actions: that of {missing[0]} is missing')
         area = self.search.options.area_m
         places = [target_m(np.asarray(actions[name]), area) for name in self.possible_agents]
         done = self.search.advance(places, self._generator)

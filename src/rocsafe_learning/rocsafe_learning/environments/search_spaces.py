@@ -55,8 +55,18 @@ def observe(search: SourceSearch, index: int) -> Observation:
 
 
 def target_m(action: NDArray[np.float32], area_m: float) -> Place:
-    """Return the place that an action names, east and north, metres."""
+    """Return the place that an action names, east and north, metres.
+
+    Raises
+    ------
+    ValueError
+        If it is not two numbers, as of a policy that has diverged.
+    """
+    if action.shape != (2,):
+        raise ValueError(f'action has shape {action.shape}: must be (2,)')
     east, north = action.tolist()
+    if east != east or north != north:
+        raise ValueError(f'action is {east}, {north}: must be two numbers')
     return (east + 1.0) / 2.0 * area_m, (north + 1.0) / 2.0 * area_m
 
 

@@ -89,6 +89,7 @@ class Mission(PhaseRecord):
         self._closing = Closing(self, self._requests, deadlines, self._after_map)
         self.rounds = Rounds(self, self._requests, self._closing, self._time, extra_rounds)
         self._shots_before, self._has_images = 0, False
+        self._agents_plan_s = 0.0
 
     @property
     def text(self) -> str:
@@ -370,6 +371,9 @@ class Mission(PhaseRecord):
         return True
 
     def _watch_time(self, now_s: float, situation: Situation) -> None:
+        if self._agents_plan(now_s, situation):
+            self._time.rest(now_s)
+            return
         self._time.look(now_s, situation.simulated_s)
         if self.fleet.lets_time_run or not self.fleet.is_gathering:
             self._time.run_again(now_s, is_answered=self.fleet.is_gathering)
@@ -377,6 +381,12 @@ class Mission(PhaseRecord):
             names = ', '.join(situation.waiting_for) or 'an unknown node'
             text = f'simulated time stands still for {self.stalled_s:.0f} s'
             self._fail(f'{text}: waits for {names}')
+
+    def _agents_plan(self, now_s: float, situation: Situation) -> bool:
+        """Return whether time stands still for agents that plan, as long as a plan may take."""
+        if not situation.agents_plan:
+            self._agents_plan_s = now_s
+        return now_s - self._agents_plan_s < self._plan_timeout_s and situation.agents_plan
 
     # State.
 

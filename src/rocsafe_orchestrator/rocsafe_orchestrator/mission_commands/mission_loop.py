@@ -262,6 +262,7 @@ class MissionLoop:
             is_driver_home=parts.monitor.driver.state in DRIVER_HOME,
             is_driver_unsettled=parts.monitor.driver.shots_pending > 0,
             agents_are_done=parts.node.agents_are_done,
+            agents_plan=parts.node.agents_plan,
             sightings={
                 name: parts.monitor.sighting(
                     name,

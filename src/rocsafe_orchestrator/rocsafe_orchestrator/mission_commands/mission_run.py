@@ -271,7 +271,8 @@ class MissionRun:
             node.deadlines,
             planning_budget_s=self.scenario.survey.effort.budget_s,
             slowest_beat_s=BEATS_PERIOD_S / speed if speed else 0.0,
-            extra_rounds=0 if found else self.scenario.extra_rounds,
+            # Agents decide on rounds by themselves.
+            extra_rounds=0 if found or self.scenario.fleet.agents else self.scenario.extra_rounds,
             replans=self.scenario.replan == 'on_loss' and not self.scenario.fleet.agents,
             has_agents=self.scenario.fleet.agents,
             first=found.first if found else Phase.PLANNING,

@@ -39,6 +39,8 @@ class Situation:
         Whether it has photographs that are not stored yet.
     agents_are_done
         Whether all agents that are heard have nothing left to fly.
+    agents_plan
+        Whether an agent plans, for which simulated time stands still.
     """
 
     ready: frozenset[str]
@@ -54,6 +56,7 @@ class Situation:
     is_driver_home: bool = False
     is_driver_unsettled: bool = False
     agents_are_done: bool = False
+    agents_plan: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

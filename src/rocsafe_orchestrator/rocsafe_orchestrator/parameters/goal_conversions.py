@@ -31,6 +31,7 @@ from rocsafe_ros.conversions import point_of_position, region_of_area
 from rocsafe_scenario.camera_blocks import CameraBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import RegionBlock, VehicleBlock
+from rocsafe_scenario.search_reserve import planned_endurance_s
 
 
 def region_of_scenario(scenario: Scenario) -> Region:
@@ -260,7 +261,7 @@ def _vehicle_spec(scenario: Scenario, vehicle: VehicleBlock) -> VehicleSpec:
         climb_rate_mps=vehicle.climb_rate_mps,
         descent_rate_mps=vehicle.descent_rate_mps,
         hover_s=vehicle.hover_s,
-        endurance_s=vehicle.usable_endurance_s,
+        endurance_s=planned_endurance_s(scenario, vehicle),
         battery_swap_s=-1.0 if vehicle.battery_swap_s is None else vehicle.battery_swap_s,
         end=[]
         if vehicle.end is None

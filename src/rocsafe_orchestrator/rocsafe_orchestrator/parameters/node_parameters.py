@@ -203,12 +203,36 @@ def agent_parameters(scenario: Scenario, run: RunDirectory, host: str = '') -> P
         'mission': run.name,
         'plan_file': str(run.plan),
         'terrain_file': scenario.survey.terrain_file,
+        'batteries_file': _batteries(scenario),
+        **_search_parameters(scenario, run),
         'state_directory': str(run.path / AGENTS),
         'lock_step': not scenario.real_names,
         'participants': simulated if is_apart else [],
         'others': _participants_elsewhere(scenario, own),
         **_link_parameters(scenario, own),
     }
+
+
+def _batteries(scenario: Scenario) -> Parameters:
+    """Return the flight times of all batteries, of which the first plan leaves some."""
+    return {
+        'vehicles': [
+            {'name': v.name, 'endurance_s': v.endurance_s, 'usable_s': v.usable_endurance_s}
+            for v in scenario.vehicles
+        ]
+    }
+
+
+def _search_parameters(scenario: Scenario, run: RunDirectory) -> Parameters:
+    """Return how agents search after the survey, with the estimator of the localizer."""
+    search = scenario.radiation.search
+    if not search.extra_rounds:
+        return {}
+    localizer = localizer_parameters(scenario, run)
+    for own in ('spool_directory', 'export_directory'):
+        localizer.pop(own, None)
+    rounds = search.model_dump(include={'extra_rounds', 'viewpoints_a_round'})
+    return {'search_file': {**rounds, 'localizer': localizer}}
 
 
 def _link_parameters(scenario: Scenario, own: str) -> Parameters:

@@ -35,6 +35,7 @@ from rocsafe_scenario.scenario_blocks import (
     VehicleBlock,
 )
 from rocsafe_scenario.scenario_file import read_scenario, region_block
+from rocsafe_scenario.search_reserve import planned_endurance_s
 
 REGION_SUFFIXES = ('.geojson', '.json', '.kml', '.kmz', '.plan', '.csv')
 # Keys of a vehicle in a scenario that the planner takes in another form, or not at all.
@@ -209,5 +210,5 @@ def _vehicle(scenario: Scenario, block: VehicleBlock) -> Vehicle:
         autopilot=Autopilot(**block.autopilot.model_dump()),
         home=scenario.ground_position(block.home),
         end=None if block.end is None else scenario.ground_position(block.end),
-        endurance_s=block.usable_endurance_s,
+        endurance_s=planned_endurance_s(scenario, block),
     )

@@ -256,6 +256,11 @@ class _Log:
                 duplicates=message.duplicates,
                 bytes_sent=message.bytes_sent,
                 alarms=message.alarms,
+                # Recordings of 0.2.0 know no rounds.
+                search_round=getattr(message, 'search_round', 0),
+                search_by=getattr(message, 'search_by', ''),
+                search_places=getattr(message, 'search_places', 0),
+                search_text=getattr(message, 'search_text', ''),
             )
         )
 

@@ -178,6 +178,10 @@ class AgentSample:
     duplicates: int
     bytes_sent: int
     alarms: int
+    search_round: int = 0
+    search_by: str = ''
+    search_places: int = 0
+    search_text: str = ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

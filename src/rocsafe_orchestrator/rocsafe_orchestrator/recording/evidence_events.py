@@ -45,7 +45,10 @@ ON_CHANGE: Mapping[str, tuple[str, tuple[str, ...]]] = {
     topics.MISSION_STATE.name: ('phase', ('mission_id', 'phase')),
     topics.STATE.name: ('state', ('state', 'ending', 'taken_by', 'plan_id')),
     topics.CONTROL.name: ('lease', ('lease', 'holder', 'text')),
-    topics.AGENTS.name: ('agreement', ('epoch', 'coordinator', 'plan_hash', 'members', 'text')),
+    topics.AGENTS.name: (
+        'agreement',
+        ('epoch', 'coordinator', 'plan_hash', 'members', 'search_round', 'text'),
+    ),
 }
 """Kinds and the fields whose change is kept."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the report says of agents: who heard whom, epochs, plans made anew, duplicates."""
+"""What the report says of agents: who heard whom, plans made anew, rounds, duplicates."""
 
 from dataclasses import dataclass
 
@@ -23,6 +23,8 @@ class FleetView:
         Of each agent the part of the time for which it heard each other.
     epoch_rows
         Number, time, coordinator, members and unable vehicles of each plan made anew.
+    round_rows
+        Number, time, chooser, places and reason of each round of the search.
     agent_rows
         Of each agent its last epoch, plans flown, bytes sent, epochs with another plan.
     """
@@ -31,6 +33,7 @@ class FleetView:
     vehicles: tuple[str, ...]
     contact_rows: tuple[Row, ...]
     epoch_rows: tuple[Row, ...]
+    round_rows: tuple[Row, ...]
     agent_rows: tuple[Row, ...]
 
 
@@ -52,6 +55,7 @@ def fleet_view(samples: tuple[AgentSample, ...], begin_ns: int) -> FleetView | N
         vehicles=names,
         contact_rows=tuple(_contact(name, own[name], names) for name in names),
         epoch_rows=tuple(_epoch(sample, begin_ns) for sample in epochs),
+        round_rows=tuple(_round(sample, begin_ns) for sample in _rounds(samples)),
         agent_rows=tuple(_agent(name, own[name]) for name in names),
     )
 
@@ -69,6 +73,15 @@ def _epochs(samples: tuple[AgentSample, ...]) -> list[AgentSample]:
     return list(first.values())
 
 
+def _rounds(samples: tuple[AgentSample, ...]) -> list[AgentSample]:
+    """Return the first sample of each round of the search."""
+    first: dict[tuple[int, str], AgentSample] = {}
+    for sample in sorted(samples, key=lambda one: one.time_ns):
+        if sample.search_round:
+            first.setdefault((sample.search_round, sample.search_by), sample)
+    return list(first.values())
+
+
 def _contact(name: str, samples: list[AgentSample], names: tuple[str, ...]) -> Row:
     shares = (sum(other in one.heard for one in samples) / len(samples) for other in names)
     cells = (
@@ -76,6 +89,16 @@ def _contact(name: str, samples: list[AgentSample], names: tuple[str, ...]) -> R
         for other, share in zip(names, shares, strict=True)
     )
     return (name, *cells)
+
+
+def _round(sample: AgentSample, begin_ns: int) -> Row:
+    return (
+        f'{sample.search_round}',
+        formats.clock(max(0.0, 1e-9 * (sample.time_ns - begin_ns))),
+        sample.search_by,
+        f'{sample.search_places}' if sample.search_places else 'none: the search is over',
+        sample.search_text,
+    )
 
 
 def _epoch(sample: AgentSample, begin_ns: int) -> Row:

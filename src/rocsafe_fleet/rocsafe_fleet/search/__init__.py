@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rounds of measuring after the survey, which the agents decide."""

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Missions whose agents search after the survey: whoever is killed, the rounds are flown."""
+
+import json
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rocsafe_orchestrator.products.photographs import read_photographs
+
+from .conftest import DEADLINE_S, Flight
+
+pytestmark = pytest.mark.system
+
+SCENARIO = Path(__file__).with_name('agents_search.yaml')
+PLACES, ROUNDS = 3, 2
+Fly = Callable[..., Flight]
+
+
+def planned(flight: Flight) -> set[int]:
+    """Return the viewpoints of the survey."""
+    plan = json.loads(flight.run.plan.read_text())
+    return {view['id'] for route in plan['routes'] for view in route['viewpoints']}
+
+
+def photographed(flight: Flight) -> set[int]:
+    """Return the viewpoints of the photographs that are stored."""
+    return {shot.viewpoint_id for shot in read_photographs(flight.run.images)}
+
+
+def agents_log(flight: Flight) -> str:
+    """Return what the agents have said so far."""
+    path = flight.run.log_of('agents')
+    return path.read_text() if path.is_file() else ''
+
+
+def test_agents_fly_the_rounds_of_the_search(complete: Flight) -> None:
+    """All places of both rounds are photographed, the report tells them, and nobody is left."""
+    assert complete.info()['outcome'] == 'complete'
+    further = photographed(complete) - planned(complete)
+    assert planned(complete) < photographed(complete)
+    assert len(further) == PLACES * ROUNDS
+    page = complete.run.report.read_text()
+    assert 'Rounds of the search' in page
+    assert page.count('are wanted') >= ROUNDS
+    assert complete.living() == []
+
+
+def test_search_goes_on_without_the_orchestrator_and_a_vehicle(fly: Fly) -> None:
+    """Both are killed when the first round begins: the others fly both rounds, then all ends."""
+    flight = fly('--speed', '12')
+    flight.wait_until(lambda: 'epoch 1,' in agents_log(flight))
+    vehicle = flight.pid_of('rav1')
+    flight.process.send_signal(signal.SIGKILL)
+    flight.process.wait()
+    os.kill(vehicle, signal.SIGKILL)
+    end = time.monotonic() + DEADLINE_S
+    while flight.living() and time.monotonic() < end:
+        time.sleep(0.1)
+    log = agents_log(flight)
+    assert planned(flight) <= photographed(flight), log
+    assert len(photographed(flight) - planned(flight)) == PLACES * ROUNDS, log
+    assert flight.living() == [], log
