@@ -151,6 +151,22 @@ def test_who_refuses_to_go_on_after_a_hold_returns() -> None:
     assert flying.mission.text == 'resume: rav3: mission not read'
 
 
+def test_who_does_not_answer_to_go_on_returns_and_the_mission_waits() -> None:
+    """It is in the air: the mission must not end there."""
+    flying = Airborne().gathered()
+    flying.mission.nothing_left()
+    flying.accept(*(e for e in flying.advance() if e != order(OrderKind.RESUME, 'rav3')))
+    aloft = Situation(ready=PROCESSES, aloft=frozenset({'rav3'}))
+    told: list[Order] = []
+    for second in range(int(Deadlines().accept_s) + 5):
+        new = flying.advance(replace(aloft, simulated_s=float(second)), after_s=1.0)
+        flying.accept(*(each for each in new if each.kind is not OrderKind.RESUME))
+        told += new
+    assert order(OrderKind.RETURN, 'rav3') in told
+    assert flying.mission.phase is Phase.FLYING
+    assert flying.mission.text.startswith('rav3: did not accept to go on after the hold')
+
+
 def test_time_that_passed_before_all_stood_is_explained() -> None:
     """Who did not stop is named; the others go on with the routes that they had."""
     flying = Airborne()

@@ -177,7 +177,7 @@ class AirsimNode(Node):
             self._open()
 
     def _renew(self) -> None:
-        # Where no client is left, nobody leads: the leases end.
+        # Leases are renewed only while a client is connected: without one they end.
         for vehicle in self._by_name.values() if self._server.clients else ():
             asyncio.run_coroutine_threadsafe(_renewed(vehicle), self._loop)
 

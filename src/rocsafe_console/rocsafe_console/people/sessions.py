@@ -12,7 +12,7 @@ from rocsafe_console.people.roles import Role
 
 LONGEST_S = 12 * 3600.0
 MOST_SESSIONS = 200
-# Of one user, and as many links: nobody ends the sessions of others by beginning his own.
+# A user has at most so many sessions, and so many links, so that he ends no session of others.
 MOST_OF_USER = 20
 ATTEMPTS, ATTEMPTS_S = 5, 60.0
 _MOST_KEYS = 10_000

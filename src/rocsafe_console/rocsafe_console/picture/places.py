@@ -32,7 +32,7 @@ _MGRS_CLOSED = re.compile(
 )
 # As receivers show it: the letters first.
 _LETTERS_FIRST = re.compile(r'([NS])\s*([^NSEW]+?)[\s,;]*([EW])\s*([^NSEW]+)', re.IGNORECASE)
-# Of a decimal comma and of two numbers nobody knows which one is meant.
+# A number with a comma is refused: it may be one decimal number, or two numbers.
 _COMMA = re.compile(r'[+-]?\d+,\d+')
 _FORMS = '53.2800, -9.0633; 53°16\u203248\u2033N 9°03\u203248\u2033W; 29U MV 29125 03560'
 

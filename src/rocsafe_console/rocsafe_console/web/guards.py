@@ -33,7 +33,7 @@ HEADERS = {
     'Permissions-Policy': 'camera=(), microphone=(), geolocation=()',
     'Cache-Control': 'no-store',
 }
-# Of refusals, by the first kind that fits; an error of the system is mostly a full disk.
+# HTTP status of each refusal, by the first kind that fits. OSError is mostly a full disk.
 STATUSES: Mapping[type[Exception], int] = {
     TooManyError: 429, RefusedError: 403, ConsoleError: 404, FileNotFoundError: 404,
     EvidenceError: 503, OSError: 503,

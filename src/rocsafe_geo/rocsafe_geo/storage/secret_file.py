@@ -8,7 +8,7 @@ from stat import S_IMODE
 
 from rocsafe_geo.storage.named_file import require_file
 
-# Of one key or token.
+# A file with one key or token has at most so many bytes.
 LARGEST_FILE = 4096
 FEWEST_BITS = 128
 # Fewer different letters are a typed pattern, not a random text.

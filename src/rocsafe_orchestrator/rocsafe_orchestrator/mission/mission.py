@@ -364,6 +364,9 @@ class Mission(PhaseRecord):
         if not late:
             return False
         what = f'did not accept to {late[0].order.kind.value} within {limit:g} s'
+        if late[0].order.kind is OrderKind.RESUME:
+            self.refused(late[0].order, f'{late[0].order.vehicle}: {what}')
+            return True
         vehicles = [r.order.vehicle for r in late if r.order.kind is OrderKind.FLY]
         if not self.takeover.replaced(vehicles, what, is_gone=True):
             names = ', '.join(dict.fromkeys(request.server for request in late))
