@@ -15,9 +15,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_orchestrator.mission.status import FlightState, VehicleStatus
-from rocsafe_orchestrator.mission_commands.mission_loop import MissionLoop
+from rocsafe_orchestrator.mission_commands.mission_loop import (
+    LONGEST_LANDING_S,
+    LONGEST_SILENCE_S,
+    MissionLoop,
+)
 from rocsafe_orchestrator.mission_commands.progress import SteadyDisplay
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
+from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.watches.operator_watch import (
     AIRBORNE,
     ANSWER_S,
@@ -159,6 +164,36 @@ def test_who_returns_or_lands_already_is_not_told_to_hold_or_return() -> None:
         parts.interrupt.count = 0
     assert [verb for verb, _names in told.orders] == [Verb.HOLD, Verb.HOLD, Verb.RETURN]
     assert {tuple(names) for _verb, names in told.orders} == {('rav1', 'rav4')}
+
+
+@pytest.mark.parametrize(
+    ('phase', 'state', 'heard_ago_s', 'waits'),
+    [
+        (Phase.REPORTING, FLYING, 1.0, True),
+        (Phase.REPORTING, LANDED, 1.0, False),
+        (Phase.REPORTING, FLYING, LONGEST_SILENCE_S, False),
+        (Phase.MAPPING, FLYING, 1.0, False),
+    ],
+)
+def test_no_report_begins_with_a_real_vehicle_in_the_air(
+    phase: Phase, state: FlightState, heard_ago_s: float, waits: bool
+) -> None:
+    """Whatever ended the flight: the report begins with the end of the bridge."""
+    seen = [VehicleStatus(name='rav1', state=state), VehicleStatus(name='rav2', state=FLYING)]
+    said: list[str] = []
+    parts: Any = SimpleNamespace(
+        node=SimpleNamespace(requests=Told()),
+        monitor=SimpleNamespace(vehicles=seen, heard_ago_s=lambda _name, _now_s: heard_ago_s),
+        mission=SimpleNamespace(phase=phase),
+        display=SimpleNamespace(say=said.append),
+        real=frozenset({'rav1'}),
+        table=(),
+    )
+    loop = MissionLoop(parts, 1.0, 0.0)
+    loop._tell = lambda _decisions: None  # type: ignore[method-assign]
+    assert loop._waits_for_landing(100.0) is waits
+    assert loop._waits_for_landing(100.0 + LONGEST_LANDING_S) is False
+    assert said == ['rav1: in the air, the report waits for its landing'] * waits
 
 
 def test_who_lands_is_not_called_home_by_a_dose() -> None:

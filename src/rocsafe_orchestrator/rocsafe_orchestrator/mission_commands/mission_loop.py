@@ -42,6 +42,8 @@ DISK_PERIOD_S = 1.0
 STALL_WATCH_S = 1.0
 # The end of a run does not wait for the landing of a vehicle that is silent for longer.
 LONGEST_SILENCE_S = 15.0
+# A report waits so long for the landing of a real vehicle, wall time.
+LONGEST_LANDING_S = 600.0
 # States of a ground vehicle that stands and has no drive.
 DRIVER_HOME = frozenset({FlightState.DISARMED, FlightState.LANDED, FlightState.CRASHED})
 AFTER_INTERRUPT = 'map and report of what there is are made; the third ends at once without them'
@@ -103,6 +105,7 @@ class MissionLoop:
         self._ready: frozenset[str] = frozenset()
         self._show_at_s = self._publish_at_s = self._look_at_disk_s = 0.0
         self._is_shortage_told = False
+        self._lands_by_s: float | None = None
         self._shown_phase: Phase | None = None
         self._interrupted_by: signal.Signals | None = None
         requests = parts.node.requests
@@ -154,7 +157,7 @@ class MissionLoop:
                 parts.mission.takeover.turn_back(vehicle, why, is_waiting=seen.is_waiting)
         parts.mission.remarks += parts.crew_watch.advance()
         self._mark_contaminated()
-        if may_order:
+        if may_order and not self._waits_for_landing(now_s):
             for order in parts.mission.advance(now_s, self._situation(now_s)):
                 self._tell(self._decisions.of_order(order))
                 self._carry_out(order)
@@ -192,6 +195,23 @@ class MissionLoop:
         while watch.remarks:
             self._say(watch.remarks.pop(0))
         return not watch.ends
+
+    def _waits_for_landing(self, now_s: float) -> bool:
+        """Return whether the report waits, whose begin ends the bridge, for a real vehicle."""
+        parts = self._parts
+        aloft = [
+            status.name
+            for status in parts.monitor.vehicles
+            if status.name in parts.real
+            and status.is_aloft
+            and parts.monitor.heard_ago_s(status.name, now_s) < LONGEST_SILENCE_S
+        ]
+        if parts.mission.phase is not Phase.REPORTING or not aloft:
+            return False
+        if self._lands_by_s is None:
+            self._lands_by_s = now_s + LONGEST_LANDING_S
+            self._say(f'{", ".join(aloft)}: in the air, the report waits for its landing')
+        return now_s < self._lands_by_s
 
     def _say(self, remark: str) -> None:
         self._tell([Decision(kind='remark', text=remark)])
