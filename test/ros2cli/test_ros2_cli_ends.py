@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
 from rocsafe_ros.domain.discovery import local_participants
+from rocsafe_ros2cli.command_node import command_node
 
 DEADLINE_S = 60.0
 FLY = 'rocsafe_interfaces/action/FlyRoute'
@@ -92,6 +93,25 @@ def test_ctrl_c_cancels_the_goal(robot, ros2_process):
     assert out.endswith('Goal canceled.\n')
     assert robot.cancelled.wait(DEADLINE_S)
     assert process.returncode == 2
+
+
+class _InterruptedLate:
+    """Has its command's Ctrl-C arrive while the interpreter drops it."""
+
+    def __del__(self):
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_a_signal_while_something_is_dropped_is_not_lost(own_domain):
+    """An exception in a `__del__` would be printed and forgotten; rclpy's futures have one."""
+    with command_node() as holder:
+        late = [_InterruptedLate()]
+        holder.node.create_timer(0.01, late.clear)
+        with pytest.raises(KeyboardInterrupt):
+            holder.spin_until(lambda: False, DEADLINE_S)
+        assert not late
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
 
 
 def test_a_reader_that_goes_away_ends_the_command_quietly(robot, ros2_process):

@@ -2,9 +2,12 @@
 """The node of a verb: hidden, short-lived, in a context of its own."""
 
 import os
+import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import Any
 
 import rclpy
@@ -61,7 +64,8 @@ class CommandNode:
         while not is_done():
             if time.monotonic() > end:
                 return False
-            self._executor.spin_once(timeout_sec=SLICE_S)
+            with _signals_wait():
+                self._executor.spin_once(timeout_sec=SLICE_S)
         return True
 
     def answer(self, future: Any, question: str, limit_s: float = float('inf')) -> Any:
@@ -91,6 +95,37 @@ class CommandNode:
         self.stop()
         self.node.destroy_node()
         close_context(self._context)
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Deliver SIGINT and SIGTERM at the end of the block; a second one at once.
+
+    Python loses an exception that a signal raises in a `__del__`, and the spin has many.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    arrived: list[int] = []
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def restore() -> None:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    def note(number: int, _frame: FrameType | None) -> None:
+        arrived.append(number)
+        restore()
+
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(number, note)
+    try:
+        yield
+    finally:
+        restore()
+    if arrived:
+        signal.raise_signal(arrived[0])
 
 
 @contextmanager
