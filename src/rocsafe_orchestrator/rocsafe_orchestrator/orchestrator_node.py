@@ -2,6 +2,7 @@
 """The orchestrator's ROS side: requests to the nodes, and their messages."""
 
 import dataclasses
+import math
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -49,6 +50,8 @@ NAME = 'orchestrator'
 ANSWER_PERIOD_S = 0.02
 # Agents that have told nothing for so long are not waited for, seconds of wall time.
 AGENT_SILENCE_S = 60.0
+# A participant in lock-step that has not done the newest step for so long is late, wall time.
+LATE_S = 1.5
 
 
 class OrchestratorNode(Node):
@@ -74,6 +77,8 @@ class OrchestratorNode(Node):
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
         self._steps: dict[str, int] = {}
+        self._left_s: dict[str, float] = {}
+        self._newest_s = 0.0
         self._agents: dict[str, tuple[AgentState, float]] = {}
         self._steps_watch: Any = None
         self.requester = Node(
@@ -160,12 +165,19 @@ class OrchestratorNode(Node):
             self._steps_watch = None
 
     def waiting_for(self, participants: Iterable[str]) -> tuple[str, ...]:
-        """Return the participants that have not done the newest step; all done: the world."""
-        if self._steps_watch is None:
-            return ()
+        """Return the participants that have not done the newest step; all done: the world.
+
+        They repeat what they have done: nobody is late for a step that is as new as that.
+        """
         newest = max(self._steps.values(), default=0)
+        if self._steps_watch is None or time.monotonic() - self._newest_s < LATE_S:
+            return ()
         behind = tuple(name for name in participants if self._steps.get(name, -1) < newest)
         return behind or ('world',)
+
+    def has_left(self, participant: str, heard_s: float) -> bool:
+        """Return whether simulated time waits no more for one that was last heard at `heard_s`."""
+        return self._left_s.get(participant, -math.inf) >= heard_s
 
     # What the nodes say.
 
@@ -234,7 +246,13 @@ class OrchestratorNode(Node):
         return response
 
     def _on_step(self, message: StepDone) -> None:
-        self._steps[message.participant] = ns_of_stamp(message.step)
+        if message.has_left:
+            self._left_s[message.participant] = time.monotonic()
+            return
+        step_ns = ns_of_stamp(message.step)
+        if step_ns > max(self._steps.values(), default=-1):
+            self._newest_s = time.monotonic()
+        self._steps[message.participant] = step_ns
 
 
 def _options(node: Node) -> OrchestratorOptions:

@@ -297,6 +297,10 @@ class MissionLoop:
                     now_s,
                     silent_s,
                     is_led_by_others=name in parts.node.requests.led_by_others,
+                    is_left_out=parts.node.has_left(
+                        parts.mission.fleet.process_of(name),
+                        now_s - parts.monitor.heard_ago_s(name, now_s),
+                    ),
                 )
                 for name, silent_s in silences_s.items()
             },
