@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What an agent hears from its vehicle, and how it lets it fly: topics and actions, by lease."""
 
-import math
 import time
 from collections.abc import Callable
 from functools import partial
@@ -63,7 +62,7 @@ class VehicleLink:
         self.name = name
         self.state: VehicleState | None = None
         self._now_s, self._heard_s = now_s, now_s()
-        self._left_s = -math.inf
+        self._left_s: float | None = None
         self._is_real = is_real
         self._mission = mission
         self._leases = leases
@@ -98,7 +97,7 @@ class VehicleLink:
 
         Also whether it was left out, and was not heard since.
         """
-        if self._left_s >= self._heard_s:
+        if self._left_s is not None and self._left_s >= self._heard_s:
             return True
         if self.state is None or self.is_down:
             return False

@@ -2,7 +2,6 @@
 """The orchestrator's ROS side: requests to the nodes, and their messages."""
 
 import dataclasses
-import math
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -32,6 +31,7 @@ from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.drive_watch import Reading
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
+from rocsafe_orchestrator.mission_state.step_reports import StepReports
 from rocsafe_orchestrator.parameters import goal_conversions
 from rocsafe_orchestrator.process_table.table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests.requests_node import Requests
@@ -50,8 +50,6 @@ NAME = 'orchestrator'
 ANSWER_PERIOD_S = 0.02
 # Agents that have told nothing for so long are not waited for, seconds of wall time.
 AGENT_SILENCE_S = 60.0
-# A participant in lock-step that has not done the newest step for so long is late, wall time.
-LATE_S = 1.5
 
 
 class OrchestratorNode(Node):
@@ -76,9 +74,7 @@ class OrchestratorNode(Node):
         self._monitor = monitor
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
-        self._steps: dict[str, int] = {}
-        self._left_s: dict[str, float] = {}
-        self._newest_s = 0.0
+        self.steps = StepReports()
         self._agents: dict[str, tuple[AgentState, float]] = {}
         self._steps_watch: Any = None
         self.requester = Node(
@@ -158,26 +154,15 @@ class OrchestratorNode(Node):
     def watch_steps(self, is_wanted: bool) -> None:
         """Listen to the steps that the participants report, or stop listening."""
         if is_wanted and self._steps_watch is None:
-            self._steps.clear()
+            self.steps.forget()
             self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_step)
         elif not is_wanted and self._steps_watch is not None:
             self.destroy_subscription(self._steps_watch)
             self._steps_watch = None
 
     def waiting_for(self, participants: Iterable[str]) -> tuple[str, ...]:
-        """Return the participants that have not done the newest step; all done: the world.
-
-        They repeat what they have done: nobody is late for a step that is as new as that.
-        """
-        newest = max(self._steps.values(), default=0)
-        if self._steps_watch is None or time.monotonic() - self._newest_s < LATE_S:
-            return ()
-        behind = tuple(name for name in participants if self._steps.get(name, -1) < newest)
-        return behind or ('world',)
-
-    def has_left(self, participant: str, heard_s: float) -> bool:
-        """Return whether simulated time waits no more for one that was last heard at `heard_s`."""
-        return self._left_s.get(participant, -math.inf) >= heard_s
+        """Return the participants that are late for a step; none while nobody listens."""
+        return () if self._steps_watch is None else self.steps.late(participants, time.monotonic())
 
     # What the nodes say.
 
@@ -247,12 +232,9 @@ class OrchestratorNode(Node):
 
     def _on_step(self, message: StepDone) -> None:
         if message.has_left:
-            self._left_s[message.participant] = time.monotonic()
-            return
-        step_ns = ns_of_stamp(message.step)
-        if step_ns > max(self._steps.values(), default=-1):
-            self._newest_s = time.monotonic()
-        self._steps[message.participant] = step_ns
+            self.steps.left_out(message.participant, time.monotonic())
+        else:
+            self.steps.done(message.participant, ns_of_stamp(message.step), time.monotonic())
 
 
 def _options(node: Node) -> OrchestratorOptions:

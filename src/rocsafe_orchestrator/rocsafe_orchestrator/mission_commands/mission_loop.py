@@ -297,7 +297,7 @@ class MissionLoop:
                     now_s,
                     silent_s,
                     is_led_by_others=name in parts.node.requests.led_by_others,
-                    is_left_out=parts.node.has_left(
+                    is_left_out=parts.node.steps.is_left_out(
                         parts.mission.fleet.process_of(name),
                         now_s - parts.monitor.heard_ago_s(name, now_s),
                     ),
