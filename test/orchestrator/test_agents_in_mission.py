@@ -84,6 +84,20 @@ def test_a_vehicle_whose_process_is_gone_is_left_to_the_agents():
     assert mission.faults == []
 
 
+def test_a_loss_while_the_others_are_silent_for_a_moment_does_not_hang_the_mission():
+    """The flight is over when the agents have done all."""
+    mission = airborne()
+    mission.flown('rav2', 3)
+    late, gone = Sighting(silent_s=6.0), Sighting(silent_s=99.0)
+    both = {'rav1': gone, 'rav2': late}
+    mission.advance(102.0, dataclasses.replace(situation(), sightings=both))
+    mission.advance(103.0, situation(lost='rav1'))
+    for now_s in (110.0, 120.0):
+        mission.advance(now_s, situation(done=True, lost='rav1', stored=6))
+    assert mission.phase >= Phase.COLLECTING
+    assert mission.faults == []
+
+
 def test_the_flight_is_over_when_the_agents_are_done():
     """For some seconds, because a loss may give them more; then missing photographs count."""
     mission = airborne()

@@ -247,6 +247,27 @@ def test_silent_vehicle_gets_no_orders_and_is_then_replaced() -> None:
     ]
 
 
+def test_loss_while_the_others_are_silent_for_a_moment_is_made_good_after_it() -> None:
+    """Nobody could take over then: the survey would wait for the lost one for ever."""
+    flying = Airborne()
+    late, gone = Sighting(silent_s=6.0), Sighting(silent_s=16.0)
+    assert flying.advance(seen(rav1=late, rav2=gone, rav3=late)) == []
+    assert flying.advance(seen(rav2=gone)) == [
+        order(OrderKind.DISMISS, 'rav2'),
+        order(OrderKind.HOLD, 'rav1'),
+        order(OrderKind.HOLD, 'rav3'),
+    ]
+
+
+def test_loss_of_one_that_is_heard_again_is_none() -> None:
+    """All were silent, for instance because this process stood still."""
+    flying = Airborne()
+    late, gone = Sighting(silent_s=6.0), Sighting(silent_s=16.0)
+    assert flying.advance(seen(rav1=late, rav2=gone, rav3=late)) == []
+    assert flying.advance(seen()) == []
+    assert set(flying.mission.fleet.others) == set(NAMES)
+
+
 def test_announced_loss_is_acted_on_before_the_flight_has_ended() -> None:
     """The vehicle is still on its way down; it is waited for, and not dismissed."""
     flying = Airborne()

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from rocsafe_orchestrator.mission.status import FlightState, VehicleStatus
 from rocsafe_orchestrator.mission_commands.mission_loop import (
-    LONGEST_LANDING_S,
+    AFTER_FLIGHT,
     LONGEST_SILENCE_S,
     MissionLoop,
 )
@@ -154,6 +154,7 @@ def test_who_returns_or_lands_already_is_not_told_to_hold_or_return() -> None:
         interrupt=SimpleNamespace(count=1, first=signal.SIGHUP, withdraw=lambda: None),
         monitor=SimpleNamespace(vehicles=seen),
         operator=watch(),
+        mission=SimpleNamespace(phase=Phase.FLYING),
         display=SimpleNamespace(say=lambda _text: None),
         table=(),
     )
@@ -164,6 +165,59 @@ def test_who_returns_or_lands_already_is_not_told_to_hold_or_return() -> None:
         parts.interrupt.count = 0
     assert [verb for verb, _names in told.orders] == [Verb.HOLD, Verb.HOLD, Verb.RETURN]
     assert {tuple(names) for _verb, names in told.orders} == {('rav1', 'rav4')}
+
+
+@pytest.mark.parametrize(
+    ('phase', 'told'),
+    [
+        (Phase.FLYING, []),
+        (Phase.COLLECTING, []),
+        *((phase, [(Verb.RETURN, ['rav1'])]) for phase in sorted(AFTER_FLIGHT)),
+    ],
+)
+def test_who_is_in_the_air_after_the_flights_is_called_home(
+    phase: Phase, told: list[tuple[Verb, list[str]]]
+) -> None:
+    """A mission that failed sends nothing more: it would hold until its battery's failsafe.
+
+    Not a simulated one, whose time may stand still for good, nor who is led by somebody else.
+    """
+    seen = [SimpleNamespace(name=name, state=HOLDING) for name in ('rav1', 'rav2', 'rav5')]
+    requests = Told()
+    parts: Any = SimpleNamespace(
+        node=SimpleNamespace(requests=requests),
+        terminal=SimpleNamespace(is_there=True, typed=lambda: ''),
+        interrupt=SimpleNamespace(count=0, first=None),
+        monitor=SimpleNamespace(vehicles=seen),
+        operator=watch(),
+        mission=SimpleNamespace(phase=phase),
+        display=SimpleNamespace(say=lambda _text: None),
+        real=frozenset({'rav1', 'rav5'}),
+        table=(),
+    )
+    loop = MissionLoop(parts, 1.0, 0.0)
+    loop._tell = lambda _decisions: None  # type: ignore[method-assign]
+    assert loop._watch_operator(0.0)
+    assert requests.orders == told
+    loop._watch_operator(REPEAT_S)
+    assert requests.orders == told * 2
+
+
+def test_what_the_operator_chose_stands_after_the_flights() -> None:
+    """A hold that was asked for is not turned into a return; a return is told once."""
+    one = watch()
+    one.advance(0.0, CTRL_C, [FLYING])
+    assert one.advance(1.0, typed('h'), [FLYING]) is Verb.HOLD
+    one.end_flight(2.0, [HOLDING])
+    assert one.advance(2.0 + REPEAT_S, NOTHING, [HOLDING]) is None
+    other = watch()
+    other.end_flight(0.0, [RETURNING, LANDED])
+    assert other.advance(0.0, NOTHING, [RETURNING, LANDED]) is None
+    gone = watch()
+    assert gone.advance(0.0, GONE, [FLYING]) is Verb.HOLD
+    gone.end_flight(1.0, [HOLDING])
+    assert gone.advance(1.0 + REPEAT_S, OperatorNews(), [HOLDING]) is None
+    assert gone.advance(HOLD_S, OperatorNews(), [HOLDING]) is Verb.RETURN
 
 
 @pytest.mark.parametrize(
@@ -192,7 +246,7 @@ def test_no_report_begins_with_a_real_vehicle_in_the_air(
     loop = MissionLoop(parts, 1.0, 0.0)
     loop._tell = lambda _decisions: None  # type: ignore[method-assign]
     assert loop._waits_for_landing(100.0) is waits
-    assert loop._waits_for_landing(100.0 + LONGEST_LANDING_S) is False
+    assert loop._waits_for_landing(100.0 + LONGEST_S) is False
     assert said == ['rav1: in the air, the report waits for its landing'] * waits
 
 

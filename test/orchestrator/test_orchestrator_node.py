@@ -427,16 +427,27 @@ def test_who_holds_up_time_is_found(stage: Stage) -> None:
     assert stage.node.waiting_for(names) == ()
     stage.node.watch_steps(True)
 
-    def say(**done_ns: int) -> None:
-        for name, time_ns in done_ns.items():
-            steps.publish(StepDone(step=stamp_of_ns(time_ns), participant=name))
+    next_s = 0.0
+
+    def say(*reports: StepDone) -> None:
+        nonlocal next_s
+        if time.monotonic() >= next_s:
+            next_s = time.monotonic() + 0.1
+            for report in reports:
+                steps.publish(report)
 
     def is_waiting_for(*expected: str, **done_ns: int) -> bool:
-        say(**done_ns)
+        say(*(StepDone(step=stamp_of_ns(t), participant=n) for n, t in done_ns.items()))
         return stage.node.waiting_for(names) == expected
 
     stage.until(lambda: is_waiting_for('rav2', rav1=200, rav2=100))
     stage.until(lambda: is_waiting_for('world', rav1=200, rav2=200))
+
+    def has_left() -> bool:
+        say(StepDone(participant='rav1', has_left=True))
+        return stage.node.steps.is_left_out('rav1', 0.0)
+
+    stage.until(has_left)
     stage.node.watch_steps(False)
     assert stage.node.waiting_for(names) == ()
 

@@ -117,7 +117,7 @@ def test_held_on_the_ground_it_takes_off_when_it_is_resumed() -> None:
     assert list(steps(vehicle, 1.0))[-1].viewpoints_visited == len(ROUTE.waypoints)
 
 
-@pytest.mark.parametrize('how', ['resume', 'its route again', 'another route'])
+@pytest.mark.parametrize('how', ['resume', 'another route'])
 def test_held_on_the_ground_it_waits_for_the_rest_of_its_time(how: str) -> None:
     """Who resumes it early does not bring it nearer to the others; another route has its own."""
     vehicle = vehicle_on(replace(ROUTE, delay_s=60.0))
@@ -127,12 +127,26 @@ def test_held_on_the_ground_it_waits_for_the_rest_of_its_time(how: str) -> None:
     route = vehicle.flight.route
     if how == 'resume':
         vehicle.resume()
-    elif how == 'its route again':
-        vehicle.fly_route(route)
     else:
         vehicle.fly_route(replace(route, plan_id='plan-2', delay_s=30.0), replaces=True)
     assert at_s(vehicle, 59.0).mode is Mode.WAITING
     assert at_s(vehicle, 61.0).mode is Mode.TAKING_OFF
+
+
+@pytest.mark.parametrize('held_s', [10.0, 70.0])
+def test_the_same_route_again_does_not_end_a_hold(held_s: float) -> None:
+    """A mission sends it again to a process that was restarted; a real vehicle joins, too."""
+    vehicle = vehicle_on(replace(ROUTE, delay_s=60.0))
+    at_s(vehicle, held_s)
+    vehicle.hold()
+    at_s(vehicle, 100.0)
+    again = restored(vehicle)
+    again.step(vehicle.time_ns)
+    before = again.mode
+    again.fly_route(vehicle.flight.route)
+    assert at_s(again, 1000.0).mode is before
+    again.resume()
+    assert at_s(again, 1005.0).mode in (Mode.TAKING_OFF, Mode.FLYING)
 
 
 def restored(vehicle: SimulatedVehicle) -> SimulatedVehicle:
@@ -399,7 +413,6 @@ def test_held_route_is_resumed_on_a_free_way_only() -> None:
             vehicle.record, flight=replace(flight, command=replace(flight.command, start=inside))
         )
     )
-    for go_on in (vehicle.resume, lambda: vehicle.fly_route(flight.route)):
-        with pytest.raises(CommandRefusedError, match=r'exclusion \d lies on leg 1 of the way'):
-            go_on()
+    with pytest.raises(CommandRefusedError, match=r'exclusion \d lies on leg 1 of the way'):
+        vehicle.resume()
     assert vehicle.mode is Mode.HOLDING

@@ -116,3 +116,24 @@ def test_agents_take_over_from_a_lost_vehicle(fly: Fly) -> None:
         time.sleep(0.05)
     assert flight.end() == 0, flight.output
     assert photographed(flight) == planned(flight)
+
+
+@pytest.mark.all
+@pytest.mark.parametrize('comes_back', [True, False])
+def test_vehicle_that_stands_still_does_not_hang_the_mission(fly: Fly, comes_back: bool) -> None:
+    """Its process is stopped until the others go on without it; where it comes back, it holds."""
+    flight = fly('--speed', '12')
+    flight.wait_for_images(2)
+    vehicle = flight.pid_of('rav3')
+    os.kill(vehicle, signal.SIGSTOP)
+    try:
+        flight.wait_until(lambda: 'the agents of the others take over' in flight.output)
+        if comes_back:
+            os.kill(vehicle, signal.SIGCONT)
+        assert flight.end() == 0, flight.output
+    finally:
+        if vehicle in flight.living():
+            os.kill(vehicle, signal.SIGCONT)
+    assert photographed(flight) == planned(flight)
+    lost = json.loads(flight.run.summary.read_text())['lost_vehicles']
+    assert list(lost) == ['rav3']

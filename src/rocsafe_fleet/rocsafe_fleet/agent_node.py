@@ -65,6 +65,7 @@ class AgentsNode(Node):
         self._fleet: FleetStart | None = None
         self._job: tuple[BackgroundJob[Any, None], Callable[[Any], None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
+        self._missed: set[str] = set()
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
         self._plan_id = ''
@@ -211,8 +212,13 @@ class AgentsNode(Node):
             agent.visit(link.visited)
         if link.is_silent(time_s):
             agent.disable('its vehicle is silent')
-        elif name not in fleet.silent:
-            agent.disable(link.inability)
+            self._missed.add(name)
+            return
+        agent.disable(link.inability)
+        if name in self._missed and agent.is_done and not link.inability:
+            # It was heard again after the others had flown all: it holds, and gets no new route.
+            self._missed.discard(name)
+            link.fly(fleet.plan_id, None)
 
     # Plans and routes.
 
@@ -252,7 +258,7 @@ class AgentsNode(Node):
             self._plan(self._fleet)
         if self._participant is not None and not self._is_busy:
             self._participant.finish(is_idle=self._is_done())
-        self._watch_time(self._fleet)
+        self._watch_time()
         if time.monotonic() - self._report_s >= REPORT_S:
             self._report_s = time.monotonic()
             self._report(self._fleet)
@@ -262,6 +268,7 @@ class AgentsNode(Node):
             agent = fleet.agent(name)
             is_new = agent.epoch > self._flown[name] and agent.own in agent.proposal.names
             if is_new and agent.plan.source is not None:
+                self._missed.discard(name)
                 self._flown[name] = agent.epoch
                 source = agent.plan.source
                 self.get_logger().info(
@@ -272,7 +279,7 @@ class AgentsNode(Node):
 
     # Simulated time.
 
-    def _watch_time(self, fleet: FleetStart) -> None:
+    def _watch_time(self) -> None:
         """Let time not wait for a vehicle whose process is gone."""
         if not self._options.lock_step or not self._has_flown or self._is_busy:
             return
@@ -289,15 +296,14 @@ class AgentsNode(Node):
             newest = max(self._steps.values())
             for name in (*self._options.participants, *self._options.others):
                 if self._steps.get(name, -1) < newest:
-                    self._do_without(fleet, name)
+                    self._do_without(name)
 
-    def _do_without(self, fleet: FleetStart, name: str) -> None:
+    def _do_without(self, name: str) -> None:
         """Let time go on without a participant; its vehicle, if it is one of these, is lost."""
         self._warn(f'{name}: its process is silent, simulated time goes on without')
         self._done.publish(StepDone(participant=name, has_left=True))
         if name in self._links:
-            fleet.silent.add(name)
-            fleet.agent(name).disable('its process is silent')
+            self._links[name].leave_out()
 
     def _on_done(self, message: StepDone) -> None:
         self._steps[message.participant] = ns_of_stamp(message.step)
@@ -309,8 +315,7 @@ class AgentsNode(Node):
         if fleet is None or self._is_busy:
             return fleet is None
         now_s = self._now_s()
-        gone = {link.name for link in links if link.is_silent(now_s)} | fleet.silent
-        is_down = all(link.is_down or link.name in gone for link in links)
+        is_down = all(link.is_down or link.is_silent(now_s) for link in links)
         return is_down and fleet.is_done and not fleet.others_aloft
 
     def _report(self, fleet: FleetStart) -> None:

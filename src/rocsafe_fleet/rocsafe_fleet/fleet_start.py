@@ -46,8 +46,6 @@ class FleetStart:
         The agents.
     names
         Of all vehicles of the survey, by number.
-    silent
-        Vehicles whose process does not answer.
     """
 
     def __init__(
@@ -63,7 +61,6 @@ class FleetStart:
         self._key, self._folder = key, Path(folder) if folder else None
         self._saved = 0
         self.names = [route.vehicle.name for route in survey.routes]
-        self.silent: set[str] = set()
         self._survey, self._batteries = survey, batteries
         area = survey.request.regions[0].area
         self._chooser = None if search is None else RoundChooser(search, area)

@@ -62,6 +62,7 @@ class VehicleLink:
         self.name = name
         self.state: VehicleState | None = None
         self._now_s, self._heard_s = now_s, now_s()
+        self._left_s: float | None = None
         self._is_real = is_real
         self._mission = mission
         self._leases = leases
@@ -92,10 +93,19 @@ class VehicleLink:
         return self.state is None or not is_aloft(self.state)
 
     def is_silent(self, now_s: float) -> bool:
-        """Return whether it was in the air and has told nothing for too long."""
+        """Return whether it was in the air and has told nothing for too long.
+
+        Also whether it was left out, and was not heard since.
+        """
+        if self._left_s is not None and self._left_s >= self._heard_s:
+            return True
         if self.state is None or self.is_down:
             return False
         return now_s - self._heard_s > SILENT_S
+
+    def leave_out(self) -> None:
+        """Take it for silent until it is heard again: simulated time goes on without it."""
+        self._left_s = self._now_s()
 
     @property
     def inability(self) -> str:

@@ -31,6 +31,7 @@ from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.mission.drive_watch import Reading
 from rocsafe_orchestrator.mission.options import Deadlines, OrchestratorOptions
 from rocsafe_orchestrator.mission.status import Monitor, RunStatus
+from rocsafe_orchestrator.mission_state.step_reports import StepReports
 from rocsafe_orchestrator.parameters import goal_conversions
 from rocsafe_orchestrator.process_table.table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests.requests_node import Requests
@@ -73,7 +74,7 @@ class OrchestratorNode(Node):
         self._monitor = monitor
         self._mission_id = identity.mission
         self._states: dict[str, VehicleState] = {}
-        self._steps: dict[str, int] = {}
+        self.steps = StepReports()
         self._agents: dict[str, tuple[AgentState, float]] = {}
         self._steps_watch: Any = None
         self.requester = Node(
@@ -153,19 +154,15 @@ class OrchestratorNode(Node):
     def watch_steps(self, is_wanted: bool) -> None:
         """Listen to the steps that the participants report, or stop listening."""
         if is_wanted and self._steps_watch is None:
-            self._steps.clear()
+            self.steps.forget()
             self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_step)
         elif not is_wanted and self._steps_watch is not None:
             self.destroy_subscription(self._steps_watch)
             self._steps_watch = None
 
     def waiting_for(self, participants: Iterable[str]) -> tuple[str, ...]:
-        """Return the participants that have not done the newest step; all done: the world."""
-        if self._steps_watch is None:
-            return ()
-        newest = max(self._steps.values(), default=0)
-        behind = tuple(name for name in participants if self._steps.get(name, -1) < newest)
-        return behind or ('world',)
+        """Return the participants that are late for a step; none while nobody listens."""
+        return () if self._steps_watch is None else self.steps.late(participants, time.monotonic())
 
     # What the nodes say.
 
@@ -234,7 +231,10 @@ class OrchestratorNode(Node):
         return response
 
     def _on_step(self, message: StepDone) -> None:
-        self._steps[message.participant] = ns_of_stamp(message.step)
+        if message.has_left:
+            self.steps.left_out(message.participant, time.monotonic())
+        else:
+            self.steps.done(message.participant, ns_of_stamp(message.step), time.monotonic())
 
 
 def _options(node: Node) -> OrchestratorOptions:

@@ -89,6 +89,10 @@ class Losses:
         processes = self._crew.vehicle_processes
         return [name for name, lives_in in processes.items() if lives_in == process]
 
+    def process_of(self, vehicle: str) -> str:
+        """Return the process that runs a vehicle."""
+        return self._crew.vehicle_processes[vehicle]
+
     def silences_s(
         self, stalled_s: float, waiting_for: Container[str], heard_ago_s: Callable[[str], float]
     ) -> dict[str, float]:
@@ -125,6 +129,8 @@ class Losses:
                 continue
             if after.presence is Presence.LOST and not before.is_replaced:
                 lost[name] = after.why
+            if after.presence is Presence.PRESENT and name in self._gone:
+                self._gone.remove(name)
             remarks += _remark(name, before, after)
         return lost, remarks
 

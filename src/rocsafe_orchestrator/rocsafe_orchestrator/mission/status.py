@@ -245,9 +245,18 @@ class Monitor:
         return now_s - self._heard_s.get(name, now_s)
 
     def sighting(
-        self, name: str, now_s: float, silent_s: float, *, is_led_by_others: bool = False
+        self,
+        name: str,
+        now_s: float,
+        silent_s: float,
+        *,
+        is_led_by_others: bool = False,
+        is_left_out: bool = False,
     ) -> Sighting:
-        """Return what is known of a vehicle that has been silent for `silent_s`."""
+        """Return what is known of a vehicle that has been silent for `silent_s`.
+
+        `is_left_out`: simulated time goes on without it.
+        """
         status = self._vehicles[name]
         if not status.ending:
             self._ending_s.pop(name, None)
@@ -258,7 +267,7 @@ class Monitor:
             ending='' if is_settling else status.ending,
             taken_by='operator' if is_settling or is_led_by_others else status.taken_by,
             is_grounded=status.state in GROUNDED,
-            is_unheard=status.state is FlightState.LOST,
+            is_unheard=is_left_out or status.state is FlightState.LOST,
         )
 
     @property

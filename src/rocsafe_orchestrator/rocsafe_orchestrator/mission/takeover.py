@@ -43,6 +43,7 @@ class Takeover:
         self.has_agents = has_agents
         self._record, self._requests = record, requests
         self._fleet, self._time = fleet, time
+        self._open: dict[str, str] = {}
 
     @property
     def _is_aloft(self) -> bool:
@@ -53,11 +54,17 @@ class Takeover:
         lost, remarks = self._fleet.look(situation.sightings)
         self._record.remarks += remarks
         is_replaced = False
-        for vehicle, why in lost.items():
+        open_losses, self._open = {**self._open, **lost}, {}
+        for vehicle, why in open_losses.items():
             is_gone = not situation.sightings[vehicle].ending
+            if self._fleet.member(vehicle).takes_orders:
+                continue  # it is back
             if self.replaced([vehicle], why, is_gone=is_gone):
                 is_replaced = True
-            elif is_gone and self._fleet.others:
+            elif not self._fleet.others:
+                # They may be silent for a moment only.
+                self._open[vehicle] = why
+            elif is_gone:
                 self._give_up_on(vehicle, why)
         back = [] if self.has_agents else self._fleet.regain()
         if back:

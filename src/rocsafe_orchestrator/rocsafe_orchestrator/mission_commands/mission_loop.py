@@ -29,7 +29,12 @@ from rocsafe_orchestrator.processes.supervisor import Supervisor
 from rocsafe_orchestrator.provenance import write_json
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_orchestrator.watches.decisions import ERROR, WARN, Decision, Decisions
-from rocsafe_orchestrator.watches.operator_watch import OperatorNews, OperatorWatch, addressees
+from rocsafe_orchestrator.watches.operator_watch import (
+    LONGEST_S,
+    OperatorNews,
+    OperatorWatch,
+    addressees,
+)
 
 if TYPE_CHECKING:  # the loop is tested without ROS
     from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
@@ -42,8 +47,8 @@ DISK_PERIOD_S = 1.0
 STALL_WATCH_S = 1.0
 # The end of a run does not wait for the landing of a vehicle that is silent for longer.
 LONGEST_SILENCE_S = 15.0
-# A report waits so long for the landing of a real vehicle, wall time.
-LONGEST_LANDING_S = 600.0
+# The phases after the flights.
+AFTER_FLIGHT = frozenset({Phase.MAPPING, Phase.DRIVING, Phase.REPORTING})
 # States of a ground vehicle that stands and has no drive.
 DRIVER_HOME = frozenset({FlightState.DISARMED, FlightState.LANDED, FlightState.CRASHED})
 AFTER_INTERRUPT = 'map and report of what there is are made; the third ends at once without them'
@@ -189,6 +194,9 @@ class MissionLoop:
             interrupt.withdraw()
         requests = self._parts.node.requests
         ours = {name: at for name, at in found.items() if name not in requests.led_by_others}
+        if self._parts.mission.phase in AFTER_FLIGHT:
+            ours = {name: at for name, at in ours.items() if name in self._parts.real}
+            watch.end_flight(now_s, ours.values())
         verb = watch.advance(now_s, news, ours.values())
         if verb is not None:
             requests.command_fleet(verb, addressees(ours))
@@ -209,7 +217,7 @@ class MissionLoop:
         if parts.mission.phase is not Phase.REPORTING or not aloft:
             return False
         if self._lands_by_s is None:
-            self._lands_by_s = now_s + LONGEST_LANDING_S
+            self._lands_by_s = now_s + LONGEST_S
             self._say(f'{", ".join(aloft)}: in the air, the report waits for its landing')
         return now_s < self._lands_by_s
 
@@ -289,6 +297,10 @@ class MissionLoop:
                     now_s,
                     silent_s,
                     is_led_by_others=name in parts.node.requests.led_by_others,
+                    is_left_out=parts.node.steps.is_left_out(
+                        parts.mission.fleet.process_of(name),
+                        now_s - parts.monitor.heard_ago_s(name, now_s),
+                    ),
                 )
                 for name, silent_s in silences_s.items()
             },

@@ -93,6 +93,18 @@ class OperatorWatch:
         self._since_s = 0.0
         self._told_s: float | None = None
         self._returns_s: float | None = None
+        self._is_settled = False
+
+    def end_flight(self, now_s: float, states: Collection[FlightState]) -> None:
+        """Call home, once, who still flies or holds when the flights are over.
+
+        Nobody else tells them any more. What the operator chose for this flight stands.
+        """
+        if self._is_settled or not any(state in TO_CALL_HOME for state in states):
+            return
+        self._is_settled = True
+        self.remarks.append('the flight is over: who is still on a route or holds returns')
+        self._pursue(Verb.RETURN, now_s)
 
     def advance(
         self, now_s: float, news: OperatorNews, states: Collection[FlightState]
@@ -100,6 +112,7 @@ class OperatorWatch:
         """Return the command to all vehicles now; None: no command."""
         if news.is_interrupted and not self.ends:
             self._interrupted(now_s, news)
+        self._is_settled |= self.ends
         if self._asked_s is not None:
             self._hear(now_s, news)
         if self._returns_s is not None and now_s >= self._returns_s:
@@ -135,6 +148,7 @@ class OperatorWatch:
             self._asked_s = None
             self.remarks.append(choices[news.answer])
             if news.answer == 'h':
+                self._is_settled = True
                 self._pursue(Verb.HOLD, now_s)
             elif news.answer == 'r':
                 self.ends = True

@@ -47,8 +47,9 @@ class SimulatedVehicle(FlyingVehicle):
     def fly_route(self, route: FlightRoute, *, replaces: bool = False) -> None:
         """Fly `route`. The route of the running or the last flight is not begun again.
 
-        If that flight was cancelled or is held, it continues. With `replaces` the route replaces
-        another one that is being flown, from the place of the vehicle.
+        If that flight was cancelled, it continues; if it is held, it stays so until `resume`. With
+        `replaces` the route replaces another one that is being flown, from the place of the
+        vehicle.
 
         Raises
         ------
@@ -59,9 +60,7 @@ class SimulatedVehicle(FlyingVehicle):
             route = grounded(route, self.surroundings)
         flight = self.flight
         if flight is not None and flight.route == route:
-            if self._is_held_down:
-                self._release()
-            elif self.mode is Mode.HOLDING:
+            if self.mode is Mode.HOLDING and flight.outcome is FlightOutcome.CANCELLED:
                 self._require_clear(route, flight.visited, flight.command.number)
                 self._give(replace(flight, outcome=None, text='', ended_ns=None), CommandKind.FLY)
             return
