@@ -53,6 +53,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.flaky(reruns=1))
 
 
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Let the garbage collector pass over all that the collected tests are made of."""
+    gc.collect()
+    gc.freeze()
+
+
 def _starts_processes(item: pytest.Item) -> bool:
     """Return whether the file of a test, its fixtures or its helpers can start processes."""
     modules = {item.module.__name__, *(one.func.__module__ for one in _fixtures(item))}
@@ -196,8 +202,20 @@ def _silent_domains() -> list[int]:
     return random.sample(silent, len(silent))
 
 
+@pytest.fixture(scope='session')
+def plain_topics() -> None:
+    """Let no topic look for publishers of another quality of service; each look costs each spin.
+
+    The executor of the tests goes through all that it could wait for, before each wait.
+    """
+    from rclpy import event_handler
+
+    for kind in (event_handler.PublisherEventCallbacks, event_handler.SubscriptionEventCallbacks):
+        kind.__init__.__kwdefaults__['use_default_callbacks'] = False
+
+
 @pytest.fixture
-def ros(ros_domain_id: int) -> Iterator[RosSession]:
+def ros(ros_domain_id: int, plain_topics: None) -> Iterator[RosSession]:
     """Give a test its own context and executor, and take them down after it."""
     rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
     from rclpy.context import Context
