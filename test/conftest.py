@@ -31,6 +31,7 @@ settings.load_profile('rocsafe')
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 POLL_S = 0.02
+MISSIONS = 'missions'
 DOMAINS = range(1, 101)
 
 
@@ -92,7 +93,8 @@ def _fixtures(item: pytest.Item) -> Iterator[Any]:
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Let one worker fly all missions, and share the other tests by files, if asked for files.
 
-    A mission keeps all cores busy: two at once would only wait for each other.
+    A mission keeps all cores busy: two at once would only wait for each other. They begin first:
+    no other work takes as long.
     """
     if config.getoption('dist') != 'loadscope':
         return None
@@ -100,7 +102,12 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class MissionsTogether(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return 'missions' if nodeid.startswith('test/system/') else nodeid.split('::')[0]
+            return MISSIONS if nodeid.startswith('test/system/') else nodeid.split('::')[0]
+
+        def _assign_work_unit(self, node: Any) -> None:
+            if MISSIONS in self.workqueue:
+                self.workqueue.move_to_end(MISSIONS, last=False)
+            super()._assign_work_unit(node)
 
     return MissionsTogether(config, log)
 
