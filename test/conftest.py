@@ -31,6 +31,7 @@ settings.load_profile('rocsafe')
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 POLL_S = 0.02
+MISSIONS = 'missions'
 DOMAINS = range(1, 101)
 
 
@@ -51,6 +52,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.process)
         if is_system or 'ros' in item.fixturenames:
             item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Let the garbage collector pass over all that the collected tests are made of."""
+    gc.collect()
+    gc.freeze()
 
 
 def _starts_processes(item: pytest.Item) -> bool:
@@ -86,7 +93,8 @@ def _fixtures(item: pytest.Item) -> Iterator[Any]:
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     """Let one worker fly all missions, and share the other tests by files, if asked for files.
 
-    A mission keeps all cores busy: two at once would only wait for each other.
+    A mission keeps all cores busy: two at once would only wait for each other. They begin first:
+    no other work takes as long.
     """
     if config.getoption('dist') != 'loadscope':
         return None
@@ -94,7 +102,12 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class MissionsTogether(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return 'missions' if nodeid.startswith('test/system/') else nodeid.split('::')[0]
+            return MISSIONS if nodeid.startswith('test/system/') else nodeid.split('::')[0]
+
+        def _assign_work_unit(self, node: Any) -> None:
+            if MISSIONS in self.workqueue:
+                self.workqueue.move_to_end(MISSIONS, last=False)
+            super()._assign_work_unit(node)
 
     return MissionsTogether(config, log)
 
@@ -196,8 +209,20 @@ def _silent_domains() -> list[int]:
     return random.sample(silent, len(silent))
 
 
+@pytest.fixture(scope='session')
+def plain_topics() -> None:
+    """Let no topic look for publishers of another quality of service; each look costs each spin.
+
+    The executor of the tests goes through all that it could wait for, before each wait.
+    """
+    from rclpy import event_handler
+
+    for kind in (event_handler.PublisherEventCallbacks, event_handler.SubscriptionEventCallbacks):
+        kind.__init__.__kwdefaults__['use_default_callbacks'] = False
+
+
 @pytest.fixture
-def ros(ros_domain_id: int) -> Iterator[RosSession]:
+def ros(ros_domain_id: int, plain_topics: None) -> Iterator[RosSession]:
     """Give a test its own context and executor, and take them down after it."""
     rclpy = pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
     from rclpy.context import Context

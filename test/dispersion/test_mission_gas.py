@@ -85,15 +85,17 @@ def wind(number: int):
     )
 
 
-def flight_readings(rate_g_s: float = 5.0, seed: int = 3) -> list[GasFlightReading]:
+def flight_readings(
+    rate_g_s: float = 5.0, seed: int = 3, step_m: float = 10.0
+) -> list[GasFlightReading]:
     """Return the readings of a lawn mower 3 m above the ground, 4 s at each place."""
     release = Release(place_m=(-22.0, 13.0), height_m=1.0, rate_g_s=max(rate_g_s, 1e-9))
     plume = SteadyPlume(release=release, travel=AIR.travel, wind=EASTWARDS)
     generator = np.random.default_rng(seed)
     chemical = agent('isobutylene')
     found = []
-    for east in np.arange(-45.0, 46.0, 10.0):
-        for north in np.arange(-45.0, 46.0, 10.0):
+    for east in np.arange(-45.0, 46.0, step_m):
+        for north in np.arange(-45.0, 46.0, step_m):
             place = (float(east), float(north), 3.0)
             mean = chemical.ppm(float(plume.concentrations_g_m3(np.array([place]))[0]))
             for _ in range(4):
@@ -279,13 +281,17 @@ def written(folder, readings, text: str = '') -> str:
     return str(file)
 
 
+@pytest.fixture(scope='module')
+def flight_file(tmp_path_factory):
+    """Return the parameter file of an estimator with the readings of a short flight."""
+    return written(tmp_path_factory.mktemp('flight'), flight_readings(step_m=15.0))
+
+
 @pytest.mark.slow
-def test_files_of_a_flight_are_written(tmp_path, capsys):
+def test_files_of_a_flight_are_written(flight_file, tmp_path, capsys):
     """Releases, zones and plume in the formats that responders open."""
     out = tmp_path / 'out'
-    assert (
-        locate_command.main([written(tmp_path, flight_readings()), f'--out={out}', '--json']) == 0
-    )
+    assert locate_command.main([flight_file, f'--out={out}', '--json']) == 0
     document = json.loads((out / 'release.json').read_text())
     assert document == json.loads(capsys.readouterr().out)
     (release,) = document['releases']
@@ -327,12 +333,11 @@ def test_what_is_no_parameter_file_is_refused_in_one_line(tmp_path, capsys, text
 
 
 @pytest.mark.slow
-def test_assumptions_of_the_command_line_replace_those_of_a_flight(tmp_path, capsys):
+def test_assumptions_of_the_command_line_replace_those_of_a_flight(flight_file, capsys):
     """A calmer or more turbulent air means another rate."""
-    file = written(tmp_path, flight_readings())
     rates = []
     for stability in ('D', 'A'):
-        assert locate_command.main([file, '--stability', stability, '--json']) == 0
+        assert locate_command.main([flight_file, '--stability', stability, '--json']) == 0
         rates.append(json.loads(capsys.readouterr().out)['releases'][0]['rate_g_s'])
     assert rates[0] != pytest.approx(rates[1], rel=0.05)
 

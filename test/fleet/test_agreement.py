@@ -60,7 +60,7 @@ def test_all_but_one_are_lost():
     assert outcome.missing == 0
 
 
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(2))
 def test_two_halves_meet_again(seed):
     """Own points come first: a short cut makes no duplicate; both agree soon after it."""
     one = trial(seed, radio=LOSSY)
@@ -84,7 +84,7 @@ def test_a_lasting_cut_loses_nothing():
     assert outcome.duplicates > 0
 
 
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(2))
 def test_coordinators_may_die_at_any_time(seed):
     """Also while they propose; those that start again take part again."""
     random = np.random.default_rng(seed)
@@ -191,7 +191,7 @@ def test_who_computes_another_plan_is_left_to_itself():
     assert 2 not in one.live[0].proposal.names
 
 
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(2))
 def test_parts_with_different_plans_never_meet(seed):
     """Layers belong to vehicles: whatever the parts plan, they stay apart on their way."""
     random = np.random.default_rng(seed)

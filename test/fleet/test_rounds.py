@@ -3,6 +3,7 @@
 
 import math
 from collections import Counter
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
@@ -89,6 +90,12 @@ def first_choice(one: SearchTrial, longest_s: float = 400.0) -> float:
     one.run(lambda fleet: bool(fleet.choices) or fleet.now_s > longest_s)
     assert one.choices
     return one.now_s
+
+
+@lru_cache
+def lossy_choice_s(seed: int) -> float:
+    """Return when the fleet of a seed, by lossy radio, chooses its first round."""
+    return first_choice(trial(seed, LOSSY))
 
 
 def settled(one: SearchTrial) -> bool:
@@ -207,12 +214,11 @@ def test_the_plan_of_a_round_is_a_partition_of_its_places():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(2))
 @pytest.mark.parametrize('shift_s', [-0.5, 0.1, 0.5, 3.0, 12.0])
 def test_a_death_in_the_search_loses_no_place(seed, shift_s):
     """The coordinator's: while it chooses, before it proposes, and in the flight."""
-    calm = trial(seed, LOSSY)
-    moment = first_choice(calm) + shift_s
+    moment = lossy_choice_s(seed) + shift_s
     one = trial(seed, LOSSY)
     one.at(moment, lambda fleet: fleet.lose(0))
     outcome = one.run()
@@ -224,10 +230,10 @@ def test_a_death_in_the_search_loses_no_place(seed, shift_s):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(2))
 def test_an_agent_that_begins_again_goes_on_with_the_search(seed):
     """It knows nothing; the others tell it of the rounds."""
-    moment = first_choice(trial(seed, LOSSY))
+    moment = lossy_choice_s(seed)
     one = trial(seed, LOSSY)
     one.at(moment - 0.3, lambda fleet: fleet.kill_agent(0))
     one.at(moment + 4.0, lambda fleet: fleet.start_agent(0, 2))
@@ -237,10 +243,10 @@ def test_an_agent_that_begins_again_goes_on_with_the_search(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('seed', range(3))
+@pytest.mark.parametrize('seed', range(2))
 def test_two_halves_search_by_themselves_and_meet_again(seed):
     """Both choose places from what they know; then those of both belong to all."""
-    moment = first_choice(trial(seed, LOSSY))
+    moment = lossy_choice_s(seed)
     one = trial(seed, LOSSY)
     one.at(moment - 30.0, lambda fleet: fleet.radio.cut([[0, 1], [2, 3]]))
     one.at(moment + 40.0, lambda fleet: fleet.radio.heal())

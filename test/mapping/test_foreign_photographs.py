@@ -42,7 +42,7 @@ def test_scale_comes_from_the_fixes_whatever_the_altitude(ground_m):
     """A camera that tells only its altitude has the pixels of its flying height."""
     shots = [
         untold(shot, altitude_m=shot.record.altitude_m - 60.0 + ground_m)
-        for shot in texture.flight(3, rows=3, columns=4, fix_m=0.3)
+        for shot in texture.flight(3, rows=2, columns=4, fix_m=0.3)
     ]
     maker = Mapmaker(MapOptions())
     maker.add_all(shots)
@@ -62,7 +62,7 @@ def test_heights_above_another_ground_do_not_change_the_scale(take_off):
             ),
             read=lambda shot=shot: shot.jpeg,
         )
-        for shot in texture.flight(3, rows=3, columns=4, fix_m=0.3)
+        for shot in texture.flight(3, rows=2, columns=4, fix_m=0.3)
     ]
     maker = Mapmaker(MapOptions())
     maker.add_all(shots)

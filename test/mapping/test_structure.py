@@ -139,7 +139,7 @@ def test_ground_is_the_plane_of_most_points():
     assert np.quantile(np.abs(found.points[:, 2]), 0.9) < 3.0
 
 
-def oblique_flight(seed=7, count=10):
+def oblique_flight(seed=7, count=6):
     """Return photographs from a circle that look 40 degrees off nadir, and some from above.
 
     The records tell fixes only: neither attitude nor height.

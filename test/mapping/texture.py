@@ -4,6 +4,7 @@
 import hashlib
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -34,6 +35,7 @@ class Photographed:
     rotation: np.ndarray
 
 
+@lru_cache(maxsize=4)
 def textured_ground(seed: int) -> np.ndarray:
     """Return a ground picture, west to east and north to south about the origin."""
     rng = np.random.default_rng(seed)

@@ -80,6 +80,7 @@ class Ground:
             self.until(client.service_is_ready)
             future = client.call_async(kind.Request(**fields))
             self.until(future.done)
+        self.operator.destroy_client(client)
         return future.result()
 
     def lease(self, vehicle='rav1'):

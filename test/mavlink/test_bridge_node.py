@@ -149,8 +149,7 @@ def test_silent_vehicle_is_predicted(ground, monkeypatch):
     copter, told = ground.air.copters[1], ground.air.told()
     with ground.air.calm(1.0):
         copter.is_silent = True
-        ground.until(lambda: predicted)
-        assert 'silent for' in ground.seen().text
+        ground.until(lambda: predicted and 'silent for' in ground.seen().text)
         assert ground.seen().state == VehicleState.FLYING
         assert predicted[-1].status.status == -1
         copter.is_silent = False

@@ -29,7 +29,7 @@ pytestmark = pytest.mark.slow
 TOOLS = ('boustrophedon_equal', 'boustrophedon_minmax', 'strips')
 
 
-@settings(max_examples=5, deadline=None)
+@settings(max_examples=3, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
 def test_never_worse_than_survey_tools(seed, vehicles):
     """On random points, which are no grid at all, and on grids with corners missing."""
@@ -51,7 +51,7 @@ def test_never_worse_than_survey_tools_on_regions(survey):
     )
     makespans = {
         method: plan_survey(
-            changed(survey, vehicles=fleet, method=method, proposals=50_000)
+            changed(survey, vehicles=fleet, method=method, proposals=20_000)
         ).makespan_s
         for method in (*TOOLS, 'solver')
     }
@@ -107,7 +107,8 @@ def test_derailment_is_a_fifth_shorter_than_the_papers():
 
 def test_without_a_budget_always_the_same():
     """The same question has the same answer; another seed may have another."""
-    assert plan_survey(request(method='solver')) == plan_survey(request(method='solver'))
+    first, second = (plan_survey(request(method='solver', proposals=20_000)) for _ in range(2))
+    assert first == second
 
 
 @settings(max_examples=10, deadline=None)
@@ -138,7 +139,7 @@ def test_costs_are_those_of_the_time_model(survey):
 def pursued():
     """Plan the derailment for each objective."""
     return {
-        name: plan_survey(request(method='solver', objective=name, proposals=200_000))
+        name: plan_survey(request(method='solver', objective=name, proposals=50_000))
         for name in OBJECTIVE_VALUES
     }
 

@@ -69,6 +69,7 @@ def goal(corners=RECTANGLE, **changes):
         ),
     }
     wish = PlanSurvey.Goal(**values)
+    wish.effort.proposals = 2000
     for name, value in changes.items():
         groups = (wish, wish.coverage, wish.airspace, wish.separation, wish.effort)
         setattr(next(group for group in groups if hasattr(group, name)), name, value)
@@ -206,7 +207,7 @@ def test_a_short_battery_is_refused(open_desk):
 def test_a_long_planning_can_be_cancelled(open_desk):
     """The node answers while it plans, and stops when asked to."""
     desk = open_desk(max_viewpoints=20_000)
-    handle = desk.send(goal(FIELD, height_agl_m=10.0))
+    handle = desk.send(goal(FIELD, height_agl_m=10.0, proposals=0))
     desk.ros.spin_until(lambda: desk.feedback, DEADLINE_S)
     desk.wait_for(handle.cancel_goal_async())
     result = desk.wait_for(handle.get_result_async()).result
@@ -269,7 +270,7 @@ def test_goals_reach_all_that_planning_can(open_desk, tmp_path):
 def test_a_newer_goal_takes_the_place(open_desk):
     """The older one ends with what it has; the newer one's plan is published."""
     desk = open_desk(max_viewpoints=20_000)
-    older = desk.send(goal(FIELD, height_agl_m=10.0))
+    older = desk.send(goal(FIELD, height_agl_m=10.0, proposals=0))
     newer = desk.ask(goal())
     result = desk.wait_for(older.get_result_async()).result
     assert result.error_code == PlanSurvey.Result.CANCELLED

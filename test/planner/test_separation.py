@@ -62,7 +62,7 @@ def aloft(plan, share):
 
 
 @pytest.mark.slow
-@settings(max_examples=15, suppress_health_check=list(HealthCheck), deadline=None)
+@settings(max_examples=8, suppress_health_check=list(HealthCheck), deadline=None)
 @given(
     st.integers(0, len(STARTS) - 1),
     st.integers(2, 5),

@@ -159,18 +159,13 @@ def rocsafe() -> Path:
 
 
 class Hangar:
-    """Starts missions in a folder, and ends what is left of them.
+    """Starts missions of a scenario in a folder, and ends what is left of them."""
 
-    They are those of the scenario that the module of the tests names, else of the small one.
-    """
-
-    def __init__(
-        self, command: Path, domain_id: int, folder: Path, request: pytest.FixtureRequest
-    ) -> None:
+    def __init__(self, command: Path, domain_id: int, folder: Path, scenario: Path) -> None:
         self._command = command
         self._domain_id = domain_id
         self._folder = folder
-        self._scenario = getattr(request.module, 'SCENARIO', SCENARIO)
+        self._scenario = scenario
         self._flights: list[Flight] = []
 
     def __call__(self, *options: str, **settings: Any) -> Flight:
@@ -197,24 +192,39 @@ class Hangar:
 def fly(
     rocsafe: Path, ros_domain_id: int, tmp_path: Path, request: pytest.FixtureRequest
 ) -> Iterator[Hangar]:
-    """Give a function that starts the mission."""
-    with Hangar(rocsafe, ros_domain_id, tmp_path, request) as hangar:
+    """Give a function that starts the mission that the module of the test names, or the small."""
+    with Hangar(rocsafe, ros_domain_id, tmp_path, _scenario_of(request)) as hangar:
         yield hangar
+
+
+@pytest.fixture(scope='session')
+def flown() -> dict[Path, Flight]:
+    """Give the missions that were flown to their end, by scenario: modules share them."""
+    return {}
 
 
 @pytest.fixture(scope='module')
 def complete(
+    flown: dict[Path, Flight],
     rocsafe: Path,
     ros_domain_id: int,
     tmp_path_factory: pytest.TempPathFactory,
     request: pytest.FixtureRequest,
-) -> Iterator[Flight]:
+) -> Flight:
     """Give the mission, flown to its end as fast as possible."""
-    folder = tmp_path_factory.mktemp('complete')
-    with Hangar(rocsafe, ros_domain_id, folder, request) as hangar:
-        flight = hangar()
-        assert flight.end() == 0, flight.output
-        yield flight
+    scenario = _scenario_of(request)
+    if scenario not in flown:
+        folder = tmp_path_factory.mktemp('complete')
+        with Hangar(rocsafe, ros_domain_id, folder, scenario) as hangar:
+            flight = hangar()
+            assert flight.end() == 0, flight.output
+        flown[scenario] = flight
+    return flown[scenario]
+
+
+def _scenario_of(request: pytest.FixtureRequest) -> Path:
+    scenario: Path = getattr(request.module, 'SCENARIO', SCENARIO)
+    return scenario
 
 
 class Intruder:

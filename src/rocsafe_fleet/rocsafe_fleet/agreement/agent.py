@@ -14,7 +14,9 @@ from rocsafe_fleet.agreement.exchange import Exchange
 from rocsafe_fleet.agreement.fleet_plan import FleetPlan, Wanted
 from rocsafe_fleet.agreement.knowledge import Knowledge
 from rocsafe_fleet.agreement.options import MOST_AGENTS, MOST_POINTS, AgreementOptions
+from rocsafe_fleet.agreement.other_plans import OtherPlans
 from rocsafe_fleet.agreement.possible_routes import PossibleRoutes
+from rocsafe_fleet.agreement.rounds import Rounds
 from rocsafe_fleet.errors import PacketError
 from rocsafe_fleet.ledger.ledger import Kind, Ledger
 from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
@@ -63,12 +65,8 @@ class Agent:
         What it keeps to.
     proposal
         From which the plan was made.
-    alarms
-        Epochs in which somebody claims another plan from the same proposal.
     refused
         Packets that were damaged, or of another fleet.
-    seeks
-        Number of the round of the search whose places it is to choose now; 0: none.
     """
 
     def __init__(
@@ -82,7 +80,6 @@ class Agent:
         rounds: int = 0,
     ) -> None:
         self._options = options or AgreementOptions()
-        self._most_rounds = rounds
         self._count = max(first.routes, default=0) + 1
         points = [p for route in first.routes.values() for p in route]
         self._survey = frozenset(points) | first.left_out
@@ -92,9 +89,9 @@ class Agent:
         self.knowledge = Knowledge(self.ledger, self._count, max(self._survey, default=0) + 1)
         self.plan = first
         self.proposal = Proposal(number=0, members=())
-        self.alarms: set[Epoch] = set()
-        self.refused = self.seeks = 0
-        self._seeks_s: float | None = None
+        self.refused = 0
+        self._others = OtherPlans()
+        self._rounds = Rounds(self.knowledge, rounds, self._options.patience_s)
         self._key = key
         self._membership = Membership(
             own, self._count, incarnation, now_s, self._options.membership
@@ -111,7 +108,6 @@ class Agent:
         self._repeats = (0, now_s)
         self._proposed = 1
         self._looked_at: object = None
-        self._skewed: dict[int, int] = {}
         self.ledger.write(Kind.ABLE, b'')
 
     # What the agent knows.
@@ -172,25 +168,21 @@ class Agent:
         return Wanted(proposal=proposal, coordinator=epoch[1:], rings=rings, extra=extra)
 
     @property
-    def last_round(self) -> int:
-        """Number of the last round of the search; 0: none has begun."""
-        return max((key[2] for key in self.knowledge.rounds), default=0)
+    def alarms(self) -> set[Epoch]:
+        """Epochs in which somebody claims another plan from the same proposal."""
+        return self._others.alarms
 
     @property
-    def is_searched(self) -> bool:
-        """Whether no further round of the search follows."""
-        last = self.last_round
-        chosen = self.knowledge.rounds.items()
-        return last >= self._most_rounds or any(
-            not one.places for (_, _, number), one in chosen if number == last
-        )
+    def seeks(self) -> int:
+        """Number of the round of the search whose places it is to choose now; 0: none."""
+        return self._rounds.sought
 
     @property
     def is_done(self) -> bool:
         """Whether nothing is left that somebody could fly, and no round follows."""
         if self.wanted is not None or self.plan.error:
             return self.wanted is None
-        return not self.left and (self.is_searched or not self._parts()[0])
+        return not self.left and (self._rounds.are_over or not self._parts()[0])
 
     # What its vehicle does.
 
@@ -224,7 +216,7 @@ class Agent:
         """Tell all which places are those of the round that it seeks."""
         if chosen.number == self.seeks:
             self.ledger.write(Kind.ROUND, chosen.encoded(), chosen.number)
-            self.seeks, self._seeks_s = 0, None
+            self._rounds.stop()
 
     # Packets.
 
@@ -259,7 +251,7 @@ class Agent:
     def advance(self, now_s: float) -> list[bytes]:
         """Look who is heard, coordinate if it is this agent's turn, return packets to send."""
         if self._identity.rests(now_s):
-            self.seeks = 0
+            self._rounds.sought = 0
             return []
         if self._identity.incarnation != self.ledger.writer[1]:
             self._begin_again()
@@ -268,7 +260,7 @@ class Agent:
             self._live = live
             self._next_beat_s = now_s
         self._coordinate(now_s)
-        self._look_for_round(now_s)
+        self._rounds.look(now_s, is_time=self._may_choose)
         is_beat = now_s >= self._next_beat_s
         is_urgent = is_beat or self._exchange.has_news or self._exchange.is_due(now_s)
         if not is_urgent or now_s - self._sent_s < self._options.least_gap_s - 1e-9:
@@ -315,23 +307,6 @@ class Agent:
 
     # Agreement.
 
-    def _odd(self) -> Numbers:
-        """Return who computes other plans than this agent, until they are started again."""
-        beats = self._membership.beats
-        return frozenset(
-            k for k, started in self._skewed.items() if k in beats and beats[k][0] == started
-        )
-
-    def _look_for_alarms(self) -> None:
-        """Note who claims another plan of the epoch that this agent keeps to."""
-        for member in self.proposal.names - {self.own}:
-            claim = self.knowledge.claim(member)
-            if claim is None or claim.epoch != self.plan.epoch:
-                continue
-            if claim.plan_hash != self.plan.digest:
-                self.alarms.add(self.plan.epoch)
-                self._skewed[member] = self._membership.beats.get(member, (0, 0))[0]
-
     def _coordinate(self, now_s: float) -> None:
         """Propose a situation if there is a reason, or repeat the last proposal."""
         state = (self.ledger.digest, self._live, self.plan.epoch, len(self._places))
@@ -339,7 +314,8 @@ class Agent:
             self._repeat(now_s)
             return
         self._looked_at = state
-        self._look_for_alarms()
+        others = self.proposal.names - {self.own}
+        self._others.look(others, self.plan, self.knowledge, self._membership.beats)
         if min(self._live) != self.own or self.wanted is not None:
             self._reason_s = None
             return
@@ -354,19 +330,12 @@ class Agent:
             self._propose(members & self._places.keys(), silent)
             self._repeats = self._options.repeats, now_s
 
-    def _look_for_round(self, now_s: float) -> None:
-        """Seek places for a round if it coordinates and nothing is left, once all readings came.
-
-        Those of the others are taken to come within the patience of a proposal.
-        """
-        is_next = not self.is_searched and not self.left and self.wanted is None
+    @property
+    def _may_choose(self) -> bool:
+        """Whether it coordinates, nothing is left, and a vehicle can fly another round."""
+        is_next = not self._rounds.are_over and not self.left and self.wanted is None
         is_own = is_next and min(self._live) == self.own and not self.plan.error
-        if not is_own or not self._parts()[0] & self._places.keys():
-            self.seeks, self._seeks_s = 0, None
-        elif self._seeks_s is None:
-            self._seeks_s = now_s
-        elif now_s - self._seeks_s >= self._options.patience_s:
-            self.seeks = self.last_round + 1
+        return is_own and bool(self._parts()[0] & self._places.keys())
 
     def _waits_s(self, members: Numbers, now_s: float) -> float:
         """Return how long to wait before a proposal: longer while places are old.
@@ -386,7 +355,7 @@ class Agent:
     def _parts(self) -> tuple[Numbers, Numbers]:
         """Return who takes part in the next plan, and who may fly on unheard."""
         unable = frozenset(self.knowledge.unable)
-        odd = self._odd()
+        odd = self._others.agents(self._membership.beats)
         members = self._live - unable - odd
         silent = (self._everyone - self._live - unable) | (odd & self._live)
         return members, silent

@@ -10,10 +10,12 @@ wait for the last landing; a search that knows the waits gives those that wait l
 import math
 from collections.abc import Collection
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
 
+from rocsafe_geo.motion.performance import Performance
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.routing.boustrophedon import grid_rows, serpentine
 
@@ -96,12 +98,18 @@ def _queues(problem: FleetProblem, site_of: dict[int, int], *, is_landing: bool)
         gaps = [_gap_m(problem, site_of[i], site_of[j]) for i, j in combinations(own, 2)]
         low_m = math.sqrt(problem.separation_m**2 - max(gaps, default=0.0) ** 2)
         times = [
-            problem.flight(k).performance.low_s(problem.flight_height_m(k), low_m)[is_landing]
+            _low_s(problem.flight(k).performance, problem.flight_height_m(k), low_m)[is_landing]
             for k in own
         ]
         if gaps:
             queues.append(Queue(vehicles=tuple(own), interval_s=min(times)))
     return queues
+
+
+@lru_cache(maxsize=256)
+def _low_s(performance: Performance, height_m: float, low_m: float) -> tuple[float, float]:
+    """Return the same for all vehicles alike, which are asked for often."""
+    return performance.low_s(height_m, low_m)
 
 
 def _gap_m(problem: FleetProblem, a: int, b: int) -> float:

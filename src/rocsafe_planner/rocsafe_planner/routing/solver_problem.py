@@ -48,7 +48,8 @@ def routing_problem(
         apart_s, flying = interval_s(problem), worthwhile(problem)
         # Who stays on the ground would wait longer than all others.
         waits = dict.fromkeys(range(len(vehicles)), apart_s * len(vehicles))
-        waits |= {k: waits_s(problem, flying)[k] for k in flying}
+        in_turn = waits_s(problem, flying)
+        waits |= {k: in_turn[k] for k in flying}
         vehicles = tuple(
             dataclasses.replace(vehicle, wait_cost=waits[k]) for k, vehicle in enumerate(vehicles)
         )

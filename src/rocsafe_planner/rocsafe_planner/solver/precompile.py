@@ -5,6 +5,7 @@ The set-up runs this, so that the first plan of a new user does not wait for the
 """
 
 import dataclasses
+import functools
 import shutil
 import sys
 
@@ -43,8 +44,9 @@ def compile_kernels() -> None:
     next(price_bounds(dataclasses.replace(problem, apart=1.0), 1e3))
 
 
+@functools.cache
 def load_kernels() -> None:
-    """Load the machine code of all kernels, which takes a second, if it was compiled before."""
+    """Load the machine code of all kernels, once, if it was compiled before: it takes a second."""
     if cache_directory().is_dir():
         compile_kernels()
 
