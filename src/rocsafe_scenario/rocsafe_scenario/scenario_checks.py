@@ -15,7 +15,7 @@ from rocsafe_geo.wind.anemometer_file import read_wind
 from rocsafe_geo.wind.mission_wind import LEAST_WIND_MPS
 from rocsafe_scenario.camera_blocks import FIRST_CAMERA
 from rocsafe_scenario.ground_blocks import GroundVehicleBlock
-from rocsafe_scenario.host_blocks import host_mistakes
+from rocsafe_scenario.host_checks import host_mistakes
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_blocks import PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.survey_size import fewest_viewpoints

@@ -14,8 +14,7 @@ from rocsafe_planner.routing.boustrophedon import (
     serpentine,
     strips,
 )
-from rocsafe_planner.routing.costs import objective_value
-from rocsafe_planner.routing.methods import Optimised
+from rocsafe_planner.routing.costs import Optimised, objective_value
 from rocsafe_planner.routing.sensor_repair import with_sensors
 from rocsafe_planner.routing.solver_problem import routing_problem
 from rocsafe_planner.solver import Bound, Progress, SearchOptions, solve
