@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from rocsafe_scenario.scenario_blocks import Block
+from rocsafe_scenario.blocks.block import Block
 
 MOST_HOSTS = 16
 
