@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_planner.routing.methods import METHODS, nearest_to_shortest, paper_greedy
-from rocsafe_planner.routing.tour_splitting import makespan_s
+from rocsafe_planner.routing.tours.tour_splitting import makespan_s
 
 from .fleets import problem, vehicle
 

@@ -7,9 +7,13 @@ import numpy as np
 
 from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.boustrophedon import boustrophedon_equal, boustrophedon_minmax, strips
-from rocsafe_planner.routing.christofides import christofides
-from rocsafe_planner.routing.insertion import minmax_insertion
+from rocsafe_planner.routing.tours.boustrophedon import (
+    boustrophedon_equal,
+    boustrophedon_minmax,
+    strips,
+)
+from rocsafe_planner.routing.tours.christofides import christofides
+from rocsafe_planner.routing.tours.insertion import minmax_insertion
 
 # Distances that differ by rounding only are equal: the lower index wins on every machine.
 _DECIMALS = 6
