@@ -143,6 +143,7 @@ def test_its_plume_and_zones_lie_downwind(assessment):
     assert (plume.upper_g_m3 >= plume.mean_g_m3).all()
 
 
+@pytest.mark.slow
 def test_clean_air_says_where_a_release_may_hide():
     """Downwind of all readings it may; enough only if that is little of the ground."""
     found = assess(flown(0.0).survey(), QUICK)
@@ -156,6 +157,7 @@ def test_clean_air_says_where_a_release_may_hide():
     assert 'g/s may be in' in found.verdict.reason
 
 
+@pytest.mark.slow
 def test_suggested_places_lie_where_the_release_could_blow(assessment):
     """Different ones, at the height flown, and within the area if one is given."""
     import shapely
@@ -169,6 +171,7 @@ def test_suggested_places_lie_where_the_release_could_blow(assessment):
     assert all(area.covers(shapely.Point(place.place_m[:2])) for place in inside)
 
 
+@pytest.mark.slow
 def test_a_placed_release_leaves_the_question_of_another(assessment):
     """It may be where no reading was; it is asked, and looked for, once the first is placed."""
     found = assessment.found

@@ -161,6 +161,7 @@ def test_no_two_rounds_share_a_number():
     assert min(numbers) >= 2400
 
 
+@pytest.mark.slow
 def test_equal_ledgers_give_equal_places():
     """In whatever order they came to know the readings, and on any machine that merges them."""
     one, other = measured()

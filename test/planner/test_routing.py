@@ -92,6 +92,7 @@ def test_strips_by_hand():
     assert METHODS['strips'](grid) == [[0, 1, 2, 5, 4, 3], [6, 7, 8, 11, 10, 9]]
 
 
+@pytest.mark.slow
 @given(
     points=st.lists(PLACES, min_size=1, max_size=40, unique=True),
     homes=st.lists(PLACES, min_size=1, max_size=4),
