@@ -215,6 +215,7 @@ def test_who_lands_is_in_the_next_plan_when_it_stands():
     one.run(after(begin_s + 12.0))
     assert one.vehicles[3].is_aloft
     assert one.agents[3].proposal.number == 0
+    one.run(after(begin_s + 40.0))
     assert one.run().missing == 0
     ((number, place),) = one.agents[3].proposal.members
     assert (number, place.is_aloft, place.is_landing) == (3, False, False)

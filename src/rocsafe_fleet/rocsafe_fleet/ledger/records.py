@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of entries: places, sets of viewpoints, proposals, claims, findings."""
+"""Values of entries: places, sets of viewpoints, proposals, claims."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -248,33 +248,3 @@ def ring_of(value: bytes) -> tuple[GeoPosition, ...]:
     while not reader.is_at_end:
         corners.append(GeoPosition(reader.signed() / _E7, reader.signed() / _E7, float('nan')))
     return tuple(corners)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
-    """Something that a vehicle has found, such as a source; withdrawn ones stay as such."""
-
-    name: str
-    position: GeoPosition
-    value: float
-    is_withdrawn: bool = False
-
-    def encoded(self) -> bytes:
-        """Return it as the value of an entry; `value` to 6 digits."""
-        into = bytearray([self.is_withdrawn])
-        put_signed(into, round(self.position.latitude_deg * _E7))
-        put_signed(into, round(self.position.longitude_deg * _E7))
-        put_bytes(into, f'{self.value:.6g}'.encode())
-        put_bytes(into, self.name.encode())
-        return bytes(into)
-
-
-def finding_of(value: bytes) -> Finding:
-    """Return the finding that is the value of an entry."""
-    reader = Reader(value)
-    is_withdrawn = bool(reader.take(1)[0])
-    place = GeoPosition(reader.signed() / _E7, reader.signed() / _E7, float('nan'))
-    number, name = reader.text(), reader.text()
-    return Finding(
-        name=name.decode(), position=place, value=float(number), is_withdrawn=is_withdrawn
-    )

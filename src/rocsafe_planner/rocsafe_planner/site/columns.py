@@ -20,7 +20,6 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_planner.errors import NoWayError
 from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.problem.airspace import MAX_SITES, Airspace, Detours, Door
-from rocsafe_planner.site.given_viewpoints import places_of
 
 MAX_CHECKS = 5e7
 """Pairs of sites times sides of columns that are looked at: about half a second."""
@@ -57,12 +56,12 @@ def detours_of(
 
 def columns_of(request: SurveyRequest, frame: LocalFrame, points: int) -> list[Column]:
     """Return the columns of a request whose sites are its points, and starts, ends and homes."""
-    unheard = places_of(frame, [one.home for one in request.continuation.unheard])
+    unheard = frame.plane_of([one.home for one in request.continuation.unheard])
     columns = [Column(place=place) for place in unheard]
     if request.separation.by != 'reserved':
         return columns
     count = len(request.vehicles)
-    homes = places_of(frame, [vehicle.home for vehicle in request.vehicles])
+    homes = frame.plane_of([vehicle.home for vehicle in request.vehicles])
     for k, home in enumerate(homes):
         own = frozenset(points + group * count + k for group in range(3))
         columns.append(Column(place=home, own=own))

@@ -20,7 +20,7 @@ from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.site.columns import columns_of, detours_of
-from rocsafe_planner.site.given_viewpoints import given_coverage, places_of
+from rocsafe_planner.site.given_viewpoints import given_coverage
 from rocsafe_planner.site.site_checks import check_distances, check_stands, check_ups, exits
 
 MAX_TERRAIN_SITES = 2500
@@ -198,9 +198,9 @@ def _stands(
     """Return starts, homes and ends of the vehicles (east, north), (m, 2) each."""
     vehicles = request.vehicles
     return (
-        places_of(frame, [vehicle.start for vehicle in vehicles]),
-        places_of(frame, [vehicle.home for vehicle in vehicles]),
-        places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles]),
+        frame.plane_of([vehicle.start for vehicle in vehicles]),
+        frame.plane_of([vehicle.home for vehicle in vehicles]),
+        frame.plane_of([vehicle.end or vehicle.home for vehicle in vehicles]),
     )
 
 
