@@ -212,10 +212,10 @@ def test_who_lands_is_in_the_next_plan_when_it_stands():
     begin_s = one.now_s
     for number in range(3):
         one.lose(number)
-    one.run(after(begin_s + 12.0))
+    one.run(after(begin_s + 40.0))
     assert one.vehicles[3].is_aloft
     assert one.agents[3].proposal.number == 0
-    one.run(after(begin_s + 40.0))
+    one.run(lambda fleet: fleet.agents[3].proposal.number > 0)
     assert one.run().missing == 0
     ((number, place),) = one.agents[3].proposal.members
     assert (number, place.is_aloft, place.is_landing) == (3, False, False)
