@@ -34,6 +34,7 @@ def test_coarse_steps_and_zeros_of_clean_air_repeat_themselves(seed):
     assert not are_again(np.round(noisy(seed))).any()
     assert not are_again(np.maximum(noisy(seed), 0.0)).any()
     assert not are_again(noisy(seed)).any()
+    assert not are_again(np.insert(noisy(seed), [20, 50], noisy(seed)[[19, 49]])).any()
     assert not are_again(np.repeat([0.1, 0.2, 0.3], 50)).any()
 
 

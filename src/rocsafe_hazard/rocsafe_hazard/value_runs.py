@@ -8,6 +8,8 @@ from rocsafe_geo.arrays import BoolArray, FloatArray
 # Of the values of a detector with fine steps, so many are unlike all others once those that repeat
 # the one before are left out. Values of coarse steps, and zeros of clean air, come back.
 LEAST_UNLIKE, FEWEST_UNLIKE = 0.9, 10
+# A smaller share of equal neighbours is an accident of rounding.
+LEAST_AGAIN = 0.05
 # So many times as many equal values at the top as there are of each other one are no accident, on
 # a scale of so many steps, where few of the others repeat the one before.
 TIMES_AT_TOP, LEAST_STEPS, MOST_REPEATS = 3.0, 20.0, 0.1
@@ -25,9 +27,8 @@ def are_again(values: FloatArray) -> BoolArray:
     """
     again = np.concatenate([np.zeros(min(len(values), 1), dtype=bool), np.diff(values) == 0.0])
     kept = values[~again]
-    if len(np.unique(kept)) < max(LEAST_UNLIKE * len(kept), FEWEST_UNLIKE):
-        again[:] = False
-    return again
+    is_fine = len(np.unique(kept)) >= max(LEAST_UNLIKE * len(kept), FEWEST_UNLIKE)
+    return again & (is_fine and again.sum() >= LEAST_AGAIN * len(values))
 
 
 def are_at_top(values: FloatArray) -> BoolArray:
