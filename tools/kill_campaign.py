@@ -14,6 +14,7 @@ a fault.
 import argparse
 import hashlib
 import json
+import math
 import os
 import random
 import re
@@ -108,7 +109,7 @@ def drawn_blows(seed: int) -> list[Blow]:
 
 def _standstill_s(chance: random.Random) -> float:
     shortest_s, longest_s = STANDSTILL_S
-    return round(shortest_s * (longest_s / shortest_s) ** chance.random(), 3)
+    return round(shortest_s * math.pow(longest_s / shortest_s, chance.random()), 3)
 
 
 class Run:
