@@ -405,6 +405,12 @@ def test_no_circle_of_rooms():
     TopologicalSorter(rooms).prepare()
 
 
+def test_no_circle_of_modules():
+    """Also none of imports for types alone, or within functions."""
+    names = {module.name for module in MODULES}
+    TopologicalSorter({m.name: m.imports & (names - {m.name}) for m in MODULES}).prepare()
+
+
 def levels(package: str) -> list[str]:
     """Return the longest chain of imports between the rooms and single modules of a package."""
     own = {m.name: m for m in MODULES if m.package == package}

@@ -5,11 +5,14 @@ import os
 
 import pytest
 
+from rocsafe_dispersion.estimator_options import estimator_options
+from rocsafe_dispersion.identification.procedures import read_sections
 from rocsafe_geo.regions.area_files import read_area
 from rocsafe_geo.storage.csv_rows import read_table
 from rocsafe_geo.storage.secret_file import read_token
 from rocsafe_geo.storage.yaml_source import read_yaml
 from rocsafe_ground.evidence.evidence_file import read_evidence
+from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.photographs.survey_file import read_text
 from rocsafe_planner.plan.plan_reading import read_plan
 from rocsafe_radiation.readings.readings_file import read_readings
@@ -28,6 +31,9 @@ READERS = {
     'evidence.geojson': read_evidence,
     'gcp_list.txt': read_text,
     'token': read_token,
+    'estimator.yaml': estimator_options,
+    'procedure.md': lambda path: read_sections(path.parent),
+    'table.json': lambda path: LabelImages(path.parent),
 }
 
 

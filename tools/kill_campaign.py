@@ -3,15 +3,18 @@
 """Kill processes of small missions at random, run after run, and judge each.
 
     python tools/kill_campaign.py --minutes 5 --results runs/kills.jsonl
+    python tools/kill_campaign.py --scenario test/system/agents.yaml --results runs/agents.jsonl
 
-Each line of the results is a run with its seed, its blows and its faults, none if all is well. A
-campaign goes on where the file ends, so it may be spread over days. The exit code is 1 if a run
-of this part has a fault.
+Some processes are only stopped, for less or for longer than a vehicle may be silent. Each line of
+the results is a run with its seed, its blows and its faults, none if all is well. A campaign goes
+on where the file ends, so it may be spread over days. The exit code is 1 if a run of this part has
+a fault.
 """
 
 import argparse
 import hashlib
 import json
+import math
 import os
 import random
 import re
@@ -29,8 +32,6 @@ from threading import Event, Thread
 from typing import Any
 
 SCENARIO = Path(__file__).parents[1] / 'test' / 'system' / 'small.yaml'
-# Of an undisturbed mission, see small.yaml.
-IMAGES = 9
 ORCHESTRATOR = 'orchestrator'
 # A mission that waits for a process that stands still gives up after this time.
 CONFIG = '/**/orchestrator:\n  ros__parameters:\n    stall_timeout_s: 10.0\n'
@@ -39,8 +40,8 @@ BLOWS_A_RUN = (3, 9)
 ORCHESTRATOR_FROM = 0.97
 # A blow comes at most so long after the one before, s.
 LONGEST_S = 3.0
-# A process that was stopped goes on after this time, s.
-STANDSTILL_S = (0.05, 3.0)
+# A process that was stopped goes on after this time, s: short times are as likely as long ones.
+STANDSTILL_S = (0.05, 20.0)
 DEADLINE_S = 240.0
 # DDS takes a killed vehicle for alive for 20 s, and `fleet_verbs` stays 5 s longer than the last.
 ORPHAN_S = 40.0
@@ -100,16 +101,21 @@ def drawn_blows(seed: int) -> list[Blow]:
                 kind=kind,
                 choice=chance.random(),
                 after_s=round(chance.uniform(0.0, LONGEST_S), 3),
-                for_s=round(chance.uniform(*STANDSTILL_S), 3) if kind == 'stop' else 0.0,
+                for_s=_standstill_s(chance) if kind == 'stop' else 0.0,
             )
         )
     return blows
 
 
+def _standstill_s(chance: random.Random) -> float:
+    shortest_s, longest_s = STANDSTILL_S
+    return round(shortest_s * math.pow(longest_s / shortest_s, chance.random()), 3)
+
+
 class Run:
     """One mission in a folder of its own."""
 
-    def __init__(self, rocsafe: str, folder: Path) -> None:
+    def __init__(self, rocsafe: str, scenario: Path, folder: Path) -> None:
         self._rocsafe = rocsafe
         self._folder = folder
         folder.mkdir(parents=True)
@@ -118,7 +124,7 @@ class Run:
         self._output = folder / 'output.txt'
         with self._output.open('wb') as output:
             self.process = subprocess.Popen(
-                [rocsafe, 'run', SCENARIO, '--out', folder / 'runs', '--config', config,
+                [rocsafe, 'run', scenario, '--out', folder / 'runs', '--config', config,
                  '--speed', '25'],
                 stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT,
                 start_new_session=True, env={**os.environ, 'PYTHONFAULTHANDLER': '1'},
@@ -136,7 +142,7 @@ class Run:
     @property
     def path(self) -> Path | None:
         """The run directory, None before it is made."""
-        return next((self._folder / 'runs').glob('small-*'), None)
+        return next((self._folder / 'runs').glob('*-*'), None)
 
     def text_of(self, name: str) -> str:
         """Return a file of the run directory, empty if it is not there."""
@@ -180,6 +186,13 @@ class Run:
         records = [json.loads(line) for line in lines if line.endswith('\n')]
         return {record['shot_id']: record['stored_sha256'] for record in records}
 
+    def missing(self) -> set[int]:
+        """Return the viewpoints of the first plan that no photograph of the manifest shows."""
+        plan = json.loads(self.text_of('plan.json'))
+        planned = {view['id'] for route in plan['routes'] for view in route['viewpoints']}
+        records = (json.loads(self.text_of(f'images/{name}.json')) for name in self.images())
+        return planned - {record['viewpoint_id'] for record in records}
+
     def files(self) -> dict[str, str]:
         """Return the hash of each photograph that lies in the store."""
         paths = (self.path / 'images').glob('*.jpg') if self.path else ()
@@ -218,11 +231,11 @@ def strike(run: Run, blow: Blow) -> str:
     return target
 
 
-def flown(rocsafe: str, folder: Path, seed: int, receipts: 'Receipts') -> Result:
+def flown(rocsafe: str, scenario: Path, folder: Path, seed: int, receipts: 'Receipts') -> Result:
     """Fly a mission under blows and judge it."""
     result, begin = Result(seed=seed, blows=drawn_blows(seed)), time.monotonic()
     receipts.forget()
-    run = Run(rocsafe, folder)
+    run = Run(rocsafe, scenario, folder)
     try:
         if result.blows[0].choice < ORCHESTRATOR_FROM:
             run.wait_for_processes(begin + DEADLINE_S)
@@ -265,8 +278,8 @@ def judged(run: Run, result: Result, stored: set[str], *, was_killed: bool) -> l
     if result.code == 0:
         missing = [name for name in PRODUCTS if not run.text_of(name)]
         faults += [f'complete without {name}' for name in missing]
-        if len(images) != IMAGES:
-            faults.append(f'complete with {len(images)} of {IMAGES} photographs')
+        if left := run.missing():
+            faults.append(f'complete without photographs of viewpoints {sorted(left)}')
     elif result.outcome == 'complete':
         faults.append(f'exit code {result.code}, but the summary says complete')
     elif run.text_of('run.json') and not result.outcome and 'products' not in run.output():
@@ -338,7 +351,9 @@ def listening() -> Iterator[Receipts]:
         rclpy.try_shutdown()
 
 
-def campaign(results: Path, folder: Path, minutes: float, most: int) -> list[Result]:
+def campaign(
+    scenario: Path, results: Path, folder: Path, minutes: float, most: int
+) -> list[Result]:
     """Fly until the time is over or `most` blows have hit, and note each run in `results`."""
     rocsafe = shutil.which('rocsafe')
     if rocsafe is None:
@@ -351,7 +366,7 @@ def campaign(results: Path, folder: Path, minutes: float, most: int) -> list[Res
         while time.monotonic() < end and sum(one.kills for one in flights) < most:
             seed = first + len(flights)
             place = folder / f'kill-{os.getpid()}-{seed}'
-            result = flown(rocsafe, place, seed, receipts)
+            result = flown(rocsafe, scenario, place, seed, receipts)
             flights.append(result)
             with results.open('a') as file:
                 file.write(json.dumps(asdict(result)) + '\n')
@@ -365,12 +380,17 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else '')
     parser.add_argument('--minutes', type=float, default=5.0)
     parser.add_argument('--kills', type=int, default=10**6, help='most blows that hit')
+    parser.add_argument('--scenario', type=Path, default=SCENARIO, help='that is flown')
     parser.add_argument('--results', type=Path, default=Path('runs/kills.jsonl'))
     parser.add_argument('--folder', type=Path, default=Path('runs'), help='of the missions')
     arguments = parser.parse_args()
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     flights = campaign(
-        arguments.results, arguments.folder.resolve(), arguments.minutes, arguments.kills
+        arguments.scenario.resolve(),
+        arguments.results,
+        arguments.folder.resolve(),
+        arguments.minutes,
+        arguments.kills,
     )
     for result in flights:
         for fault in result.faults:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pycocotools import mask as coco
 
-from rocsafe_dataset.annotations import annotate, large_enough
+from rocsafe_dataset.labels.annotations import annotate, large_enough
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import FIRST_OBJECT_NUMBER
 

@@ -3,7 +3,7 @@
 
 from collections import Counter
 
-from rocsafe_dataset.data_card import data_card
+from rocsafe_dataset.folder.data_card import data_card
 from rocsafe_dataset.options import DatasetOptions
 from rocsafe_scene.mesh.classes import class_number
 

@@ -16,9 +16,9 @@ pytest.importorskip('panda3d', reason='panda3d is not installed')
 from rocsafe_dataset.dataset_camera import DatasetCamera
 from rocsafe_dataset.dataset_command import main
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import DatasetFolder
+from rocsafe_dataset.folder.files import DatasetFolder
+from rocsafe_dataset.folder.summary import finish
 from rocsafe_dataset.options import SPLITS, DatasetOptions
-from rocsafe_dataset.summary import finish
 from rocsafe_dataset.worker_pool import claim_folder, open_tasks
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition

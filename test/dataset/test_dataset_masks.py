@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from rocsafe_dataset.outlines import outline
-from rocsafe_dataset.rle import run_lengths, short_text
+from rocsafe_dataset.labels.outlines import outline
+from rocsafe_dataset.labels.rle import run_lengths, short_text
 
 MASKS = st.tuples(st.integers(1, 12), st.integers(1, 12)).flatmap(
     lambda shape: arrays(np.bool_, shape)

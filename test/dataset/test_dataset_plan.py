@@ -9,11 +9,11 @@ import pytest
 from test.scene.scenes import PLANT, THINGS, small_environment
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
-from rocsafe_dataset.arrangements import arrange, bounds_of
 from rocsafe_dataset.dataset_camera import site_of
-from rocsafe_dataset.ground_splits import divide_ground
-from rocsafe_dataset.image_poses import draw_pose, split_of
 from rocsafe_dataset.options import SPLITS, DatasetOptions
+from rocsafe_dataset.poses.arrangements import arrange, bounds_of
+from rocsafe_dataset.poses.ground_splits import divide_ground
+from rocsafe_dataset.poses.image_poses import draw_pose, split_of
 from rocsafe_scene.scene.sunlight import sun_direction
 
 OPTIONS = DatasetOptions(count=60, seed=5)

@@ -22,7 +22,7 @@ from rocsafe_dispersion.air_field.air_options import AirOptions
 from rocsafe_dispersion.air_field.vehicle_sensors import Moment, Readings, VehicleSensors
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_scenario.air_blocks import GasSensorKind, ReleasedAgent
+from rocsafe_scenario.blocks.air import GasSensorKind, ReleasedAgent
 
 S = 1_000_000_000
 TANKER = GeoPosition(53.28, -9.06, 60.0)

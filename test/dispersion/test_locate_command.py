@@ -189,3 +189,61 @@ def test_a_table_is_told_to_be_enough_or_not(tmp_path: Path, capsys: pytest.Capt
     first, second = capsys.readouterr().out.splitlines()
     assert first.startswith('no release')
     assert second.startswith('not enough: a release of 0.5 g/s may be in ')
+
+
+def clean(values: np.ndarray) -> str:
+    """Return a file of such values along a line, in a west wind."""
+    rows = (f'{k},{3 * k % 50},2,{value:.6g},4,270' for k, value in enumerate(values))
+    return '\n'.join([HEAD, *rows]) + '\n'
+
+
+def test_ends_of_the_scale_are_bounds_unless_a_column_says(tmp_path: Path):
+    """A detector that shows nothing below 0 made releases of clean air."""
+    path = tmp_path / 'a.csv'
+    values = np.clip(np.random.default_rng(2).normal(0.0, 1e-3, 90), 0.0, 1e-3)
+    path.write_text(clean(values), encoding='utf-8')
+    gas = read_gas(path)
+    assert (gas.survey.is_below == (values == 0.0)).all()
+    assert (gas.survey.is_above == (values == 1e-3)).all()
+    assert [note.partition(' readings')[2] for note in gas.notes] == [
+        ' are the least that the detector shows: taken as bounds',
+        ' are the most that the detector shows: taken as bounds',
+    ]
+    head, *rows = clean(values).splitlines()
+    path.write_text('\n'.join([head + ',limit', *(row + ',' for row in rows)]), encoding='utf-8')
+    assert not read_gas(path).survey.is_below.any()
+
+
+def test_a_value_that_is_read_again_counts_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
+    """The JSON says so, too; the noise is that of what is left."""
+    path = tmp_path / 'a.csv'
+    values = np.random.default_rng(2).normal(0.0, 1e-3, 60)
+    path.write_text(clean(np.repeat(values, 5)), encoding='utf-8')
+    found = read_gas(path).survey
+    assert found.values_g_m3 == pytest.approx(values, rel=1e-4)
+    assert found.std_g_m3[0] == pytest.approx(1e-3, rel=0.3)
+    assert main([str(path), '--json', '--most', '0']) == 0
+    (note,) = json.loads(capsys.readouterr().out)['notes']
+    assert note == '240 readings left out: as before, read too often or stuck'
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('value', [3.0, -1.0])
+def test_readings_that_are_all_alike_tell_of_no_release(tmp_path: Path, capsys, value: float):
+    """A stuck detector: the noise shrank to nothing, and a release of 484 g/s explained them."""
+    path = tmp_path / 'a.csv'
+    path.write_text(clean(np.full(90, value)), encoding='utf-8')
+    assert main([str(path), '--json', '--most', '1']) == 0
+    assert json.loads(capsys.readouterr().out)['releases'] == []
+
+
+@pytest.mark.slow
+def test_a_narrow_area_has_cells(tmp_path: Path, capsys):
+    """One reading far along a road: the cells were wider than the area, which had none."""
+    path = tmp_path / 'a.csv'
+    values = np.random.default_rng(2).normal(0.0, 1e-3, 60)
+    path.write_text(clean(values) + '15000,10,2,0.001,4,270\n', encoding='utf-8')
+    assert main([str(path), '--most', '1']) == 0
+    assert 'not enough' in capsys.readouterr().out

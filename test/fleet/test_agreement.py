@@ -205,6 +205,22 @@ def test_parts_with_different_plans_never_meet(seed):
     assert outcome.least_m >= 10.0 - 1e-6
 
 
+def test_who_lands_is_in_the_next_plan_when_it_stands():
+    """It takes no route before: a plan would take it for one that flies on from where it is."""
+    one = trial()
+    one.run(lambda fleet: fleet.vehicles[3].place(fleet.now_s).is_landing)
+    begin_s = one.now_s
+    for number in range(3):
+        one.lose(number)
+    one.run(after(begin_s + 40.0))
+    assert one.vehicles[3].is_aloft
+    assert one.agents[3].proposal.number == 0
+    one.run(lambda fleet: fleet.agents[3].proposal.number > 0)
+    assert one.run().missing == 0
+    ((number, place),) = one.agents[3].proposal.members
+    assert (number, place.is_aloft, place.is_landing) == (3, False, False)
+
+
 def test_a_plan_by_insertion_covers_the_same_points():
     """What is planned without compiled code leaves nothing out, and keeps last points last."""
     one = trial()

@@ -10,10 +10,8 @@ from rocsafe_fleet.ledger.ledger import Kind, Ledger
 from rocsafe_fleet.ledger.packet import MOST_BYTES, Packet, decode, encode
 from rocsafe_fleet.ledger.records import (
     Claim,
-    Finding,
     Proposal,
     claim_of,
-    finding_of,
     place_of,
     proposal_of,
     ring_bytes,
@@ -130,7 +128,7 @@ def test_a_short_packet_promises_no_more_than_its_sender_knows():
     """What the sender heard after a gap does not hide the gap from the receiver."""
     source, one, other = Ledger((0, 1)), Ledger((1, 1)), Ledger((2, 1))
     for part in range(4):
-        source.write(Kind.FINDING, bytes(10), part)
+        source.write(Kind.READING, bytes(10), part)
     parts = [source.deltas({source.writer: base}, 50)[0] for base in (0, 2)]
     for delta in parts[1:]:
         one.merge(delta)
@@ -145,7 +143,7 @@ def test_an_entry_without_room_does_not_hold_up_the_others():
     one = Ledger((9, 1))
     for agent, size in ((0, 500), (1, 10), (2, 10)):
         other = Ledger((agent, 1))
-        other.write(Kind.FINDING, bytes(size))
+        other.write(Kind.READING, bytes(size))
         one.join(other)
     sent = [delta.writer[0] for _ in range(4) for delta in one.deltas({}, 60)]
     assert set(sent) == {1, 2}
@@ -192,9 +190,6 @@ def test_values_are_read_as_written():
     assert [(p.latitude_deg, p.longitude_deg) for p in ring_of(ring_bytes(ring))] == [
         (p.latitude_deg, p.longitude_deg) for p in ring
     ]
-    finding = Finding(name='Cs137', position=ring[0], value=25.5, is_withdrawn=True)
-    found = finding_of(finding.encoded())
-    assert (found.name, found.value, found.is_withdrawn) == ('Cs137', 25.5, True)
 
 
 def full_packet() -> Packet:

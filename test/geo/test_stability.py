@@ -14,29 +14,7 @@ from rocsafe_geo.wind.stability import (
     class_of_length,
     layer_of_class,
     obukhov_length_m,
-    stability_class,
 )
-
-
-@pytest.mark.parametrize(
-    ('speed', 'elevation', 'cloud', 'expected'),
-    [
-        (1.0, 70.0, 0.0, 'A'),
-        (4.0, 70.0, 0.0, 'B'),
-        (4.0, 50.0, 0.0, 'C'),
-        (7.0, 20.0, 0.0, 'D'),
-        (1.0, 70.0, 0.7, 'B'),
-        (2.5, -10.0, 0.0, 'F'),
-        (2.5, -10.0, 0.8, 'E'),
-        (4.0, -10.0, 0.0, 'E'),
-        (8.0, -10.0, 0.0, 'D'),
-        (1.0, -10.0, 1.0, 'D'),
-        (1.0, 70.0, 1.0, 'D'),
-    ],
-)
-def test_classes_of_turner(speed, elevation, cloud, expected):
-    """Table 3-1 of Turner 1970."""
-    assert stability_class(speed, elevation, cloud) == expected
 
 
 @given(st.sampled_from(CLASSES), st.floats(0.005, 0.5))
@@ -71,9 +49,6 @@ def test_curves_of_briggs_at_1000_m(stability, across, upwards):
 @pytest.mark.parametrize(
     'make',
     [
-        lambda: stability_class(-1.0, 10.0),
-        lambda: stability_class(1.0, 91.0),
-        lambda: stability_class(1.0, 10.0, 2.0),
         lambda: obukhov_length_m('G', 0.1),
         lambda: obukhov_length_m('D', 3.0),
         lambda: briggs_sigmas_m(10.0, 'D', 'lunar'),

@@ -130,3 +130,11 @@ def test_a_pipe_is_refused(tmp_path: Path):
     os.mkfifo(tmp_path / 'pipe')
     with pytest.raises(YamlError, match='must be a file'):
         read_yaml(tmp_path / 'pipe')
+
+
+def test_a_time_is_a_text_where_a_text_is_wanted():
+    """YAML makes a time of it; a whole number that no float holds is named."""
+    (thing,) = things_of('things: [{name: 2026-05-01T14:05:00Z}]').things
+    assert thing.name == '2026-05-01T14:05:00+00:00'
+    with pytest.raises(ValueFileError, match=r'things\[0\].size_m: must be a number below'):
+        things_of('things: [{name: a, size_m: 1' + '0' * 400 + '}]')

@@ -61,6 +61,7 @@ def test_a_velocity_that_turns_is_followed_by_one_order_after_the_other(period_s
     assert math.hypot(*state.velocity_enu) == pytest.approx(3.0, abs=0.3)
 
 
+@pytest.mark.slow
 @given(velocities, st.floats(0.1, 10.0))
 def test_distance_is_the_length_of_the_path(velocity, flown_s):
     """Compared with chords; knots are where the polynomial changes."""

@@ -39,7 +39,7 @@ def test_posterior_is_that_of_bayes():
                     )
     expected = np.exp(logs - logs.max())
     expected /= expected.sum()
-    assert belief.joint == pytest.approx(expected, abs=2e-5)
+    assert np.moveaxis(belief.joint, 2, 0) == pytest.approx(expected, abs=2e-5)
     assert belief.cells == pytest.approx(expected.sum(axis=0), abs=2e-5)
     entropy = -float((expected * np.log(np.maximum(expected, 1e-300))).sum())
     assert belief.entropy_nats == pytest.approx(entropy, abs=1e-3)

@@ -146,3 +146,22 @@ def test_folder_without_photographs_is_refused(tmp_path, capsys):
     errors = capsys.readouterr().err
     assert errors.count('error: ') == 2
     assert 'Traceback' not in errors
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'reason'),
+    [
+        (['--labels', 'nowhere'], 'nowhere: has no PNG named like a photograph'),
+        (['-o', '/dev/null/map'], 'cannot write to /dev/null/map'),
+        (['--resolution', '1e9'], 'must be at most'),
+        (['--max-pixels', '1'], 'max_pixels = 1 must be at least 10000'),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(tmp_path, capsys, arguments, reason):
+    """Each was taken in silence, found after all the work, or told in warnings."""
+    for shot in texture.flight(6)[:2]:
+        path = tmp_path / f'{shot.record.sequence}.jpg'
+        path.write_bytes(with_exif(shot.jpeg, shot.record))
+    assert main([str(tmp_path), '--only-geotiff', *arguments]) == EXIT_REFUSED
+    (line,) = capsys.readouterr().err.splitlines()
+    assert reason in line

@@ -137,6 +137,43 @@ def test_a_file_that_is_no_record_is_refused(plain):
         record_of_plain(plain)
 
 
+@pytest.mark.parametrize(
+    'change',
+    [
+        {'orientation_xyzw': ['a', 'b', 'c', 'd']},
+        {'camera': {'width_px': 'wide'}},
+        {'stored_bytes': None},
+        {'stored_bytes': 1e400},
+        {'sequence': 10**400},
+        {'altitude_m': 10**400},
+        {'shot_id': 'rav1-00001', 'sequence': 1},
+    ],
+)
+def test_a_damaged_record_leaves_the_others_readable(tmp_path, store, shot, notices, change):
+    """Values of another type ended in a traceback, here or while the map was made."""
+    for number in range(2):
+        store.put(*shot(number))
+    path = tmp_path / 'images' / 'rav1-00000.json'
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    (found,) = read_store(tmp_path / 'images', notices.append)
+    assert found.record.shot_id == 'rav1-00001'
+    (notice,) = notices
+    assert notice.startswith(f'cannot read record {path}: ')
+
+
+@pytest.mark.parametrize(
+    'line', ['[]', 'null', '[' * 100_000, '{"shot_id": [1]}', '{"shot_id": 3}']
+)
+def test_damaged_lines_of_the_manifest_are_passed_over(tmp_path, store, shot, line):
+    """As lines that a crash cut off are."""
+    store.put(*shot(0))
+    with (tmp_path / 'images' / 'manifest.jsonl').open('a') as manifest:
+        manifest.write(line + '\n')
+        keys = {'received_sha256': '', 'stored_sha256': '', 'stored_bytes': 1, 'shot_id': None}
+        manifest.write(json.dumps(keys) + '\n')
+    assert len(read_store(tmp_path / 'images', pytest.fail)) == 1
+
+
 def test_the_store_is_the_same_after_opening_it_again(tmp_path, shot, notices):
     """Nothing is stored twice over a restart."""
     first = ImageStore(tmp_path / 'images', notices.append)

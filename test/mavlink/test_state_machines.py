@@ -314,7 +314,7 @@ def _same(stored, items, first):
 @pytest.mark.slow
 def test_most_runs_meet_somebody_else_in_the_air():
     """A model that no flight begins with would break no rule."""
-    runs = [Run(seed) for seed in range(30)]
+    runs = [Run(seed) for seed in range(16)]
     seen = [set() for _ in runs]
     for run, owners in zip(runs, seen, strict=True):
         hear = run.watch.hear
@@ -326,8 +326,8 @@ def test_most_runs_meet_somebody_else_in_the_air():
 
         run.watch.hear = note
         run.fly()
-    assert sum(OURS in owners for owners in seen) >= 15
-    assert sum(bool(owners & {PILOT, FAILSAFE}) for owners in seen) >= 10
+    assert sum(OURS in owners for owners in seen) >= 8
+    assert sum(bool(owners & {PILOT, FAILSAFE}) for owners in seen) >= 5
 
 
 @pytest.mark.slow

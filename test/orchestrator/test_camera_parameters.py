@@ -3,11 +3,7 @@
 
 from rocsafe_geo.storage.value_file import values_of
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
-from rocsafe_scenario.camera_blocks import (
-    CameraBlock,
-    OtherCameraBlock,
-    camera_parameters,
-)
+from rocsafe_scenario.blocks.cameras import CameraBlock, OtherCameraBlock, camera_parameters
 from rocsafe_sim.cameras.camera_settings import CameraRig, CameraSettings
 
 FRONT = OtherCameraBlock(name='front', pitch_deg=-30.0, image_width_px=320, stream_rate_hz=5.0)

@@ -47,8 +47,8 @@ from rocsafe_radiation.physics.field import MODELS
 from rocsafe_radiation.physics.nuclide import nuclide, nuclide_names
 from rocsafe_radiation.physics.photons import AIR, materials
 from rocsafe_ros.domain.mission_identity import new_identity
+from rocsafe_scenario.blocks.radiation import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.errors import ScenarioError
-from rocsafe_scenario.radiation_blocks import Material, Nuclide, RadiationBlock
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
 from rocsafe_sim.driving.rgv_options import RgvOptions

@@ -57,6 +57,7 @@ def test_with_nothing_known_it_flies_straight():
     assert retreat(DANGER).bends == ()
 
 
+@pytest.mark.slow
 @given(places, places, sources)
 def test_no_way_has_a_higher_dose_than_the_straight_one(here, home, found):
     """The straight way is always among those that are compared."""

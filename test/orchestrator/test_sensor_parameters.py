@@ -10,7 +10,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from rocsafe_geo.storage.value_file import read_values, values_of
 from rocsafe_orchestrator.parameters.node_parameters import write_parameters
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
-from rocsafe_scenario.simulation_blocks import (
+from rocsafe_scenario.blocks.simulation import (
     ImuBlock,
     SensorsBlock,
     SimulationBlock,

@@ -16,7 +16,7 @@ from rocsafe_planner.routing.bound import lower_bound
 from rocsafe_planner.routing.costs import finish_s
 from rocsafe_planner.routing.methods import nearest_to_shortest
 from rocsafe_planner.routing.solver_method import optimised
-from rocsafe_planner.routing.tour_splitting import makespan_s
+from rocsafe_planner.routing.tours.tour_splitting import makespan_s
 from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
 from .fleets import problem, vehicle

@@ -18,7 +18,7 @@ from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.routing.methods import METHODS
 from rocsafe_planner.routing.solver_method import optimised
 from rocsafe_planner.routing.solver_problem import routing_problem
-from rocsafe_planner.routing.tour_splitting import makespan_s
+from rocsafe_planner.routing.tours.tour_splitting import makespan_s
 from rocsafe_planner.solver import route_cost
 
 from .fleets import FLEET, changed, problem, request

@@ -37,7 +37,7 @@ def test_plan_at_any_altitude_is_valid(altitude_m):
 
 @pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
-@settings(max_examples=12, suppress_health_check=list(HealthCheck))
+@settings(max_examples=8, suppress_health_check=list(HealthCheck))
 @given(survey=surveys())
 def test_every_plan_is_valid(method, survey):
     """Concave, holed, thin or tiny regions, exclusions, wind, unlike fleets: no fault."""

@@ -94,18 +94,15 @@ def test_region_survives_the_file(folder, name):
 
 
 def test_geojson_features(plan):
-    """One feature for each thing; rings turn as RFC 7946 wants; footprints only when asked."""
-    for with_footprints in (False, True):
-        features = plan_geojson(plan, with_footprints)['features']
-        kinds = [feature['properties']['kind'] for feature in features]
-        count = plan.viewpoint_count
-        assert {kind: kinds.count(kind) for kind in set(kinds)} == {
-            'region': 1,
-            'home': 3,
-            'route': 2,
-            'viewpoint': count,
-            **({'footprint': count} if with_footprints else {}),
-        }
+    """One feature for each thing; rings turn as RFC 7946 wants."""
+    features = plan_geojson(plan)['features']
+    kinds = [feature['properties']['kind'] for feature in features]
+    assert {kind: kinds.count(kind) for kind in set(kinds)} == {
+        'region': 1,
+        'home': 3,
+        'route': 2,
+        'viewpoint': plan.viewpoint_count,
+    }
     outer, hole = features[0]['geometry']['coordinates']
     assert shapely.LinearRing(outer).is_ccw
     assert not shapely.LinearRing(hole).is_ccw

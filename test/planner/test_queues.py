@@ -96,6 +96,7 @@ def test_vehicles_that_would_only_wait_stay_on_the_ground():
     assert {k for k, order in enumerate(orders) if order} <= set(many)
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.floats(0.0, 3.0), min_size=30, max_size=30),
     st.integers(1, 5),

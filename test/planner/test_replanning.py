@@ -23,7 +23,7 @@ from .fleets import FIELD, FLEET, changed, request, vehicle
 pytestmark = pytest.mark.slow
 
 PLAN = plan_survey(
-    request(area=FIELD, height_agl_m=60.0, method='boustrophedon_minmax', proposals=20_000)
+    request(area=FIELD, height_agl_m=60.0, method='boustrophedon_minmax', proposals=4000)
 )
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rocsafe_planner.routing.methods import METHODS, nearest_to_shortest, paper_greedy
-from rocsafe_planner.routing.tour_splitting import makespan_s
+from rocsafe_planner.routing.tours.tour_splitting import makespan_s
 
 from .fleets import problem, vehicle
 
@@ -92,6 +92,7 @@ def test_strips_by_hand():
     assert METHODS['strips'](grid) == [[0, 1, 2, 5, 4, 3], [6, 7, 8, 11, 10, 9]]
 
 
+@pytest.mark.slow
 @given(
     points=st.lists(PLACES, min_size=1, max_size=40, unique=True),
     homes=st.lists(PLACES, min_size=1, max_size=4),

@@ -23,7 +23,7 @@ from rocsafe_planner.plan.survey_options import (
     spacing_m,
 )
 from rocsafe_planner.routing.methods import METHODS as METHOD_FUNCTIONS
-from rocsafe_scenario.scenario_blocks import SurveyBlock
+from rocsafe_scenario.blocks.mission import SurveyBlock
 
 
 @pytest.mark.parametrize(('fov_deg', 'expected_m'), [(60.0, 24.634), (90.0, 42.667)])

@@ -285,7 +285,9 @@ def test_a_detector_that_counts_nothing_is_dead(table, capsys):
 def test_a_detector_that_dies_in_flight_is_dead_from_then_on(table):
     """Few counts are none: a detector that counts 0 or 1 lives."""
     head = 'vehicle,east_m,north_m,up_m,counts,live_time_s\n'
-    dies = ''.join(f'a,{number},0,30,{50 * (number < 30)},1\n' for number in range(60))
+    dies = ''.join(
+        f'a,{number},0,30,{(50 + number % 7) * (number < 30)},1\n' for number in range(60)
+    )
     weak = ''.join(f'b,{number},0,30,{int(number % 20 == 0)},1\n' for number in range(60))
     readings = read_readings(table(head + dies + weak))
     ((reason, lines),) = readings.dropped.items()
@@ -296,7 +298,7 @@ def test_a_detector_that_dies_in_flight_is_dead_from_then_on(table):
 def test_dose_rates_in_another_unit_than_their_counts_are_left_out(table):
     """Each third row is in nSv/h in a column of uSv/h."""
     head = 'east_m,north_m,up_m,dose_rate_usvh,counts,live_time_s\n'
-    rows = ''.join(f'{k},0,30,{100 if k % 3 == 0 else 0.1},55,1\n' for k in range(30))
+    rows = ''.join(f'{k},0,30,{100 if k % 3 == 0 else 0.1},{52 + k % 7},1\n' for k in range(30))
     readings = read_readings(table(head + rows))
     ((reason, lines),) = readings.dropped.items()
     assert 'another unit' in reason
@@ -418,12 +420,31 @@ def test_readings_that_prove_nothing_say_why(table):
     drawn = np.random.default_rng(1).poisson(55.0, 100).tolist()
     assert caveats_of(table(counted(drawn))) == ()
     (repeated,) = caveats_of(table(counted(np.repeat(drawn, 5).tolist())))
-    assert 'counts are those before again' in repeated
+    assert 'readings are those before again' in repeated
     (unit,) = caveats_of(table(counted(drawn, 550_000.0)))
     assert 'is below that of nature' in unit
     (far,) = caveats_of(table(counted(drawn, east=lambda k: k + 5e4 * (k % 5 < 2))))
     assert '40 of 100 rows are left out, or the others are wrong' in far
     assert caveats_of(table(counted(drawn, east=lambda k: k + 5e4 * (k % 5 < 1)))) == ()
+
+
+def test_a_count_that_is_read_again_counts_once(table):
+    """A logger faster than its detector made ellipses smaller by the root of its factor."""
+    drawn = np.random.default_rng(1).poisson(55.0, 100)
+    kept = read_readings(table(counted(np.repeat(drawn, 5).tolist()))).observations
+    assert [one.counts for one in kept] == drawn[np.diff(drawn, prepend=-1) != 0].tolist()
+
+
+def test_a_detector_that_shows_no_more_is_saturated(table):
+    """The end of its scale made two sources of one; a column that tells is believed."""
+    mean = 50.0 + 5e6 / ((np.arange(100.0) - 50.0) ** 2 + 900.0)
+    drawn = np.minimum(np.random.default_rng(1).poisson(mean), 3000)
+    readings = read_readings(table(counted(drawn.tolist())))
+    assert len(readings.observations) == (drawn < 3000).sum() < 80
+    assert [*readings.dropped] == ['the largest that the detector shows: saturated']
+    head, *rows = counted(drawn.tolist()).splitlines()
+    told = '\n'.join([head + ',saturated', *(row + ',0' for row in rows)])
+    assert 'saturated' not in ''.join(read_readings(table(told)).dropped)
 
 
 def test_a_lowest_altitude_that_no_climb_leads_to_is_no_ground(table, capsys):

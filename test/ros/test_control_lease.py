@@ -140,6 +140,7 @@ def test_default_duration() -> None:
     assert kept.expires_s == 100.0 + DEFAULT_S
 
 
+@pytest.mark.slow
 @given(st.text(max_size=8), st.text(max_size=8))
 def test_servers_of_different_missions_differ(one: str, other: str) -> None:
     """Two nodes of one vehicle's name differ unless they are of one mission."""

@@ -11,8 +11,8 @@ from pyproj import Geod
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_scenario.camera_blocks import CameraBlock
-from rocsafe_scenario.scenario_blocks import SurveyBlock
+from rocsafe_scenario.blocks.cameras import CameraBlock
+from rocsafe_scenario.blocks.mission import SurveyBlock
 from rocsafe_scenario.survey_size import area_m2, fewest_viewpoints, spacings_m
 
 

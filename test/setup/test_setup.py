@@ -56,9 +56,10 @@ def test_tests_add_their_tools_once(machine):
     assert machine.calls == []
 
 
-@pytest.mark.parametrize(
-    ('file', 'stages'),
-    [
+def test_changed_file_repeats_only_its_stage(machine):
+    """The content of the files decides; Python sources are used in place."""
+    machine.setup()
+    for file, stages in (
         ('requirements/python.txt', ['pip']),
         ('requirements/lock.txt', ['pip']),
         ('requirements/ros.txt', ['pip', 'colcon']),
@@ -67,16 +68,12 @@ def test_tests_add_their_tools_once(machine):
         ('src/rocsafe_interfaces/CMakeLists.txt', ['colcon']),
         ('src/rocsafe_interfaces/msg/Route.msg', ['colcon']),
         ('src/rocsafe_geo/rocsafe_geo/frame.py', []),
-    ],
-)
-def test_changed_file_repeats_only_its_stage(machine, file, stages):
-    """The content of the files decides; Python sources are used in place."""
-    machine.setup()
-    machine.forget_calls()
-    with (machine.checkout / file).open('a') as stream:
-        stream.write('\n')
-    assert machine.setup().returncode == 0
-    assert machine.calls == stages
+    ):
+        machine.forget_calls()
+        with (machine.checkout / file).open('a') as stream:
+            stream.write('\n')
+        assert machine.setup().returncode == 0, file
+        assert machine.calls == stages, file
 
 
 def test_inner_loops_are_compiled_ahead_and_again_when_they_change(machine):
@@ -105,14 +102,15 @@ def test_touched_file_repeats_nothing(machine):
     assert machine.calls == []
 
 
-@pytest.mark.parametrize(('folder', 'stages'), [('build', 2), ('install', 2), ('.venv', 0)])
-def test_removed_folder_is_made_again(machine, folder, stages):
+def test_removed_folder_is_made_again(machine):
     """Whoever removes a folder gets it back."""
     machine.setup()
-    machine.forget_calls()
-    shutil.rmtree(machine.checkout / folder)
-    assert machine.setup().returncode == 0
-    assert machine.calls == (STAGES[stages:] if stages else ['venv', 'pip'])
+    built = STAGES[2:]
+    for folder, stages in (('build', built), ('install', built), ('.venv', ['venv', 'pip'])):
+        machine.forget_calls()
+        shutil.rmtree(machine.checkout / folder)
+        assert machine.setup().returncode == 0, folder
+        assert machine.calls == stages, folder
 
 
 def test_removed_message_empties_the_build(machine):
@@ -155,8 +153,10 @@ def test_broken_environment_is_made_again(machine):
     assert machine.calls == ['venv', 'pip']
 
 
-@pytest.mark.parametrize('stage', STAGES)
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ('number', 'stage'),
+    [*((signal.SIGINT, stage) for stage in STAGES), (signal.SIGTERM, 'pip')],
+)
 def test_interrupted_setup_ends_at_once_and_goes_on(machine, running_on, stage, number):
     """A signal in any stage ends all of it with the shell's code; the next call completes it."""
     process = machine.start(FAKE_HANG=stage)

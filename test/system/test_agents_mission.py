@@ -31,6 +31,7 @@ def photographed(flight: Flight) -> set[int]:
     return {shot.viewpoint_id for shot in read_photographs(flight.run.images)}
 
 
+@pytest.mark.all
 def test_mission_goes_on_without_its_orchestrator(fly: Fly) -> None:
     """It is killed in the flight, with one vehicle: the others photograph all, then all ends.
 

@@ -162,6 +162,7 @@ def test_interrupted_mission_ends_in_order(
     assert all(row in whole for row in readings(flight.run.readings))
 
 
+@pytest.mark.all
 def test_third_interrupt_ends_at_once(fly: Fly) -> None:
     """Who asks three times does not wait for products; how to make them is said."""
     flight = fly(*SPEED)

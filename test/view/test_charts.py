@@ -52,3 +52,11 @@ def test_half_of_the_decades_is_half_of_the_height():
     lines = dose_lines([DosePoint(0.0, 0.0, 5.0, 10.0, 'rav1')], SCALE, ['rav1', 'rav2'], axis)
     assert places(lines['rav1']) == [(568.0, pytest.approx((DOSE_TOP + DOSE_BOTTOM) / 2))]
     assert lines['rav2'] == ''
+
+
+def test_no_line_leads_beyond_its_axis():
+    """Detectors read on after the last landing."""
+    axis = TimeAxis(width=1080, left=70, end_s=10.0)
+    points = [DosePoint(0.0, 0.0, 2.0 * i, 10.0, 'rav1') for i in range(10)]
+    drawn = places(dose_lines(points, SCALE, ['rav1'], axis)['rav1'])
+    assert max(x for x, _ in drawn) == axis.right

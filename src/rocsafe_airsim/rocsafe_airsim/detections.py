@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_airsim.errors import AirsimError
-from rocsafe_airsim.ned import Quaternion, Vector
+from rocsafe_airsim.ned import Vector
 from rocsafe_airsim.vehicle import Picture
+from rocsafe_geo.pinhole import rotation_of_quaternion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,7 +66,7 @@ def _found(
 ) -> Iterator[Detection]:
     height, width = labels.shape
     focal_px = width / 2.0 / math.tan(math.radians(picture.fov_deg) / 2.0)
-    rotation = rotation_of(picture.attitude)
+    rotation = rotation_of_quaternion(picture.attitude)
     for number in sorted(set(np.unique(labels).tolist()) & names.keys()):
         rows, columns = np.nonzero(labels == number)
         ahead = depth_m[rows, columns].astype(float)
@@ -84,18 +85,6 @@ def _found(
             distance_m=float(np.linalg.norm(points, axis=-1).min()),
             place_enu=_vector(place),
         )
-
-
-def rotation_of(attitude: Quaternion) -> NDArray[np.float64]:
-    """Return the rotation matrix (3, 3) of a unit quaternion x, y, z, w."""
-    x, y, z, w = attitude
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def _vector(array: NDArray[np.float64]) -> Vector:

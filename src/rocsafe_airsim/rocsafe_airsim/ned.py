@@ -32,7 +32,7 @@ def attitude_ned(body_flu_in_enu: Quaternion) -> Quaternion:
     body_flu_in_enu
         Attitude of the body (forward, left, up) in ENU.
     """
-    x, y, z, w = _product(_product(_ENU_IN_NED, body_flu_in_enu), _FRD_IN_FLU)
+    x, y, z, w = product(product(_ENU_IN_NED, body_flu_in_enu), _FRD_IN_FLU)
     # Of the two that are the same attitude, the one that AirSim gives.
     return (x, y, z, w) if w >= 0.0 else (-x, -y, -z, -w)
 
@@ -75,7 +75,8 @@ _ENU_IN_NED: Quaternion = (_HALF, _HALF, 0.0, 0.0)
 _FRD_IN_FLU: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-def _product(a: Quaternion, b: Quaternion) -> Quaternion:
+def product(a: Quaternion, b: Quaternion) -> Quaternion:
+    """Return the rotation by `b`, then by `a`."""
     ax, ay, az, aw = a
     bx, by, bz, bw = b
     return (

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 
-from rocsafe_dataset.annotations import annotate, large_enough
-from rocsafe_dataset.arrangements import MOVABLE, Arrangement, arrange, bounds_of, box_of
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import LARGEST_NUMBER, DatasetFolder, LabelledImage
-from rocsafe_dataset.ground_splits import divide_ground
-from rocsafe_dataset.image_poses import Site, draw_pose
+from rocsafe_dataset.folder.files import LARGEST_NUMBER, DatasetFolder, LabelledImage
+from rocsafe_dataset.labels.annotations import annotate, large_enough
 from rocsafe_dataset.options import DatasetOptions
+from rocsafe_dataset.poses.arrangements import MOVABLE, Arrangement, arrange, bounds_of, box_of
+from rocsafe_dataset.poses.ground_splits import divide_ground
+from rocsafe_dataset.poses.image_poses import Site, draw_pose
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_renderer

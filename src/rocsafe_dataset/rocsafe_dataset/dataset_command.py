@@ -11,9 +11,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import DatasetFolder
+from rocsafe_dataset.folder.files import DatasetFolder
+from rocsafe_dataset.folder.summary import finish
 from rocsafe_dataset.options import FORMATS, DatasetOptions
-from rocsafe_dataset.summary import finish
 from rocsafe_dataset.worker_pool import claim_folder, open_tasks, run_tasks
 from rocsafe_geo.argument import image_size
 from rocsafe_scene.command_line.scene_arguments import exit_code_of

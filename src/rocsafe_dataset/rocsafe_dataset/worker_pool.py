@@ -12,7 +12,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import DatasetFolder
+from rocsafe_dataset.folder.files import DatasetFolder
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_scene.scene.description import SceneDescription
 

@@ -3,9 +3,6 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-
-import yaml
 
 from rocsafe_dispersion.estimation.release_options import LocateOptions
 from rocsafe_dispersion.mission_gas.gas_log import GasLog, Sampling
@@ -13,6 +10,8 @@ from rocsafe_dispersion.mission_gas.release_assessment import AssessmentOptions
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_geo.option import option
 from rocsafe_geo.origin_options import OriginOptions
+from rocsafe_geo.storage.value_file import values_of
+from rocsafe_geo.storage.yaml_source import read_yaml
 from rocsafe_geo.wind.stability import CLASSES, StabilityClass
 
 
@@ -72,12 +71,8 @@ def estimator_options(path: Path) -> EstimatorOptions:
         If it is not the parameter file of an estimator.
     """
     try:
-        content = yaml.safe_load(path.read_text(encoding='utf-8'))
-        values = content['/estimator']['ros__parameters']
-        given: dict[str, Any] = {
-            key: tuple(value) if isinstance(value, list) else value
-            for key, value in values.items()
-        }
-        return EstimatorOptions(**given)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError, KeyError, TypeError, AttributeError) as e:
-        raise ValueError(f'{path}: is no parameter file of an estimator: {e}') from e
+        values = read_yaml(path)['/estimator']['ros__parameters']
+        return values_of(values, EstimatorOptions, 'parameter')
+    except (KeyError, TypeError, ValueError) as error:
+        reason = str(error).partition('\n')[0]
+        raise ValueError(f'{path}: is no parameter file of an estimator: {reason}') from error

@@ -39,7 +39,12 @@ def place_of_state(state: VehicleState, endurance_s: float) -> Place | None:
         return None
     charge = state.battery_fraction
     used_s = 0.0 if math.isnan(charge) else (1.0 - charge) * endurance_s
-    return place_of(position_of_point(here), used_s, is_aloft=is_aloft(state))
+    return place_of(
+        position_of_point(here),
+        used_s,
+        is_aloft=is_aloft(state),
+        is_landing=state.state == VehicleState.LANDING,
+    )
 
 
 def dose_reading_of_message(message: RadiationReading) -> DoseReading | None:

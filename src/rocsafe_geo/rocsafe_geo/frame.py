@@ -2,6 +2,7 @@
 """The local frame: east, north, up in metres about an origin on the WGS84 ellipsoid."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -84,6 +85,14 @@ class LocalFrame:
             position.latitude_deg, position.longitude_deg, position.altitude_m
         )[0]
         return enu
+
+    def plane_of(self, positions: Sequence[GeoPosition]) -> FloatArray:
+        """Return (east, north) of positions in metres, shape (n, 2)."""
+        return self.to_enu(
+            [position.latitude_deg for position in positions],
+            [position.longitude_deg for position in positions],
+            math.nan,
+        )[:, :2]
 
     def position_of(self, enu: ArrayLike) -> GeoPosition:
         """Return the position of one point (east, north, up) in metres."""

@@ -32,9 +32,9 @@ class BeliefTables:
         Length of the side, metres.
     strengths : (S,)
         Strengths told apart.
-    means, weights, constants : (PARTS, PARTS, S, 2 K, 2 K)
+    means, weights, constants : (PARTS, PARTS, 2 K, 2 K, S)
         Mean of a reading, half its inverse variance and half the logarithm of its variance. The
-        first two axes are the place of the reading within a cell, north and east; the last two
+        first two axes are the place of the reading within a cell, north and east; the next two
         by how many cells the source lies farther north and east, from -K.
     """
 
@@ -69,7 +69,7 @@ class BeliefTables:
         levels = sensor.strengths(middles).reshape(strengths, _SUB_STRENGTHS)
         step = area_m / (cells * PARTS)
         pairs = [_averaged(sensor, row, step, cells) for row in levels]
-        means, variances = (np.stack(part, axis=2) for part in zip(*pairs, strict=True))
+        means, variances = (np.stack(part, axis=-1) for part in zip(*pairs, strict=True))
         return cls(
             cells=cells,
             area_m=area_m,
@@ -90,13 +90,13 @@ class BeliefTables:
             round(place_m[1] / self.step_m) * self.step_m
         )
 
-    def window(self, place_m: Place) -> tuple[int, int, slice, slice, slice]:
+    def window(self, place_m: Place) -> tuple[int, int, slice, slice]:
         """Return where in the tables the cells lie as seen from a rounded place."""
         east, east_part = divmod(round(place_m[0] / self.step_m), PARTS)
         north, north_part = divmod(round(place_m[1] / self.step_m), PARTS)
         rows = slice(self.cells - north, 2 * self.cells - north)
         columns = slice(self.cells - east, 2 * self.cells - east)
-        return north_part, east_part, slice(None), rows, columns
+        return north_part, east_part, rows, columns
 
 
 def _averaged(
@@ -144,20 +144,21 @@ class SourceBelief:
     """
 
     def __init__(self, tables: BeliefTables) -> None:
-        shape = (len(tables.strengths), tables.cells, tables.cells)
+        shape = (tables.cells, tables.cells, len(tables.strengths))
         self.tables = tables
         self._logs = np.zeros(shape, np.float32)
         self._miss = np.empty(shape, np.float32)
         self._joint = np.full(shape, 1.0 / np.prod(shape), np.float32)
         self._centres_m = tables.area_m / tables.cells * (np.arange(tables.cells) + 0.5)
-        self.cells: Float32Array = self._joint.sum(axis=0)
+        self._ones = np.ones(shape[2], np.float32)
+        self.cells: Float32Array = self._joint @ self._ones
         self.entropy_nats = float(np.log(np.prod(shape)))
         self._squares_m2 = self._centres_m * self._centres_m
         self._placed: tuple[Place, float] | None = None
 
     @property
     def joint(self) -> Float32Array:
-        """Probability of each strength and cell, (S, K, K)."""
+        """Probability of each cell and strength, (K, K, S)."""
         return self._joint
 
     def add(self, place_m: Place, reading: float) -> float:
@@ -173,7 +174,7 @@ class SourceBelief:
         # What is less likely than this by far is left at it: no product is infinite.
         np.maximum(logs, _SMALLEST, out=logs)
         np.exp(logs, out=self._joint)
-        self.cells = self._joint.sum(axis=0)
+        self.cells = self._joint @ self._ones
         total = float(self.cells.sum())
         share = np.float32(1.0 / total)
         self._joint *= share

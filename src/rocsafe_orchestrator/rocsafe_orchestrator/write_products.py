@@ -4,6 +4,7 @@
 import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.storage.durable import replace_whole
@@ -74,7 +75,7 @@ def write_products(run_directory: Path, early: EarlyEstimates | None = None) -> 
     record = read_run(run.path)
     _write_readings(record, run)
     record = _with_estimates(_without_idle_detectors(record), run, early)
-    record = _with_advice(_with_releases(record, run), run)
+    record = _with_gas(record, run)
     summary = summarise(record)
     write_json(run.summary, summary.to_plain())
     page = report_page(record, summary, mission_frame(record))
@@ -114,28 +115,21 @@ def _with_estimates(
     return dataclasses.replace(record, estimates=estimates)
 
 
-def _with_releases(record: RunRecord, run: RunDirectory) -> RunRecord:
-    """Return `record` with the releases of gas that its readings support."""
+def _with_gas(record: RunRecord, run: RunDirectory) -> RunRecord:
+    """Return `record` with the releases and the agent that its readings of gas support."""
     if record.scenario is None or not record.scenario.air.gas_sensors:
         return record
-    try:
-        releases = estimate_releases(run.parameters_of(ESTIMATOR), run.path)
-    except OrchestratorError as error:
-        line = f'no estimate of releases: {error}'
-        return dataclasses.replace(record, missing=(*record.missing, line))
-    return dataclasses.replace(record, releases=releases)
-
-
-def _with_advice(record: RunRecord, run: RunDirectory) -> RunRecord:
-    """Return `record` with the agent that its detectors and witnesses name."""
-    if record.scenario is None or not record.scenario.air.gas_sensors:
-        return record
-    try:
-        advice = advise(run.parameters_of(ESTIMATOR), run.path)
-    except OrchestratorError as error:
-        line = f'no agent named: {error}'
-        return dataclasses.replace(record, missing=(*record.missing, line))
-    return dataclasses.replace(record, advice=advice)
+    parameters, missing = run.parameters_of(ESTIMATOR), record.missing
+    found: dict[str, Any] = {}
+    for name, what, find in (
+        ('releases', 'no estimate of releases', estimate_releases),
+        ('advice', 'no agent named', advise),
+    ):
+        try:
+            found[name] = find(parameters, run.path)
+        except OrchestratorError as error:
+            missing = (*missing, f'{what}: {error}')
+    return dataclasses.replace(record, missing=missing, **found)
 
 
 def mission_frame(record: RunRecord) -> LocalFrame | None:

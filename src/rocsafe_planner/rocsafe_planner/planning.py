@@ -15,10 +15,10 @@ from rocsafe_planner.flights.routes import SECONDS_PER_HOUR
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.problem.fleet_problem import Order
-from rocsafe_planner.routing.boustrophedon import boustrophedon_minmax
-from rocsafe_planner.routing.costs import objective_value
-from rocsafe_planner.routing.insertion import minmax_insertion
-from rocsafe_planner.routing.methods import METHODS, Optimised
+from rocsafe_planner.routing.costs import Optimised, objective_value
+from rocsafe_planner.routing.methods import METHODS
+from rocsafe_planner.routing.tours.boustrophedon import boustrophedon_minmax
+from rocsafe_planner.routing.tours.insertion import minmax_insertion
 from rocsafe_planner.site.given_viewpoints import footprints_of
 from rocsafe_planner.site.survey_site import SurveySite, survey_site
 

@@ -20,7 +20,6 @@ from rocsafe_planner.plan.vehicle import Aloft, Vehicle
 from rocsafe_planner.plan.viewpoint import Viewpoint, viewpoints_over
 from rocsafe_planner.planning import Progress
 from rocsafe_planner.problem.airspace import Airspace
-from rocsafe_planner.site.given_viewpoints import places_of
 from rocsafe_planner.site.survey_site import frame_of
 
 _PROPOSALS_A_POINT = 2500
@@ -115,7 +114,7 @@ def leaving_exclusions_m(plan: SurveyPlan) -> dict[str, float]:
         return {}
     frame = frame_of(request)
     zones = [zone.polygon(frame) for zone in request.exclusions]
-    starts = places_of(frame, [route.vehicle.start for route in aloft])
+    starts = frame.plane_of([route.vehicle.start for route in aloft])
     free = Airspace(zones, request.airspace.clearance_m, starts).holds(starts).tolist()
     return {
         route.vehicle.name: distance_m(route.vehicle.start, route.sorties[0].bends[0][0])

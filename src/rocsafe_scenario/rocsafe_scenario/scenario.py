@@ -8,23 +8,22 @@ from pydantic import Field
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_scenario.air_blocks import AirBlock
-from rocsafe_scenario.camera_blocks import CameraBlock, OtherCameraBlock
-from rocsafe_scenario.ground_blocks import GroundVehicleBlock
-from rocsafe_scenario.host_blocks import MOST_HOSTS, HostBlock
-from rocsafe_scenario.limits import LARGEST_FLEET, LARGEST_SEED
-from rocsafe_scenario.radiation_blocks import RadiationBlock
-from rocsafe_scenario.scenario_blocks import (
-    Block,
+from rocsafe_scenario.blocks.air import AirBlock
+from rocsafe_scenario.blocks.block import Block, LatLon
+from rocsafe_scenario.blocks.cameras import CameraBlock, OtherCameraBlock
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
+from rocsafe_scenario.blocks.hosts import MOST_HOSTS, HostBlock
+from rocsafe_scenario.blocks.mission import (
     ClockBlock,
     FleetBlock,
-    LatLon,
     OriginBlock,
     RegionBlock,
     SurveyBlock,
-    VehicleBlock,
 )
-from rocsafe_scenario.simulation_blocks import SimulationBlock
+from rocsafe_scenario.blocks.radiation import RadiationBlock
+from rocsafe_scenario.blocks.simulation import SimulationBlock
+from rocsafe_scenario.blocks.vehicles import VehicleBlock
+from rocsafe_scenario.limits import LARGEST_FLEET, LARGEST_SEED
 
 
 class Scenario(Block):

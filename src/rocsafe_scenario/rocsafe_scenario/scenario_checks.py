@@ -13,11 +13,11 @@ from rocsafe_geo.position import distance_m
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.wind.anemometer_file import read_wind
 from rocsafe_geo.wind.mission_wind import LEAST_WIND_MPS
-from rocsafe_scenario.camera_blocks import FIRST_CAMERA
-from rocsafe_scenario.ground_blocks import GroundVehicleBlock
-from rocsafe_scenario.host_blocks import host_mistakes
+from rocsafe_scenario.blocks.cameras import FIRST_CAMERA
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
+from rocsafe_scenario.blocks.vehicles import PLANNING_KEYS, VehicleBlock
+from rocsafe_scenario.host_checks import host_mistakes
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.survey_size import fewest_viewpoints
 
 # Beyond this distance the error of the flat local frame exceeds the noise of a GPS fix.

@@ -9,9 +9,10 @@ from pydantic import ValidationError
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_geo.regions.area_files import read_area
 from rocsafe_geo.storage.yaml_source import YamlError, read_yaml
+from rocsafe_scenario.blocks.block import LatLon
+from rocsafe_scenario.blocks.mission import RegionBlock
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import LatLon, RegionBlock
 from rocsafe_scenario.scenario_checks import mistakes
 from rocsafe_scenario.validation_text import error_lines
 

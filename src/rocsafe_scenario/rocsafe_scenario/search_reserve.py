@@ -8,8 +8,8 @@ import numpy as np
 from rocsafe_geo.motion.autopilot import Autopilot
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import distance_m
+from rocsafe_scenario.blocks.vehicles import VehicleBlock
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import VehicleBlock
 
 MOST_OF_BATTERY = 0.5
 """Largest part of the usable flight time that is left."""

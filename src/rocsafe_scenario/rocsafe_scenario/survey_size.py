@@ -7,8 +7,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.plan.survey_options import spacing_m
-from rocsafe_scenario.camera_blocks import CameraBlock
-from rocsafe_scenario.scenario_blocks import SurveyBlock
+from rocsafe_scenario.blocks.cameras import CameraBlock
+from rocsafe_scenario.blocks.mission import SurveyBlock
 
 
 def spacings_m(survey: SurveyBlock, camera: CameraBlock) -> tuple[float, float]:

@@ -91,7 +91,8 @@ def dose_y(scale: DoseScale, dose_rate_usvh: float) -> float:
 def dose_lines(
     points: Sequence[DosePoint], scale: DoseScale, vehicles: Iterable[str], axis: TimeAxis
 ) -> Mapping[str, str]:
-    """Return path data of the dose rate over time by vehicle."""
+    """Return path data of the dose rate by vehicle, until the end of the axis."""
+    points = [point for point in points if point.time_s <= axis.end_s]
     return {
         name: _path(
             (axis.x(point.time_s), dose_y(scale, point.dose_rate_usvh))

@@ -91,11 +91,15 @@ def clock(seconds: float) -> str:
 
 def length(metres: float | None) -> str:
     """Return a distance in metres, or in kilometres from 10 km on."""
-    if metres is None or not math.isfinite(metres):
+    return _in_units(metres, 'm', 1000.0, 'km')
+
+
+def _in_units(value: float | None, unit: str, larger: float, larger_unit: str) -> str:
+    if value is None or not math.isfinite(value):
         return UNKNOWN
-    if metres >= 10_000.0:
-        return f'{figures(metres / 1000.0)}{GAP}km'
-    return f'{metres:,.0f}'.replace(',', _THIN_GAP) + f'{GAP}m'
+    if value >= 10_000.0:
+        return f'{figures(value / larger)}{GAP}{larger_unit}'
+    return f'{value:,.0f}'.replace(',', _THIN_GAP) + f'{GAP}{unit}'
 
 
 _POINTS = ('N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW')
@@ -108,11 +112,7 @@ def compass(degrees: float) -> str:
 
 def area(square_metres: float | None) -> str:
     """Return an area in square metres, or in hectares from 1 ha on."""
-    if square_metres is None or not math.isfinite(square_metres):
-        return UNKNOWN
-    if square_metres >= 10_000.0:
-        return f'{figures(square_metres / 10_000.0)}{GAP}ha'
-    return f'{square_metres:,.0f}'.replace(',', _THIN_GAP) + f'{GAP}m²'
+    return _in_units(square_metres, 'm²', 10_000.0, 'ha')
 
 
 def percent(fraction: float | None, digits: int = 1) -> str:

@@ -10,7 +10,7 @@ from rocsafe_airsim import images, values
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, matches, served
 from rocsafe_airsim.methods.moving import vector_of
-from rocsafe_airsim.ned import Quaternion, attitude_ned, heading
+from rocsafe_airsim.ned import Quaternion, attitude_ned, heading, product
 from rocsafe_airsim.vehicle import DISARMED, Picture
 
 # A camera that is rolled by no more counts as level.
@@ -185,15 +185,8 @@ class SensingMethods:
 
 def _body_of_optical(attitude: Quaternion) -> Quaternion:
     """Return the attitude of a body (ahead, left, up) whose camera has this optical attitude."""
-    x, y, z, w = attitude
-    # Optical right, down, ahead are the body's -y, -z, x: the rotation by (0.5, -0.5, 0.5, 0.5).
-    bx, by, bz, bw = 0.5, -0.5, 0.5, 0.5
-    return (
-        w * bx + x * bw + y * bz - z * by,
-        w * by - x * bz + y * bw + z * bx,
-        w * bz + x * by - y * bx + z * bw,
-        w * bw - x * bx - y * by - z * bz,
-    )
+    # Optical right, down, ahead are the body's -y, -z, x.
+    return product(attitude, (0.5, -0.5, 0.5, 0.5))
 
 
 def _roll_pitch_yaw(orientation: Mapping[str, Any]) -> tuple[float, float, float]:

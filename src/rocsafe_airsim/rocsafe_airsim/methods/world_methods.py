@@ -4,10 +4,10 @@
 import asyncio
 from typing import Any
 
-from rocsafe_airsim.detections import rotation_of
 from rocsafe_airsim.methods.access import LONGEST_TEXT, Access, parameters, pen, served
 from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S, vector_of
 from rocsafe_airsim.ned import Vector
+from rocsafe_geo.pinhole import rotation_of_quaternion
 
 # Colours of ahead, right, down.
 _AXES = ((1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0))
@@ -100,6 +100,6 @@ def _axis(pose: Any, axis: int, scale: float) -> list[Vector]:
     """Return both ends of an axis of a pose, `scale` hundredths of a metre long."""
     place, turned = vector_of(pose['position']), pose['orientation']
     w, x, y, z = (float(turned[f'{part}_val']) for part in 'wxyz')
-    ahead = rotation_of((x, y, z, w))[:, axis] * (scale / 100.0)
+    ahead = rotation_of_quaternion((x, y, z, w))[:, axis] * (scale / 100.0)
     north, east, down = (a + float(b) for a, b in zip(place, ahead, strict=True))
     return [place, (north, east, down)]

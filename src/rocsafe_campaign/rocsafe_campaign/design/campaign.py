@@ -20,9 +20,9 @@ from rocsafe_campaign.design.distributions import Distribution
 from rocsafe_campaign.design.key_path import parts_of, with_value
 from rocsafe_campaign.errors import CampaignError
 from rocsafe_geo.storage.yaml_source import YamlError, read_yaml
+from rocsafe_scenario.blocks.block import Block
 from rocsafe_scenario.limits import LARGEST_SEED
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import Block
 from rocsafe_scenario.scenario_file import read_scenario, scenario_of
 from rocsafe_scenario.validation_text import error_lines
 

@@ -9,7 +9,7 @@ import shapely
 from pydantic import Field, model_validator
 from shapely.geometry import Polygon
 
-from rocsafe_scenario.scenario_blocks import Block
+from rocsafe_scenario.blocks.block import Block
 
 # Points drawn in the bounds of a polygon until one lies within it; more fail.
 MOST_TRIES = 10_000

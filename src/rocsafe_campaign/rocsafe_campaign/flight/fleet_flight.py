@@ -13,8 +13,8 @@ from rocsafe_geo.motion.performance import Performance
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_scenario.blocks.vehicles import VehicleBlock
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import VehicleBlock
 from rocsafe_sim.clock.cadence import Cadence, period_ns
 from rocsafe_sim.flight.airframe import Airframe
 from rocsafe_sim.options import WorldOptions

@@ -78,6 +78,7 @@ def _of_table(options: argparse.Namespace) -> dict[str, Any]:
     return document_of(found, gas.frame) | {
         'is_enough': verdict.is_enough,
         'verdict': verdict.reason,
+        'notes': list(gas.notes),
     }
 
 
@@ -238,7 +239,9 @@ def _text(document: dict[str, Any]) -> str:
     hidden = document['another']
     share = 100.0 * hidden['ground_share']
     what = 'another' if document['releases'] else 'a release'
-    lines = [] if document['releases'] else ['no release: the readings are those of a background']
+    lines = list(document.get('notes', ()))
+    if not document['releases']:
+        lines.append('no release: the readings are those of a background')
     for release in document['releases']:
         first, second = list(release.items())[:2]
         low, high = release['rate_95_g_s']

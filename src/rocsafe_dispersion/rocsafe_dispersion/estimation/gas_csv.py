@@ -6,25 +6,27 @@ Columns: a place (``latitude_deg`` and ``longitude_deg``, or ``east_m`` and ``no
 of a named agent), and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or
 ``wind_speed_mps`` and ``wind_from_deg``). If given: ``time_s``, the noise in the unit of the
 values (``std_g_m3``, ``std_mg_m3`` or ``std_ppm``), ``limit`` (``below`` or ``above``: the value
-is only a bound) and ``instrument``, whose readings share a background. Readings that are means
+is only a bound; without this column, values that pile up at an end of the scale are) and
+``instrument``, whose readings share a background. Readings that are means
 along beams have the other end of each, as well: ``to_height_m``, and ``to_latitude_deg`` and
 ``to_longitude_deg``, or ``to_east_m`` and ``to_north_m``. Other columns are not read.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from rocsafe_dispersion.estimation.gas_survey import LARGEST_READINGS, GasSurvey, usual_noise
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.csv_rows import Row, column, read_table
 from rocsafe_geo.wind.anemometer_file import is_vector_record, wind_of
+from rocsafe_hazard.value_runs import are_again, are_at_top
 
 GEODETIC, LOCAL = ('latitude_deg', 'longitude_deg'), ('east_m', 'north_m')
 # Columns of the other end of a beam begin with it.
@@ -42,10 +44,21 @@ LEAST_NOISE, LARGEST_VALUE = 1e-15, 1e9
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class GasFile:
-    """The survey of a file; the frame is None where its places are east and north already."""
+    """The survey of a file.
+
+    Attributes
+    ----------
+    survey
+        Its readings.
+    frame
+        Of their places; None where these are east and north already.
+    notes
+        What was left out of the file, in words.
+    """
 
     survey: GasSurvey
     frame: LocalFrame | None
+    notes: tuple[str, ...] = ()
 
 
 def read_gas(path: Path, g_m3_of_ppm: Callable[[float], float] | None = None) -> GasFile:
@@ -72,22 +85,55 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
     places, weights, frame = _places(rows, names)
     limits = [_limit(row) for row in rows]
     values = factor * _numbers(rows, f'value_{unit}', LARGEST_VALUE)
-    return GasFile(
-        survey=GasSurvey(
-            places_m=places,
-            weights=weights,
-            wind_towards_mps=_winds(rows, names),
-            values_g_m3=values,
-            std_g_m3=_stds(rows, names, unit, factor, values),
-            is_below=np.array([limit == 'below' for limit in limits]),
-            is_above=np.array([limit == 'above' for limit in limits]),
-            times_s=(
-                column(rows, 'time_s') if 'time_s' in names else np.arange(len(rows), dtype=float)
-            ),
-            instruments=_instruments(rows, names),
+    survey = GasSurvey(
+        places_m=places,
+        weights=weights,
+        wind_towards_mps=_winds(rows, names),
+        values_g_m3=values,
+        std_g_m3=_stds(rows, names, unit, factor, values),
+        is_below=np.array([limit == 'below' for limit in limits]),
+        is_above=np.array([limit == 'above' for limit in limits]),
+        times_s=(
+            column(rows, 'time_s') if 'time_s' in names else np.arange(len(rows), dtype=float)
         ),
-        frame=frame,
+        instruments=_instruments(rows, names),
     )
+    notes: list[str] = []
+    if 'limit' not in names:
+        survey, notes = _with_ends(survey)
+    again = _of_each_instrument(survey, are_again)
+    if again.any():
+        # Values that repeat the one before hide the noise.
+        survey = replace(survey, std_g_m3=_stds(rows, names, unit, factor, values[~again]))
+        survey = survey.only(~again)
+        notes.append(f'{again.sum()} readings left out: as before, read too often or stuck')
+    return GasFile(survey=survey, frame=frame, notes=tuple(notes))
+
+
+def _with_ends(survey: GasSurvey) -> tuple[GasSurvey, list[str]]:
+    """Return the survey with readings at the ends of a detector's scale as bounds, and notes."""
+    lowest = _of_each_instrument(survey, lambda values: are_at_top(-values))
+    survey = replace(survey, is_below=lowest)
+    highest = _of_each_instrument(survey, are_at_top)
+    notes = [
+        f'{are.sum()} readings are the {end} that the detector shows: taken as bounds'
+        for end, are in (('least', lowest), ('most', highest))
+        if are.any()
+    ]
+    return replace(survey, is_above=highest), notes
+
+
+def _of_each_instrument(
+    survey: GasSurvey, found_in: Callable[[FloatArray], BoolArray]
+) -> BoolArray:
+    """Return what is found in the values of each instrument, in the order of their times, (n,)."""
+    found = np.zeros(len(survey.values_g_m3), dtype=bool)
+    order = np.argsort(survey.times_s, kind='stable')
+    order = order[~(survey.is_below | survey.is_above)[order]]
+    for instrument in np.unique(survey.instruments).tolist():
+        own = order[survey.instruments[order] == instrument]
+        found[own] = found_in(survey.values_g_m3[own])
+    return found
 
 
 def _unit(names: set[str], g_m3_of_ppm: Callable[[float], float] | None) -> tuple[str, float]:

@@ -15,6 +15,10 @@ NEAR_M = 2.0
 # of what is away from the mean, in standard deviations.
 LOWER_SIGMA, PROBABLE_ERROR = 0.1587, 0.6745
 NOISE_SHARE = 1e-3
+BY_READING = (
+    'places_m', 'wind_towards_mps', 'values_g_m3', 'std_g_m3', 'is_below', 'is_above', 'times_s',
+    'instruments',
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,6 +88,10 @@ class GasSurvey:
     def speeds_mps(self) -> FloatArray:
         """Wind speed of each reading, m/s."""
         return np.hypot(self.wind_towards_mps[:, 0], self.wind_towards_mps[:, 1])
+
+    def only(self, kept: BoolArray) -> 'GasSurvey':
+        """Return the survey of some readings, (n,)."""
+        return replace(self, **{name: getattr(self, name)[kept] for name in BY_READING})
 
 
 def point_survey(

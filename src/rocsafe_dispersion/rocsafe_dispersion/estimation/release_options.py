@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Options of the search for releases."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,14 +36,17 @@ class SearchArea:
         require_positive('height of the area', self.north_m - self.south_m, 'm')
         require_positive('cell_m', self.cell_m, 'm')
         require_between('height_m', self.height_m, 0.0, 30.0, 'm')
-        cells = (self.east_m - self.west_m) * (self.north_m - self.south_m) / self.cell_m**2
+        sides = self.east_m - self.west_m, self.north_m - self.south_m
+        cells = math.prod(max(side / self.cell_m, 1.0) for side in sides)
         require_between('number of cells of the area', cells, 4.0, 40_000.0)
 
     def cells_m(self) -> FloatArray:
-        """Return the middles of all cells, row by row from the south, (m, 2)."""
-        half = self.cell_m / 2.0
-        east = np.arange(self.west_m + half, self.east_m, self.cell_m)
-        north = np.arange(self.south_m + half, self.north_m, self.cell_m)
+        """Return the middles of all cells, row by row from the south, (m, 2); at least one."""
+        cell = self.cell_m
+        east, north = (
+            np.arange(low + cell / 2.0, max(high, low + cell), cell)
+            for low, high in ((self.west_m, self.east_m), (self.south_m, self.north_m))
+        )
         return np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2)
 
 

@@ -25,6 +25,9 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 _MOST_MEANDER = 0.9
 _RELATIVE, _RELATIVE_STD = 0.4, 0.5
 _NOISE_STD = 0.25
+# Nor is the noise further from the one told than this: readings that are all alike would make it
+# nothing, and then anything explains them.
+_MOST_NOISE_STDS = 4.0
 _DRIFT, _DRIFT_STD = 0.3, 1.5
 # Coordinates that all releases share, see `shapes_of`, and those of each release.
 SHARED, OWN = 7, 3
@@ -147,7 +150,7 @@ class ReleaseSampler:
         return self._backgrounds.log_likelihoods(
             means.sum(axis=1),
             np.sqrt((spreads**2).sum(axis=1)),
-            np.exp(_NOISE_STD * shared[:, 5]),
+            np.exp(_NOISE_STD * np.clip(shared[:, 5], -_MOST_NOISE_STDS, _MOST_NOISE_STDS)),
             _DRIFT * np.exp(_DRIFT_STD * shared[:, 6]),
         )
 

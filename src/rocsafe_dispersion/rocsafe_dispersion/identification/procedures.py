@@ -11,6 +11,7 @@ import numpy as np
 from rocsafe_dispersion.identification.evidence import Evidence
 from rocsafe_dispersion.identification.posterior import Identification, identify
 from rocsafe_dispersion.identification.signatures import NO_AGENT, SOMETHING_ELSE
+from rocsafe_geo.storage.named_file import require_file
 
 SHIPPED = Path(__file__).with_name('procedures')
 # A hypothesis below this probability adds no words to the question.
@@ -54,10 +55,13 @@ def read_sections(folder: Path) -> tuple[Section, ...]:
         raise ValueError(f'{folder}: must be a folder with procedures as Markdown files')
     found: list[Section] = []
     for path in sorted(folder.glob('*.md')):
-        if path.stat().st_size > MOST_BYTES:
-            raise ValueError(f'{path}: must be at most {MOST_BYTES} bytes')
         try:
-            found += _sections(path.name, path.read_text(encoding='utf-8'))
+            require_file(path)
+            if path.stat().st_size > MOST_BYTES:
+                raise ValueError(f'{path}: must be at most {MOST_BYTES} bytes')
+            found += _sections(path.name, path.read_text(encoding='utf-8-sig'))
+        except OSError as error:
+            raise ValueError(f'{path}: {error.strerror}') from error
         except UnicodeDecodeError as error:
             raise ValueError(f'{path}: must be text in UTF-8') from error
     if not found:

@@ -128,6 +128,11 @@ class Agent:
         return frozenset(k for k, (_, place) in places if place.is_aloft and k in self._live)
 
     @property
+    def _landing(self) -> Numbers:
+        """Vehicles that take no route until they stand."""
+        return frozenset(k for k, (_, place) in self._places.items() if place.is_landing)
+
+    @property
     def visited(self) -> Numbers:
         """Viewpoints that anybody has photographed."""
         return self.knowledge.visited
@@ -309,7 +314,8 @@ class Agent:
 
     def _coordinate(self, now_s: float) -> None:
         """Propose a situation if there is a reason, or repeat the last proposal."""
-        state = (self.ledger.digest, self._live, self.plan.epoch, len(self._places))
+        places = len(self._places), self._landing
+        state = (self.ledger.digest, self._live, self.plan.epoch, places)
         if state == self._looked_at and self._reason_s is None:
             self._repeat(now_s)
             return
@@ -327,7 +333,7 @@ class Agent:
             self._reason_s = now_s
         elif now_s - self._reason_s >= self._waits_s(members, now_s):
             self._reason_s = None
-            self._propose(members & self._places.keys(), silent)
+            self._propose((members - self._landing) & self._places.keys(), silent)
             self._repeats = self._options.repeats, now_s
 
     @property
@@ -361,7 +367,8 @@ class Agent:
         return members, silent
 
     def _has_reason(self, members: Numbers, silent: Numbers) -> bool:
-        if not members & self._places.keys() or not self._points - self.visited:
+        free = members - self._landing
+        if not free & self._places.keys() or not self._points - self.visited:
             return False
         if self.plan.epoch == FIRST_EPOCH:
             before, unheard = self._everyone, frozenset[int]()
@@ -369,12 +376,9 @@ class Agent:
             before, unheard = self.proposal.names, self.proposal.silent
         if any(epoch > self.plan.epoch for epoch, _ in self.knowledge.proposals):
             return True  # others keep to a plan that was made without this agent
-        if (
-            members != before
-            or silent != unheard
-            or self.knowledge.zones != self.proposal.exclusions
-        ):
-            return bool(self.left) or members != before
+        is_other = bool(before - members or free - before)
+        if is_other or silent != unheard or self.knowledge.zones != self.proposal.exclusions:
+            return bool(self.left) or is_other
         open_points = [p for k in members for p in self.plan.routes.get(k, ())]
         return bool(self.left) and self.visited.issuperset(open_points) and not self.plan.error
 

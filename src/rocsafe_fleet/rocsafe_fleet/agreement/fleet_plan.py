@@ -13,6 +13,7 @@ from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.errors import NothingLeftError, PlannerError
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.situation import Situation
+from rocsafe_planner.plan.survey_options import UnheardVehicle
 from rocsafe_planner.plan.vehicle import Aloft
 from rocsafe_planner.plan.viewpoint import viewpoints_over
 from rocsafe_planner.replanning import replan
@@ -138,7 +139,10 @@ def with_extra(survey: SurveyPlan, extra: ExtraPlaces) -> SurveyPlan:
 
 
 def situation_of(survey: SurveyPlan, wanted: Wanted) -> Situation:
-    """Return a proposal as the planner takes it."""
+    """Return a proposal as the planner takes it.
+
+    Who is no member may be in the air, in the layer that is reserved for it, or come down at home.
+    """
     proposal = wanted.proposal
     names = [vehicle.name for vehicle in survey.request.vehicles]
     routed = {view.id for route in survey.routes for view in route.viewpoints}
@@ -152,7 +156,19 @@ def situation_of(survey: SurveyPlan, wanted: Wanted) -> Situation:
         },
         visited=proposal.visited & known,
         new_exclusions=tuple(SurveyArea(ring) for ring in wanted.rings),
+        unheard=tuple(_left_out(survey, k) for k in range(len(names)) if k not in proposal.names),
         last=proposal.last,
+    )
+
+
+def _left_out(survey: SurveyPlan, number: int) -> UnheardVehicle:
+    request = survey.request
+    vehicle, layers = request.vehicles[number], request.layers_m
+    return UnheardVehicle(
+        name=vehicle.name,
+        flight_height_m=request.coverage.height_agl_m + (layers[number] if layers else 0.0),
+        home=vehicle.home,
+        places=(),
     )
 
 

@@ -33,8 +33,6 @@ class Kind(IntEnum):
     PROPOSAL = 3
     CLAIM = 4
     EXCLUSION = 5  # number
-    FINDING = 6  # number
-    DOSE = 7
     READING = 8  # number
     ROUND = 9  # number
 

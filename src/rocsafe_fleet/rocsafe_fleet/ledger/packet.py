@@ -14,7 +14,7 @@ from rocsafe_fleet.ledger.ledger import Delta, Entry, Vector, Writer
 from rocsafe_fleet.ledger.records import Place, put_place, take_place
 from rocsafe_fleet.ledger.varint import Reader, put_bytes, put_number
 
-FORMAT = 2
+FORMAT = 3
 TAG_BYTES = 8
 MOST_BYTES = 1200
 """Most bytes of a packet: below the least MTU of IPv6, 1280 bytes, less the headers."""

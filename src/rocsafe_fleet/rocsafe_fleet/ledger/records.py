@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Values of entries: places, sets of viewpoints, proposals, claims, findings."""
+"""Values of entries: places, sets of viewpoints, proposals, claims."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -78,6 +78,8 @@ class Place:
         Flight time used of its battery, tenths of a second.
     is_aloft
         Whether it is in the air; else it stands at home.
+    is_landing
+        Whether it comes down at home, and takes no route until it stands.
     """
 
     latitude_e7: int
@@ -85,6 +87,7 @@ class Place:
     altitude_cm: int | None
     used_ds: int
     is_aloft: bool
+    is_landing: bool = False
 
     @property
     def position(self) -> GeoPosition:
@@ -98,7 +101,9 @@ class Place:
         return self.used_ds / _DECISECONDS
 
 
-def place_of(position: GeoPosition, used_s: float, *, is_aloft: bool) -> Place:
+def place_of(
+    position: GeoPosition, used_s: float, *, is_aloft: bool, is_landing: bool = False
+) -> Place:
     """Return where a vehicle is, rounded."""
     altitude = position.altitude_m
     return Place(
@@ -107,6 +112,7 @@ def place_of(position: GeoPosition, used_s: float, *, is_aloft: bool) -> Place:
         altitude_cm=None if altitude != altitude else round(altitude * _CM),
         used_ds=max(0, round(used_s * _DECISECONDS)),
         is_aloft=is_aloft,
+        is_landing=is_landing,
     )
 
 
@@ -115,7 +121,7 @@ def put_place(into: bytearray, place: Place) -> None:
     put_signed(into, place.latitude_e7)
     put_signed(into, place.longitude_e7)
     put_signed(into, _NO_ALTITUDE if place.altitude_cm is None else place.altitude_cm)
-    put_number(into, place.used_ds * 2 + place.is_aloft)
+    put_number(into, place.used_ds * 4 + place.is_landing * 2 + place.is_aloft)
 
 
 def take_place(reader: Reader) -> Place:
@@ -126,8 +132,9 @@ def take_place(reader: Reader) -> Place:
         latitude_e7=latitude,
         longitude_e7=longitude,
         altitude_cm=None if altitude == _NO_ALTITUDE else altitude,
-        used_ds=used >> 1,
+        used_ds=used >> 2,
         is_aloft=bool(used & 1),
+        is_landing=bool(used & 2),
     )
 
 
@@ -241,33 +248,3 @@ def ring_of(value: bytes) -> tuple[GeoPosition, ...]:
     while not reader.is_at_end:
         corners.append(GeoPosition(reader.signed() / _E7, reader.signed() / _E7, float('nan')))
     return tuple(corners)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
-    """Something that a vehicle has found, such as a source; withdrawn ones stay as such."""
-
-    name: str
-    position: GeoPosition
-    value: float
-    is_withdrawn: bool = False
-
-    def encoded(self) -> bytes:
-        """Return it as the value of an entry; `value` to 6 digits."""
-        into = bytearray([self.is_withdrawn])
-        put_signed(into, round(self.position.latitude_deg * _E7))
-        put_signed(into, round(self.position.longitude_deg * _E7))
-        put_bytes(into, f'{self.value:.6g}'.encode())
-        put_bytes(into, self.name.encode())
-        return bytes(into)
-
-
-def finding_of(value: bytes) -> Finding:
-    """Return the finding that is the value of an entry."""
-    reader = Reader(value)
-    is_withdrawn = bool(reader.take(1)[0])
-    place = GeoPosition(reader.signed() / _E7, reader.signed() / _E7, float('nan'))
-    number, name = reader.text(), reader.text()
-    return Finding(
-        name=name.decode(), position=place, value=float(number), is_withdrawn=is_withdrawn
-    )

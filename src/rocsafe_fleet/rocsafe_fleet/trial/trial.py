@@ -60,7 +60,8 @@ class Outcome:
     duplicates
         Photographs of viewpoints that were photographed before.
     least_m
-        Least distance of two vehicles in the air while both were at the height of their legs.
+        Least distance of two vehicles in the air, as if at the height of their legs: climbs and
+        descents are kept apart by the ways of the planner, which are not flown here.
     flying_s
         When each epoch's routes were flown by all its live members.
     payload_bytes, packets
@@ -229,7 +230,7 @@ class Trial:
             self.first_wanted = self.first_wanted or wanted
 
     def _watch(self) -> None:
-        """Note the least distance of vehicles on their legs."""
+        """Note the least distance of vehicles on their legs: these lead around no columns."""
         flying = [v for v in self.vehicles if v is not None and v.is_aloft]
         for a, b in combinations(flying, 2):
             (x, y), (u, w) = a.plane(self.now_s), b.plane(self.now_s)

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A vehicle of a trial: it flies legs from standstill to standstill at its own height."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from rocsafe_fleet.ledger.records import Place, place_of
 from rocsafe_geo.motion import leg_duration_s
@@ -19,6 +22,7 @@ class _Leg:
     begin: Plane
     end: Plane
     from_s: float
+    arrives_s: float
     until_s: float
     point: int | None
 
@@ -60,9 +64,18 @@ class TrialVehicle:
         self._route: list[int] = []
         self._leg: _Leg | None = None
         self._now_s = 0.0
+        performance = spec.performance()
+        self._ascent = performance.ascent_motion(height_m)
+        self._descent = performance.descent_motion(height_m)
+        self._climbs_from_s = -math.inf
 
     def fly(self, route: tuple[int, ...], now_s: float) -> None:
-        """Fly this route from where it is, in place of the one being flown."""
+        """Fly this route from where it is, in place of the one being flown.
+
+        While it lands it takes none.
+        """
+        if self._lands_since_s(now_s) is not None:
+            return
         following = [] if self._leg is None or self._leg.point is None else [self._leg.point]
         if list(route) == [*following, *self._route]:
             return
@@ -70,8 +83,8 @@ class TrialVehicle:
         if not self.is_aloft:
             if route:
                 self.is_aloft, self.landed_s = True, None
-                climb_s = self.spec.performance().ascent_s(self.height_m)
-                self._at, self._free_s = self._home, now_s + climb_s
+                self._climbs_from_s = now_s
+                self._at, self._free_s = self._home, now_s + self._ascent.duration_s
             return
         if self._leg is not None and self._leg.from_s <= now_s:
             self._at, self._free_s = self.plane(now_s), now_s
@@ -108,6 +121,7 @@ class TrialVehicle:
             begin=self._at,
             end=end,
             from_s=self._free_s,
+            arrives_s=self._free_s + flown_s,
             until_s=self._free_s + flown_s + stand_s,
             point=point,
         )
@@ -117,14 +131,34 @@ class TrialVehicle:
         leg = self._leg
         if leg is None or now_s <= leg.from_s:
             return self._at
-        share = min(1.0, (now_s - leg.from_s) / max(leg.until_s - leg.from_s, 1e-9))
+        share = min(1.0, (now_s - leg.from_s) / max(leg.arrives_s - leg.from_s, 1e-9))
         return (
             leg.begin[0] + share * (leg.end[0] - leg.begin[0]),
             leg.begin[1] + share * (leg.end[1] - leg.begin[1]),
         )
 
+    def _lands_since_s(self, now_s: float) -> float | None:
+        """Return since when it comes down above its home; None: it does not."""
+        leg = self._leg
+        if not self.is_aloft or leg is None or leg.point is not None:
+            return None
+        lands_s = leg.arrives_s + self.spec.autopilot.home_wait_s
+        return lands_s if now_s >= lands_s else None
+
+    def up_m(self, now_s: float) -> float:
+        """Return how high it is above the ground."""
+        if not self.is_aloft:
+            return 0.0
+        since_s = self._lands_since_s(now_s)
+        if since_s is not None:
+            return float(self._descent.positions(np.array([now_s - since_s]))[0, 2])
+        if now_s - self._climbs_from_s < self._ascent.duration_s:
+            return float(self._ascent.positions(np.array([now_s - self._climbs_from_s]))[0, 2])
+        return self.height_m
+
     def place(self, now_s: float) -> Place:
         """Return where it is, as it tells its agent."""
         east, north = self.plane(now_s)
-        position = offset(self._origin, east, north, self.height_m if self.is_aloft else 0.0)
-        return place_of(position, self.used_s, is_aloft=self.is_aloft)
+        position = offset(self._origin, east, north, self.up_m(now_s))
+        is_landing = self._lands_since_s(now_s) is not None
+        return place_of(position, self.used_s, is_aloft=self.is_aloft, is_landing=is_landing)

@@ -127,12 +127,20 @@ class Performance:
 
     def ascent_s(self, height_m: float) -> float:
         """Return the time from the take-off command until `height_m` above ground."""
-        return self._motion(self.ascent((0.0, 0.0, 0.0), height_m)).duration_s
+        return self.ascent_motion(height_m).duration_s
+
+    def ascent_motion(self, height_m: float) -> RouteMotion:
+        """Return the motion from the take-off command until `height_m` above ground."""
+        return self._motion(self.ascent((0.0, 0.0, 0.0), height_m))
+
+    def descent_motion(self, height_m: float) -> RouteMotion:
+        """Return the motion from `height_m` above home, after the wait there, to the ground."""
+        high = (0.0, 0.0, height_m)
+        return self._motion(self.descent(high, 0.0), high)
 
     def descent_s(self, height_m: float) -> float:
         """Return the time from arrival above home at `height_m` to standing motors."""
-        high = (0.0, 0.0, height_m)
-        return self.autopilot.home_wait_s + self._motion(self.descent(high, 0.0), high).duration_s
+        return self.autopilot.home_wait_s + self.descent_motion(height_m).duration_s
 
     def low_s(self, height_m: float, low_m: float) -> tuple[float, float]:
         """Return how long a vehicle that climbs to and descends from a height is low.
@@ -140,9 +148,7 @@ class Performance:
         That is less than `low_m` above ground: after the take-off command, and before its motors
         stand still; a tenth of a second less at most.
         """
-        high = (0.0, 0.0, height_m)
-        climb = self._motion(self.ascent((0.0, 0.0, 0.0), height_m))
-        descent = self._motion(self.descent(high, 0.0), high)
+        climb, descent = self.ascent_motion(height_m), self.descent_motion(height_m)
         low_m = min(low_m, height_m)
         longest_s = max(climb.duration_s, descent.duration_s)
         times = _SAMPLE_S * np.arange(int(longest_s / _SAMPLE_S) + 1, dtype=np.float64)

@@ -8,7 +8,6 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, distance_m
 
@@ -61,8 +60,8 @@ class SurveyArea:
     def polygon(self, frame: LocalFrame) -> shapely.Polygon:
         """Return the area in the plane of `frame`: coordinates (east, north) in metres."""
         return shapely.Polygon(
-            _east_north(self.boundary, frame),
-            [_east_north(hole, frame) for hole in self.holes],
+            frame.plane_of(self.boundary),
+            [frame.plane_of(hole) for hole in self.holes],
         )
 
     def centroid(self) -> GeoPosition:
@@ -137,7 +136,7 @@ def _check_shape(area: SurveyArea) -> None:
 
 def _simple_polygon(what: str, ring: Ring, frame: LocalFrame) -> shapely.Polygon:
     """Return the polygon of a ring; raise ValueError, naming the place, if it is not simple."""
-    polygon = shapely.Polygon(_east_north(ring, frame))
+    polygon = shapely.Polygon(frame.plane_of(ring))
     if polygon.area < MIN_AREA_M2 and polygon.convex_hull.area < MIN_AREA_M2:
         raise ValueError(
             f'{what} encloses {polygon.area:.2g} m2: must enclose at least '
@@ -163,15 +162,6 @@ def _simple_polygon(what: str, ring: Ring, frame: LocalFrame) -> shapely.Polygon
 def _own_frame(ring: Ring) -> LocalFrame:
     first = ring[0]
     return LocalFrame(GeoPosition(first.latitude_deg, first.longitude_deg, 0.0))
-
-
-def _east_north(ring: Ring, frame: LocalFrame) -> FloatArray:
-    """Return (east, north) in metres, shape (n, 2)."""
-    return frame.to_enu(
-        [corner.latitude_deg for corner in ring],
-        [corner.longitude_deg for corner in ring],
-        np.nan,
-    )[:, :2]
 
 
 def _text(point: shapely.Point, frame: LocalFrame) -> str:

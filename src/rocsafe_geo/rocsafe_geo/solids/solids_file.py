@@ -24,22 +24,20 @@ heights_0, ... float64 (rows,      height of the ground at the points of grid 0,
 """
 
 import io
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.scene_solids import SceneSolids, Thing
+from rocsafe_geo.storage.archive import Arrays, read_archive
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.terrain.height_grid import GridFrame, HeightGrid
 
 FORMAT = 'rocsafe-solids 1'
 SUFFIX = '.npz'
-Arrays = dict[str, NDArray[Any]]
 
 
 def write_solids(path: Path, solids: SceneSolids) -> None:
@@ -63,16 +61,7 @@ def read_solids(path: Path) -> SceneSolids:
     ValueError
         In one line, if the file is not there or holds no such solids.
     """
-    if not path.is_file():
-        raise ValueError(f'solids {path}: no such file')
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        return _solids(arrays)
-    except KeyError as error:
-        raise ValueError(f'solids {path}: array {error.args[0]} is missing') from error
-    except (OSError, ValueError, TypeError, IndexError, zipfile.BadZipFile) as error:
-        raise ValueError(f'solids {path}: {error}') from error
+    return read_archive('solids', path, _solids)
 
 
 def _arrays(solids: SceneSolids) -> dict[str, Any]:

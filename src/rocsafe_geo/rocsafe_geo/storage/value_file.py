@@ -13,7 +13,7 @@ import difflib
 import types
 import typing
 from collections.abc import Iterator, Mapping
-from datetime import datetime, timezone
+from datetime import date, datetime, timezone
 from enum import Enum
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -146,9 +146,15 @@ _NAMES = {float: 'a number', int: 'a whole number', bool: 'true or false', str: 
 
 def _single(path: str, content: object, kind: type) -> object:
     if kind is float and isinstance(content, int) and not isinstance(content, bool):
-        return float(content)
+        try:
+            return float(content)
+        except OverflowError:
+            raise _Mistakes(f'{path}: must be a number below 1.8e308') from None
     if kind is datetime:
         return _moment(path, content)
+    if kind is str and isinstance(content, date):
+        # YAML makes a time of a text that looks like one.
+        return content.isoformat()
     if issubclass(kind, Enum):
         return kind(_choice(path, content, tuple(each.value for each in kind)))
     if type(content) is not kind:

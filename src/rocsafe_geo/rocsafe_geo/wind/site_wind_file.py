@@ -18,13 +18,12 @@ north_0 ... 2                                the cells, for open wind to the eas
 """
 
 import io
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rocsafe_geo.storage.archive import Arrays, read_archive
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.wind.air_grid import AirGrid, FaceVelocities
 from rocsafe_geo.wind.similarity import SurfaceLayer
@@ -72,19 +71,10 @@ def read_pattern(path: Path) -> SitePattern:
     ValueError
         In one line, if the file is not there or holds no such pattern.
     """
-    if not path.is_file():
-        raise ValueError(f'wind {path}: no such file')
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        return _pattern(arrays)
-    except KeyError as error:
-        raise ValueError(f'wind {path}: array {error.args[0]} is missing') from error
-    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile) as error:
-        raise ValueError(f'wind {path}: {error}') from error
+    return read_archive('wind', path, _pattern)
 
 
-def _pattern(arrays: dict[str, NDArray[Any]]) -> SitePattern:
+def _pattern(arrays: Arrays) -> SitePattern:
     if str(arrays['format']) != FORMAT:
         raise ValueError(f'format = {str(arrays["format"])!r} must be {FORMAT!r}')
     west, south, bottom, cell, layer = arrays['box'].tolist()

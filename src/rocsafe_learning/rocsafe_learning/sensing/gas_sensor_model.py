@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from rocsafe_dispersion.plume.release import Release
-from rocsafe_dispersion.plume.spread import Travel, similarity_travel
+from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_positive
 from rocsafe_geo.wind.similarity import surface_layer
-from rocsafe_geo.wind.wind_vector import WindVector, wind_from
+from rocsafe_geo.wind.wind_vector import wind_from
 
 RELEASE_HEIGHT_M = 1.0
 
@@ -41,7 +41,7 @@ class PlumeSensor:
     strongest_g_s: float = 50.0
     noise_mg_m3: float = 0.2
     relative_error: float = 0.3
-    _travel: Travel = field(init=False, repr=False, compare=False)
+    _plume_of_1_g_s: SteadyPlume = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         for name in ('height_m', 'wind_mps', 'weakest_g_s', 'noise_mg_m3', 'relative_error'):
@@ -52,7 +52,12 @@ class PlumeSensor:
                 f'{self.weakest_g_s:g} and 1e6'
             )
         layer = surface_layer(self.wind_mps, 10.0)
-        object.__setattr__(self, '_travel', similarity_travel(layer, RELEASE_HEIGHT_M))
+        plume = SteadyPlume(
+            release=Release(place_m=(0.0, 0.0), height_m=RELEASE_HEIGHT_M, rate_g_s=1.0),
+            travel=similarity_travel(layer, RELEASE_HEIGHT_M),
+            wind=wind_from(self.wind_mps, self.wind_from_deg),
+        )
+        object.__setattr__(self, '_plume_of_1_g_s', plume)
 
     def strengths(self, shares: FloatArray) -> FloatArray:
         """Return rates of the release; equal shares are equal ratios, (n,), g/s."""
@@ -63,9 +68,8 @@ class PlumeSensor:
         """Return mean and variance of readings, see `SensorModel`."""
         flat = np.asarray(offsets_m, float).reshape(-1, 2)
         places = np.column_stack([flat, np.full(len(flat), self.height_m)])
-        release = Release(place_m=(0.0, 0.0), height_m=RELEASE_HEIGHT_M, rate_g_s=strength)
-        plume = SteadyPlume(release=release, travel=self._travel, wind=self._wind())
-        values = 1e3 * plume.concentrations_g_m3(places).reshape(offsets_m.shape[:-1])
+        shares = self._plume_of_1_g_s.concentrations_g_m3(places)
+        values = 1e3 * strength * shares.reshape(offsets_m.shape[:-1])
         return values, self.noise_mg_m3**2 + (self.relative_error * values) ** 2
 
     def draw(
@@ -74,6 +78,3 @@ class PlumeSensor:
         """Return a random reading, see `SensorModel`."""
         mean, variance = self.expected(np.array([offset_m]), strength)
         return float(generator.normal(mean[0], variance[0] ** 0.5))
-
-    def _wind(self) -> WindVector:
-        return wind_from(self.wind_mps, self.wind_from_deg)

@@ -3,6 +3,7 @@
 
 import argparse
 import math
+import os
 import sys
 import time
 from collections.abc import Mapping, Sequence
@@ -10,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.argument import number
 from rocsafe_geo.regions.area_files import read_area
 from rocsafe_mapping.allocation import keep_freed_memory
 from rocsafe_mapping.command_line.notes import note
@@ -113,14 +115,17 @@ def make_map(options: argparse.Namespace) -> int:
     """
     watch = Stopwatch()
     watch.lap('start')
+    folder = options.output or options.folder / 'map'
+    shots = _shots(options)
+    labels = _labels_of(options, [shot.name for shot in shots])
     maker = Mapmaker(
         MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), note
     )
-    maker.add_all(_shots(options), _survey(options))
+    maker.add_all(shots, _survey(options))
     if not len(maker) or maker.frame is None:
         raise MappingError(f'{options.folder}: no photograph that can be placed')
+    _require_writable(folder)
     watch.lap('read')
-    folder = options.output or options.folder / 'map'
     region = None
     if options.region is not None:
         region = read_area(options.region).polygon(maker.frame.frame)
@@ -130,7 +135,7 @@ def make_map(options: argparse.Namespace) -> int:
         region=region,
         with_overlays=not options.only_geotiff,
         with_tiles=not options.only_geotiff,
-        labels=_labels_of(options),
+        labels=labels,
     )
     alignment = maker.align(watch.lap)
     document = write_products(maker, alignment, wanted, watch.lap, watch.costs)
@@ -159,12 +164,24 @@ def _survey(options: argparse.Namespace) -> Survey:
     )
 
 
-def _labels_of(options: argparse.Namespace) -> Path | None:
+def _require_writable(folder: Path) -> None:
+    """Make the folder of the map before the work; raise MappingError if it cannot be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MappingError(f'cannot write to {folder}: {error.strerror}') from error
+    if not os.access(folder, os.W_OK):
+        raise MappingError(f'cannot write to {folder}: Permission denied')
+
+
+def _labels_of(options: argparse.Namespace, names: Sequence[str]) -> Path | None:
     """Return the folder of label images: the one that is named, or that of an image store."""
-    if options.labels is not None:
-        return Path(options.labels)
     kept = Path(options.folder) / LABELS
-    return kept if kept.is_dir() else None
+    if options.labels is None:
+        return kept if kept.is_dir() else None
+    if not any((options.labels / f'{Path(name).stem}.png').is_file() for name in names):
+        raise MappingError(f'--labels {options.labels}: has no PNG named like a photograph')
+    return Path(options.labels)
 
 
 def shots_of(folder: Path) -> tuple[StoredShot, ...]:
@@ -249,7 +266,7 @@ def _parser() -> argparse.ArgumentParser:
         help='GPX or CSV track: places of photographs without a fix by their times',
     )  # fmt: skip
     parser.add_argument(
-        '--clock-offset', type=float, metavar='S',
+        '--clock-offset', type=number(-1e9, 1e9), metavar='S',
         help='time of the track less that of the camera in seconds [found]',
     )  # fmt: skip
     parser.add_argument('--only-geotiff', action='store_true', help='no picture, KML and tiles')

@@ -45,7 +45,7 @@ from rocsafe_mapping.mosaic.survey import (
 )
 from rocsafe_mapping.photographs.shot import ShotRecord
 
-DEFAULT_MAX_PIXELS = 400_000_000
+DEFAULT_MAX_PIXELS, LEAST_PIXELS = 400_000_000, 10_000
 FARTHEST_M = 100_000.0
 """A photograph farther from the first one is no part of a map in one plane."""
 
@@ -81,8 +81,8 @@ class MapOptions:
             raise ValueError(
                 f'ground_resolution_m = {self.ground_resolution_m} must be at least 0 and finite'
             )
-        if self.max_pixels < 1:
-            raise ValueError(f'max_pixels = {self.max_pixels} must be at least 1')
+        if self.max_pixels < LEAST_PIXELS:
+            raise ValueError(f'max_pixels = {self.max_pixels} must be at least {LEAST_PIXELS}')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -390,18 +390,25 @@ class Mapmaker:
         wished = self.options.ground_resolution_m
         if wished == 0.0:
             wished = self.finest_resolution_m
-        grid = MapGrid(epsg=self.epsg, resolution_m=wished, frame=self.frame)
         corners = np.concatenate([placed.corners_m for placed in placed_photos.values()])
+        side_m = float(np.ptp(corners, axis=0).max())
+        if wished > side_m:
+            raise PlacementError(
+                f'ground_resolution_m = {wished:g} must be at most {side_m:.3g}, the '
+                'side of the map'
+            )
+        grid = MapGrid(epsg=self.epsg, resolution_m=wished, frame=self.frame)
         while True:
             window = grid.window_of(corners)
             if window.width * window.height <= self.options.max_pixels:
-                return grid
-            coarser = 2.0 * grid.resolution_m
+                break
+            grid = dataclasses.replace(grid, resolution_m=2.0 * grid.resolution_m)
+        if grid.resolution_m > wished:
             self._notice(
                 f'the map would exceed {self.options.max_pixels} pixels: its pixels are now '
-                f'{coarser:g} m wide, not {grid.resolution_m:g} m'
+                f'{grid.resolution_m:g} m wide, not {wished:g} m'
             )
-            grid = dataclasses.replace(grid, resolution_m=coarser)
+        return grid
 
 
 def by_gps(alignment: Alignment) -> tuple[str, ...]:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.storage.durable import write_whole
+from rocsafe_geo.storage.named_file import require_file
 from rocsafe_mapping.errors import StoreError
 
 LABELS, TABLE = 'labels', 'table.json'
@@ -122,8 +123,9 @@ class LabelImages:
         path = folder / TABLE
         if path.exists():
             try:
+                require_file(path)
                 self._take(json.loads(path.read_text()))
-            except (OSError, ValueError, TypeError, KeyError) as error:
+            except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
                 raise StoreError(f'label table {path} is not understood: {error!r}') from error
 
     def of(self, name: str) -> Labels | None:
@@ -135,7 +137,7 @@ class LabelImages:
             If the file is no label image.
         """
         path = self._folder / f'{name}.png'
-        if not path.exists():
+        if not path.is_file():
             return None
         numbers = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
         if numbers is None or numbers.ndim != 2 or numbers.dtype not in (np.uint8, np.uint16):

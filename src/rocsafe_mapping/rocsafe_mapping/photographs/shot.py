@@ -10,6 +10,7 @@ from typing import Any
 
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.storage.json_values import finite
+from rocsafe_geo.storage.value_file import values_of
 
 _VEHICLE = re.compile(r'[A-Za-z][A-Za-z0-9_]{0,63}')
 _SHA256 = re.compile(r'[0-9a-f]{64}')
@@ -152,21 +153,19 @@ def record_of_plain(plain: Mapping[str, Any]) -> ShotRecord:
     ValueError
         If a key is missing or a value is wrong.
     """
+    known = {field.name for field in dataclasses.fields(ShotRecord)}
     try:
-        values = {
-            field.name: plain[field.name]
-            for field in dataclasses.fields(ShotRecord)
-            if field.name in plain or field.default is dataclasses.MISSING
-        }
-        values['camera'] = Intrinsics(
-            **{name: _restored(value) for name, value in plain['camera'].items()}
-        )
-        return ShotRecord(**{name: _restored(value) for name, value in values.items()})
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f'not the record of a photograph: {error!r}') from error
+        values = {name: _restored(value) for name, value in plain.items() if name in known}
+        return values_of(values, ShotRecord, 'not the record of a photograph')
+    except AttributeError as error:
+        raise ValueError('not the record of a photograph: must be a block of keys') from error
+    except ValueError as error:
+        raise ValueError(str(error).partition('\n')[0]) from error
 
 
 def _restored(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _restored(part) for name, part in value.items()}
     if isinstance(value, list):
         return tuple(_restored(part) for part in value)
     return math.nan if value is None else value

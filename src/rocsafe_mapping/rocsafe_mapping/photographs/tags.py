@@ -47,14 +47,37 @@ class Tags:
         value = self.image.get(tag, '')
         return str(value).replace('\x00', ' ').strip()
 
-    def number(self, *names: str) -> float:
-        """Return the first of some XMP values that is a number, NaN if none is."""
+    def number(self, *names: str, most: float = math.inf) -> float:
+        """Return the first of some XMP values that is a finite number, NaN if none is.
+
+        Raises
+        ------
+        ValueError
+            If it is not within `most` of 0.
+        """
         for name in names:
-            try:
-                return float(self.xmp[name].replace('\x00', '').strip())
-            except (KeyError, ValueError):
-                continue
+            value = number_of(self.xmp.get(name))
+            if math.isfinite(value):
+                return limited(name, value, most)
         return math.nan
+
+
+def number_of(value: object) -> float:
+    """Return the value of a tag as a finite number, NaN if it is none."""
+    if isinstance(value, str):
+        value = value.replace('\x00', ' ')
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError, ZeroDivisionError):
+        return math.nan
+    return number if math.isfinite(number) else math.nan
+
+
+def limited(name: str, value: float, most: float) -> float:
+    """Return a value; raise ValueError if it is not within `most` of 0, NaN may be."""
+    if abs(value) > most:
+        raise ValueError(f'{name} = {value:g} must be from {-most:g} to {most:g}')
+    return value
 
 
 def read_tags(path: Path) -> tuple[Tags, bytes]:

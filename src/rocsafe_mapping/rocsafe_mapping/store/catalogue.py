@@ -9,9 +9,10 @@ stored, named by their SHA-256. These names stand here and nowhere else.
 import hashlib
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
+from rocsafe_geo.storage.value_file import values_of
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.photographs.shot import ShotRecord, record_of_plain
 
@@ -127,13 +128,16 @@ def read_shot(directory: Path, shot_id: str) -> StoredShot:
     try:
         plain = json.loads(sidecar.read_bytes())
         record = record_of_plain(plain)
-    except (OSError, ValueError) as error:
+        size_bytes = int(plain.get('stored_bytes', 0))
+    except (OSError, ValueError, TypeError, OverflowError, RecursionError) as error:
         raise StoreError(f'cannot read record {sidecar}: {error}') from error
+    if record.shot_id != shot_id:
+        raise StoreError(f'cannot read record {sidecar}: it is that of {record.shot_id}')
     return StoredShot(
         record=record,
         path=sidecar.with_suffix(IMAGE_SUFFIX),
         sha256=str(plain.get('stored_sha256', '')),
-        size_bytes=int(plain.get('stored_bytes', 0)),
+        size_bytes=size_bytes,
     )
 
 
@@ -141,13 +145,9 @@ def entry_of_line(line: bytes) -> ManifestEntry | None:
     """Return the entry that `line` of the manifest holds, None if it is damaged."""
     try:
         values = json.loads(line)
-        return ManifestEntry(
-            shot_id=values['shot_id'],
-            received_sha256=values['received_sha256'],
-            stored_sha256=values['stored_sha256'],
-            stored_bytes=values['stored_bytes'],
-        )
-    except (ValueError, KeyError, TypeError):
+        known = {field.name: values[field.name] for field in fields(ManifestEntry)}
+        return values_of(known, ManifestEntry, MANIFEST)
+    except (ValueError, KeyError, TypeError, RecursionError):
         return None
 
 
@@ -158,7 +158,7 @@ def entry_of_files(sidecar: Path, image: Path) -> ManifestEntry | None:
         record = record_of_plain(plain)
         stored = image.read_bytes()
         whole = hashlib.sha256(stored).hexdigest() == plain['stored_sha256']
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, RecursionError):
         return None
     if not whole or record.shot_id != sidecar.stem:
         return None

@@ -9,9 +9,10 @@ pitch 0 straight down, roll). Strings may be padded with NUL, numbers may carry 
 import hashlib
 import math
 import re
+from collections import Counter
+from collections.abc import Sequence
 from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any
 
 from PIL.ExifTags import GPS, Base
 
@@ -19,10 +20,12 @@ from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optica
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mapping.errors import StoreError
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
-from rocsafe_mapping.photographs.tags import Tags, read_tags
+from rocsafe_mapping.photographs.tags import Tags, limited, number_of, read_tags
 from rocsafe_mapping.store.catalogue import Notice, StoredShot
 
 SUFFIXES = ('.jpg', '.jpeg')
+# How many folders below, and kinds of other files, a message names.
+MOST_NAMED = 3
 # A film frame is 36 mm x 24 mm; whether a maker's 35 mm equivalent is meant across the width or
 # along the diagonal is not said, hence this uncertainty.
 FILM_WIDTH_MM, FILM_DIAGONAL_MM = 36.0, math.hypot(36.0, 24.0)
@@ -42,6 +45,12 @@ UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
 GIMBAL_TILT_STD_DEG, GIMBAL_YAW_STD_DEG = 2.0, 10.0
 FIXED_TILT_STD_DEG, NO_YAW_STD_DEG = 6.0, 180.0
 HORIZONTAL_STD_M, VERTICAL_STD_M = 2.5, 1.5
+# Of altitudes and heights, which no drone reaches, of accuracies, and of angles.
+MOST_HEIGHT_M, MOST_ACCURACY_M, MOST_ANGLE_DEG = 20_000.0, 100_000.0, 720.0
+# What Exif calls the hemispheres of latitude and longitude.
+HEMISPHERES = {GPS.GPSLatitude: ('N', 'S'), GPS.GPSLongitude: ('E', 'W')}
+# Of GPSAltitudeRef: 1 is below sea level (Exif 2), 3 below the ellipsoid (Exif 3).
+BELOW = (1.0, 3.0)
 _NOT_NAME = re.compile(r'[^A-Za-z0-9]+')
 
 
@@ -51,10 +60,13 @@ def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
     Raises
     ------
     StoreError
-        If the folder cannot be read.
+        If the folder cannot be read or has no JPEG file.
     """
     try:
-        paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+        there = sorted(folder.iterdir())
+        paths = [path for path in there if path.suffix.lower() in SUFFIXES]
+        if not paths:
+            raise StoreError(f'{folder}: has no JPEG file{_instead(there)}')
     except OSError as error:
         raise StoreError(f'cannot read {folder}: {error.strerror}') from error
     counts: dict[str, int] = {}
@@ -75,6 +87,20 @@ def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
             continue
         shots.append(StoredShot(record=record, path=path))
     return tuple(shots)
+
+
+def _instead(there: Sequence[Path]) -> str:
+    """Return what a folder without JPEG files has instead, in words."""
+    below = [
+        path.name
+        for path in there
+        if path.is_dir() and any(one.suffix.lower() in SUFFIXES for one in path.iterdir())
+    ]
+    if below:
+        return f', but folders that have some: {", ".join(below[:MOST_NAMED])}; name one of them'
+    kinds = Counter(path.suffix.lower() for path in there if path.suffix)
+    named = ', '.join(f'{count} {kind}' for kind, count in kinds.most_common(MOST_NAMED))
+    return f'; other kinds are not read: {named}' if named else ''
 
 
 def vehicle_of(tags: Tags) -> str:
@@ -98,11 +124,15 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
     latitude, longitude = _fix_deg(tags)
     yaw, pitch, roll, tilt_std, yaw_std = _attitude(tags)
     rotation = rotation_enu_from_optical(math.radians(90.0 - yaw), pitch, roll)
-    horizontal = _known(tags.number('Camera:GPSXYAccuracy'), HORIZONTAL_STD_M)
-    vertical = _known(tags.number('Camera:GPSZAccuracy'), VERTICAL_STD_M)
+    accuracies = [
+        tags.number(f'Camera:GPS{axes}Accuracy', most=MOST_ACCURACY_M) for axes in ('XY', 'Z')
+    ]
+    horizontal, vertical = map(_known, accuracies, (HORIZONTAL_STD_M, VERTICAL_STD_M))
     quaternion = quaternion_of_rotation(rotation).tolist()
     # Above the place of take-off for DJI: below it, it tells nothing of the ground.
-    height_m = tags.number('drone-dji:RelativeAltitude', 'Camera:AboveGroundAltitude')
+    height_m = tags.number(
+        'drone-dji:RelativeAltitude', 'Camera:AboveGroundAltitude', most=MOST_HEIGHT_M
+    )
     return ShotRecord(
         shot_id=f'{vehicle}-{sequence:05d}',
         vehicle=vehicle,
@@ -129,46 +159,52 @@ def _fix_deg(tags: Tags) -> tuple[float, float]:
 
 
 def _degrees(tags: Tags, tag: int) -> float:
+    """Return latitude or longitude; raise ValueError if its hemisphere is not known."""
     try:
-        degrees, minutes, seconds = (float(part) for part in tags.gps[tag])
-    except (KeyError, TypeError, ValueError, ZeroDivisionError):
+        degrees, minutes, seconds = map(number_of, tags.gps[tag])
+    except (KeyError, TypeError, ValueError):
         return math.nan
-    sign = -1.0 if str(tags.gps.get(tag - 1, '')).strip('\x00 ') in {'S', 'W'} else 1.0
-    return sign * (degrees + minutes / 60.0 + seconds / 3600.0)
+    angle = degrees + minutes / 60.0 + seconds / 3600.0
+    named = str(tags.gps.get(tag - 1, '')).strip('\x00 ')
+    positive, negative = HEMISPHERES[GPS(tag)]
+    if angle and named[:1].upper() not in (positive, negative):
+        raise ValueError(f'{GPS(tag).name}Ref = {named!r} must be {positive} or {negative}')
+    return -angle if named[:1].upper() == negative else angle
 
 
 def _altitude(tags: Tags) -> float:
-    exact = tags.number('drone-dji:AbsoluteAltitude')
+    exact = tags.number('drone-dji:AbsoluteAltitude', most=MOST_HEIGHT_M)
     if math.isfinite(exact):
         return exact
-    try:
-        altitude = float(tags.gps[GPS.GPSAltitude])
-    except (KeyError, TypeError, ValueError, ZeroDivisionError):
-        return math.nan
-    # Exif 2: 1 is below sea level; Exif 3: 3 is below the ellipsoid.
-    return -altitude if bytes(tags.gps.get(GPS.GPSAltitudeRef, b'\0'))[:1] in b'\1\3' else altitude
+    altitude = limited('GPSAltitude', number_of(tags.gps.get(GPS.GPSAltitude)), MOST_HEIGHT_M)
+    reference = tags.gps.get(GPS.GPSAltitudeRef)
+    if isinstance(reference, bytes) and reference:
+        reference = reference[0]
+    return -altitude if number_of(reference) in BELOW else altitude
 
 
 def _attitude(tags: Tags) -> tuple[float, float, float, float, float]:
     """Return yaw in degrees clockwise from north, pitch, roll, and stds of tilt and yaw in rad."""
     tilt, turn = math.radians(GIMBAL_TILT_STD_DEG), math.radians(GIMBAL_YAW_STD_DEG)
-    yaw = tags.number('drone-dji:GimbalYawDegree')
+    yaw = _angle(tags, 'drone-dji:GimbalYawDegree')
     if math.isfinite(yaw):
         # Pitch -90 of a gimbal is level for a nadir camera; positive pitch of the body lowers it.
-        pitch = -math.radians(_known(tags.number('drone-dji:GimbalPitchDegree'), -90.0) + 90.0)
-        roll = math.radians(_known(tags.number('drone-dji:GimbalRollDegree'), 0.0))
-        return yaw, pitch, math.remainder(roll, math.pi), tilt, turn
-    yaw = tags.number('Camera:Yaw', 'drone-dji:FlightYawDegree')
+        pitch = _known(_angle(tags, 'drone-dji:GimbalPitchDegree'), -90.0)
+        roll = math.radians(_known(_angle(tags, 'drone-dji:GimbalRollDegree'), 0.0))
+        return yaw, -math.radians(pitch + 90.0), math.remainder(roll, math.pi), tilt, turn
+    tilt = math.radians(FIXED_TILT_STD_DEG)
+    yaw = _angle(tags, 'Camera:Yaw', 'drone-dji:FlightYawDegree')
     if math.isfinite(yaw):
-        pitch = -math.radians(_known(tags.number('Camera:Pitch'), 0.0))
-        roll = math.radians(_known(tags.number('Camera:Roll'), 0.0))
-        return yaw, pitch, roll, math.radians(FIXED_TILT_STD_DEG), turn
-    try:
-        yaw = float(tags.gps[GPS.GPSImgDirection])
-        return yaw, 0.0, 0.0, math.radians(FIXED_TILT_STD_DEG), turn
-    except (KeyError, TypeError, ValueError, ZeroDivisionError):
-        unknown = math.radians(NO_YAW_STD_DEG)
-        return 0.0, 0.0, 0.0, math.radians(FIXED_TILT_STD_DEG), unknown
+        pitch = -math.radians(_known(_angle(tags, 'Camera:Pitch'), 0.0))
+        return yaw, pitch, math.radians(_known(_angle(tags, 'Camera:Roll'), 0.0)), tilt, turn
+    yaw = number_of(tags.gps.get(GPS.GPSImgDirection))
+    if math.isfinite(yaw):
+        return limited('GPSImgDirection', yaw, MOST_ANGLE_DEG), 0.0, 0.0, tilt, turn
+    return 0.0, 0.0, 0.0, tilt, math.radians(NO_YAW_STD_DEG)
+
+
+def _angle(tags: Tags, *names: str) -> float:
+    return tags.number(*names, most=MOST_ANGLE_DEG)
 
 
 def _camera(tags: Tags) -> Intrinsics:
@@ -195,20 +231,20 @@ def _focal(tags: Tags) -> tuple[float, float]:
     A calibration counts most, then the camera's table, then the 35 mm equivalent, then the
     resolution of the focal plane.
     """
-    exact = tags.number('rocsafe:FocalLengthPixels', 'drone-dji:CalibratedFocalLength')
-    if tags.xmp.get('rocsafe:FocalLengthPixels'):
+    exact = tags.number('rocsafe:FocalLengthPixels')
+    if math.isfinite(exact):
         return exact, 0.0
-    focal_mm = _number(tags.camera.get(Base.FocalLength))
+    focal_mm = number_of(tags.camera.get(Base.FocalLength))
     sensor_mm = SENSOR_WIDTH_MM.get(tags.text(Base.Model))
     if sensor_mm and math.isfinite(focal_mm):
         return tags.width_px * focal_mm / sensor_mm, TABLE_FOCAL_STD_SHARE
-    film_mm = _number(tags.camera.get(Base.FocalLengthIn35mmFilm))
+    film_mm = number_of(tags.camera.get(Base.FocalLengthIn35mmFilm))
     if film_mm > 0.0:
         diagonal_px = math.hypot(tags.width_px, tags.height_px)
         return film_mm * diagonal_px / FILM_DIAGONAL_MM, EXIF_FOCAL_STD_SHARE
-    per_unit = _number(tags.camera.get(Base.FocalPlaneXResolution))
+    per_unit = number_of(tags.camera.get(Base.FocalPlaneXResolution))
     unit_mm = UNIT_MM.get(tags.camera.get(Base.FocalPlaneResolutionUnit, 2), 25.4)
-    declared = _number(tags.camera.get(Base.ExifImageWidth))
+    declared = number_of(tags.camera.get(Base.ExifImageWidth))
     if focal_mm * per_unit > 0.0:
         shrink = tags.width_px / declared if declared > 0.0 else 1.0
         return focal_mm * per_unit / unit_mm * shrink, EXIF_FOCAL_STD_SHARE
@@ -224,13 +260,6 @@ def _time_ns(tags: Tags) -> int:
         return 0
     fraction = int((part + '000000000')[:9]) if part.isdigit() else 0
     return max(int(taken.timestamp()), 0) * NS_PER_S + fraction
-
-
-def _number(value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError, ZeroDivisionError):
-        return math.nan
 
 
 def _known(value: float, default: float) -> float:

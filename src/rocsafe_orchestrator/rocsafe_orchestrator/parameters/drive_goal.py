@@ -11,7 +11,7 @@ from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
 from rocsafe_orchestrator.mission.drive_watch import DriveWatch, WatchedStop
 from rocsafe_ros.conversions import point_of_position, position_of_point
-from rocsafe_scenario.ground_blocks import GroundVehicleBlock
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 
 SOURCE, RELEASE = 'source', 'release'

@@ -28,9 +28,10 @@ from rocsafe_orchestrator.mission.status import (
     VehicleStatus,
 )
 from rocsafe_ros.conversions import point_of_position, region_of_area
-from rocsafe_scenario.camera_blocks import CameraBlock
+from rocsafe_scenario.blocks.cameras import CameraBlock
+from rocsafe_scenario.blocks.mission import RegionBlock
+from rocsafe_scenario.blocks.vehicles import VehicleBlock
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import RegionBlock, VehicleBlock
 from rocsafe_scenario.search_reserve import planned_endurance_s
 
 

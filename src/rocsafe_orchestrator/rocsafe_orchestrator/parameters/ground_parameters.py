@@ -5,7 +5,7 @@ from typing import Any
 
 from rocsafe_orchestrator.parameters.node_parameters import LOCK_STEP, origin_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_scenario.ground_blocks import GroundVehicleBlock
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 
 Parameters = dict[str, Any]

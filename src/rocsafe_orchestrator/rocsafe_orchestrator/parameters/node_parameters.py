@@ -10,11 +10,11 @@ import yaml
 from rocsafe_orchestrator.parameters.air_parameters import wind_settings
 from rocsafe_orchestrator.parameters.terrain_parameters import known_terrain_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_scenario.camera_blocks import camera_parameters
-from rocsafe_scenario.ground_blocks import GroundVehicleBlock
+from rocsafe_scenario.blocks.cameras import camera_parameters
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
+from rocsafe_scenario.blocks.simulation import sensor_parameters
+from rocsafe_scenario.blocks.vehicles import LINK_KEYS, PLANNING_KEYS, VehicleBlock
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import LINK_KEYS, PLANNING_KEYS, VehicleBlock
-from rocsafe_scenario.simulation_blocks import sensor_parameters
 
 Parameters = dict[str, Any]
 

@@ -26,14 +26,10 @@ from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.plan.survey_options import Effort, SeparationOptions
 from rocsafe_planner.plan.survey_region import SurveyRegion
 from rocsafe_planner.plan.vehicle import Vehicle
+from rocsafe_scenario.blocks.mission import RegionBlock, SurveyBlock
+from rocsafe_scenario.blocks.vehicles import LINK_KEYS, VehicleBlock
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import (
-    LINK_KEYS,
-    RegionBlock,
-    SurveyBlock,
-    VehicleBlock,
-)
 from rocsafe_scenario.scenario_file import read_scenario, region_block
 from rocsafe_scenario.search_reserve import planned_endurance_s
 

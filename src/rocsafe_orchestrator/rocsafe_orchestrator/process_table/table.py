@@ -24,9 +24,9 @@ from rocsafe_orchestrator.parameters.node_parameters import AGENTS, AIR, BRIDGE,
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros import calls, topics
 from rocsafe_ros.interface_spec import CallSpec, TopicSpec, name_of
-from rocsafe_scenario.ground_blocks import GroundVehicleBlock
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
+from rocsafe_scenario.blocks.vehicles import DetectorBlock, VehicleBlock
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_scenario.scenario_blocks import DetectorBlock, VehicleBlock
 
 AIRSIM, AIRSIM_PACKAGE = 'airsim', 'rocsafe_airsim'
 Spec = TopicSpec | CallSpec

@@ -15,8 +15,8 @@ from rocsafe_orchestrator.products.summary import RunSummary
 from rocsafe_orchestrator.report.map_facts import map_facts
 from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_planner.plan.plan import SurveyPlan
-from rocsafe_scenario.air_blocks import ReleaseBlock
-from rocsafe_scenario.radiation_blocks import SourceBlock
+from rocsafe_scenario.blocks.air import ReleaseBlock
+from rocsafe_scenario.blocks.radiation import SourceBlock
 from rocsafe_view import formats
 
 Facts = list[tuple[str, str]]

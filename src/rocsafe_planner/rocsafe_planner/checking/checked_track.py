@@ -114,7 +114,7 @@ def corners_of(plan: SurveyPlan, route: Route, number: int, frame: LocalFrame) -
     """Return the corners of a flight, (east, north, up)."""
     level = 0.0 if plan.request.terrain is not None else route.flight_height_m
     ups = (ups_m(plan, route, number) + level).tolist()
-    plane = plane_of(frame, way(route, number)).tolist()
+    plane = frame.plane_of(way(route, number)).tolist()
     return [(east, north, up) for (east, north), up in zip(plane, ups, strict=True)]
 
 
@@ -127,12 +127,3 @@ def frame_of(plan: SurveyPlan) -> LocalFrame:
     homes = (vehicle.home.altitude_m for vehicle in plan.request.vehicles)
     altitude_m = next((home for home in homes if math.isfinite(home)), 0.0)
     return LocalFrame(GeoPosition(first.latitude_deg, first.longitude_deg, altitude_m))
-
-
-def plane_of(frame: LocalFrame, positions: tuple[GeoPosition, ...]) -> FloatArray:
-    """Return (east, north) of positions, shape (n, 2)."""
-    return frame.to_enu(
-        [position.latitude_deg for position in positions],
-        [position.longitude_deg for position in positions],
-        math.nan,
-    )[:, :2]

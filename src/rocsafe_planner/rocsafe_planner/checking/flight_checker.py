@@ -11,7 +11,6 @@ from rocsafe_geo.position import distance_m
 from rocsafe_planner.checking.checked_track import (
     frame_of,
     motion_of,
-    plane_of,
     terrain_shift_m,
     ups_m,
     way,
@@ -88,7 +87,7 @@ def _heights(plan: SurveyPlan, route: Route, number: int, ups: FloatArray) -> It
     if plan.request.terrain is None:
         return
     terrain, frame = plan.request.terrain, frame_of(plan)
-    track = plane_of(frame, way(route, number))
+    track = frame.plane_of(way(route, number))
     share = np.linspace(0.0, 1.0, 41)[:, None]
     limit = plan.request.airspace.terrain_clearance_m
     for leg, ((a, b), (low, high)) in enumerate(zip(pairwise(track), pairwise(ups), strict=True)):

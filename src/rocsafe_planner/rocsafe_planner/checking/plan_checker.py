@@ -13,7 +13,7 @@ from itertools import pairwise
 import shapely
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_planner.checking.checked_track import frame_of, plane_of, way
+from rocsafe_planner.checking.checked_track import frame_of, way
 from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, Fault, route_faults
 from rocsafe_planner.checking.traffic_checker import separation_faults
 from rocsafe_planner.checking.unheard_checker import unheard_faults
@@ -68,7 +68,7 @@ def _shut_off(plan: SurveyPlan) -> set[int]:
     frame = frame_of(plan)
     closed = _closed(plan, shapely.union_all([z.polygon(frame) for z in plan.request.exclusions]))
     views = plan.request.continuation.viewpoints
-    places = shapely.points(plane_of(frame, tuple(view.position for view in views)))
+    places = shapely.points(frame.plane_of(tuple(view.position for view in views)))
     near = shapely.distance(places, closed) < ABSOLUTE_M
     missing = {view.id for view in views} - {v.id for r in plan.routes for v in r.viewpoints}
     return {view.id for view, is_near in zip(views, near, strict=True) if is_near} & missing
@@ -100,7 +100,7 @@ def _coverage(plan: SurveyPlan) -> Iterator[Fault]:
     flown = [view for route in plan.routes for view in route.viewpoints]
     views = [*flown, *plan.request.continuation.visited]
     seen = shapely.union_all(
-        shapely.polygons([plane_of(frame, view.footprint) for view in views]), grid_size=1e-4
+        shapely.polygons([frame.plane_of(view.footprint) for view in views]), grid_size=1e-4
     )
     zones = shapely.union_all([zone.polygon(frame) for zone in plan.request.exclusions])
     ground = region.difference(zones)
@@ -132,7 +132,7 @@ def _exclusions(plan: SurveyPlan) -> Iterator[Fault]:
         elif not legs:  # it lands where it is
             legs = [(track[0], track[0])]
         for a, b in legs:
-            line = shapely.LineString(plane_of(frame, (a, b)))
+            line = shapely.LineString(frame.plane_of((a, b)))
             if shapely.distance(line, zones) < plan.request.airspace.clearance_m - ABSOLUTE_M:
                 yield f'{route.vehicle.name} flies nearer to an exclusion than the clearance'
                 return
@@ -146,7 +146,7 @@ def _leaves(
     plan: SurveyPlan, zones: shapely.Geometry, start: GeoPosition, first: GeoPosition
 ) -> bool:
     """Return whether a flight begins too near to exclusions and leaves them the shortest way."""
-    here, there = shapely.points(plane_of(frame_of(plan), (start, first)))
+    here, there = shapely.points(frame_of(plan).plane_of((start, first)))
     closed = _closed(plan, zones)
     if not shapely.intersects(here, closed):
         return False

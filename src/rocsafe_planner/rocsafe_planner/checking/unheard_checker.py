@@ -9,7 +9,7 @@ import shapely
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_planner.checking.checked_track import frame_of, motion_of, plane_of, terrain_shift_m
+from rocsafe_planner.checking.checked_track import frame_of, motion_of, terrain_shift_m
 from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, Fault
 from rocsafe_planner.plan.plan import Route, SurveyPlan
 from rocsafe_planner.plan.survey_options import UnheardVehicle
@@ -38,8 +38,8 @@ def _comes_near(
     places = motion.positions(times)
     heights, climbs = _heights_m(plan, places, frame), _stands(places)
     separation_m = plan.request.separation.distance_m
-    home = plane_of(frame, (one.home,))[0]
-    corners = [home, *plane_of(frame, one.places), home]
+    home = frame.plane_of((one.home,))[0]
+    corners = [home, *frame.plane_of(one.places), home]
     reach = shapely.union_all(
         [shapely.convex_hull(shapely.multipoints([home, a, b])) for a, b in pairwise(corners)]
     )

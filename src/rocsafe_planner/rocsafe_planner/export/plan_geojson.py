@@ -24,8 +24,8 @@ from rocsafe_planner.plan.plan_json import quality_document
 _DECIMALS = 9  # of a degree: a tenth of a millimetre
 
 
-def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
-    """Return regions, routes, homes, viewpoints and, on request, footprints."""
+def plan_geojson(plan: SurveyPlan) -> Document:
+    """Return regions, routes, homes and viewpoints."""
     features = [*_regions(plan), *(_exclusion(zone) for zone in plan.request.exclusions)]
     for index, route in enumerate(plan.routes):
         color = route_color(index)
@@ -33,8 +33,6 @@ def plan_geojson(plan: SurveyPlan, with_footprints: bool = False) -> Document:
         features.extend(_flight(route, number, color) for number in range(len(route.sorties)))
         for order, viewpoint in enumerate(route.viewpoints, start=1):
             features.append(_viewpoint(route, viewpoint, order, color))
-            if with_footprints:
-                features.append(_footprint(route, viewpoint, color))
     return {'type': 'FeatureCollection', 'features': features}
 
 
@@ -113,19 +111,6 @@ def _viewpoint(route: Route, viewpoint: Viewpoint, order: int, color: str) -> Do
         'marker-size': 'small',
     }
     return _feature('Point', _coordinates(viewpoint.position), properties)
-
-
-def _footprint(route: Route, viewpoint: Viewpoint, color: str) -> Document:
-    properties = {
-        'kind': 'footprint',
-        'vehicle': route.vehicle.name,
-        'id': viewpoint.id,
-        'stroke': color,
-        'stroke-width': 1,
-        'fill': color,
-        'fill-opacity': 0.05,
-    }
-    return _feature('Polygon', [_closed(viewpoint.footprint)], properties)
 
 
 def area_rings(area: SurveyArea) -> list[list[list[float]]]:

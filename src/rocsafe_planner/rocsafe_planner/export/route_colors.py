@@ -13,7 +13,7 @@ def route_color(index: int) -> str:
     return _HEX[index % len(_HEX)]
 
 
-def kml_color(index: int, opacity: int = 255) -> str:
+def kml_color(index: int) -> str:
     """Return the same colour in KML's order: opacity, blue, green, red as hexadecimal digits."""
     red, green, blue = (route_color(index)[i : i + 2] for i in (1, 3, 5))
-    return f'{opacity:02x}{blue}{green}{red}'.lower()
+    return f'ff{blue}{green}{red}'.lower()

@@ -16,7 +16,6 @@ from shapely.geometry.base import BaseGeometry
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_planner.flights.flight_track import FlightTrack
 from rocsafe_planner.flights.separation import TOLERANCE_M
-from rocsafe_planner.site.given_viewpoints import places_of
 from rocsafe_planner.site.survey_site import SurveySite
 
 # Places that are nearer than this are one above the other.
@@ -85,8 +84,8 @@ def unheard_spaces(site: SurveySite) -> list[UnheardSpace]:
     """Return the space of each vehicle of a site that nobody hears."""
     return [
         UnheardSpace(
-            places_of(site.frame, [one.home])[0],
-            places_of(site.frame, one.places),
+            site.frame.plane_of([one.home])[0],
+            site.frame.plane_of(one.places),
             one.flight_height_m,
             site.request.separation.distance_m,
         )

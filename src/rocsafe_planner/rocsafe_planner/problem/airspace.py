@@ -6,9 +6,10 @@ are widened by the clearance that legs must keep; the corners to bend at lie a l
 so that no rounding makes a path touch the zone it follows.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -73,7 +74,7 @@ class Airspace:
         nearest: FloatArray = shapely.get_coordinates(line)[-1]
         return nearest
 
-    def detours(self, sites: FloatArray) -> 'Detours':
+    def detours(self, sites: FloatArray, doors: Sequence['Door'] = ()) -> 'Detours':
         """Return the shortest paths among sites (s, 2), all of which may be flown to.
 
         Raises
@@ -88,7 +89,22 @@ class Airspace:
                 f'{len(sites)} viewpoints and homes are to be joined around exclusions: must be '
                 f'at most {MAX_SITES}'
             )
-        return Detours(sites, self._corners[self.holds(self._corners)], self._edges)
+        corners = self._corners[self.holds(self._corners)]
+        return Detours(sites, corners, self._edges, doors)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Door:
+    """A site from and to which legs may cross a zone, of which no other part is closed."""
+
+    site: int
+    zone: shapely.Geometry
+
+    def passes(self, edges: FloatArray) -> BoolArray:
+        """Return which edges (e, 2, 2) are of its zone."""
+        middles = shapely.points(edges.mean(axis=1))
+        passed: BoolArray = shapely.dwithin(middles, shapely.boundary(self.zone), _MARGIN_M)
+        return passed
 
 
 class Detours:
@@ -102,15 +118,31 @@ class Detours:
         At which paths bend, shape (c, 2).
     """
 
-    def __init__(self, sites: FloatArray, corners: FloatArray, edges: FloatArray) -> None:
+    def __init__(
+        self,
+        sites: FloatArray,
+        corners: FloatArray,
+        edges: FloatArray,
+        doors: Sequence[Door] = (),
+    ) -> None:
         self._sites, self.corners = sites, corners
         ways, self._next = _corner_paths(corners, edges)
         reach = _distances(sites, corners)
-        reach[_blocked(sites, corners, edges)] = np.inf
+        passed = {door.site: door.passes(edges) for door in doors}
+        blocked_ways = _blocked(sites, corners, edges)
+        blocked = _blocked(sites, sites, edges)
+        for i, mine in passed.items():
+            blocked_ways[i] = _blocked(sites[i : i + 1], corners, edges[~mine])[0]
+            blocked[i] = blocked[:, i] = _blocked(sites[i : i + 1], sites, edges[~mine])[0]
+        for (i, mine), (j, theirs) in combinations(passed.items(), 2):
+            others = edges[~(mine | theirs)]
+            is_blocked = _blocked(sites[i : i + 1], sites[j : j + 1], others)[0, 0]
+            blocked[i, j] = blocked[j, i] = is_blocked
+        reach[blocked_ways] = np.inf
         self.length_m: FloatArray = _distances(sites, sites)
         self.first: NDArray[np.int32] = np.full(self.length_m.shape, -1, dtype=np.int32)
         self.last: NDArray[np.int32] = self.first.copy()
-        self._fill(_blocked(sites, sites, edges), reach, ways)
+        self._fill(blocked, reach, ways)
         self._durations: dict[Air, FloatArray] = {}
 
     def _fill(self, blocked: BoolArray, reach: FloatArray, ways: FloatArray) -> None:

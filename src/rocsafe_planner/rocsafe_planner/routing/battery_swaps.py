@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.costs import finish_s, objective_value, vehicle_value
+from rocsafe_planner.routing.costs import Optimised, finish_s, objective_value, vehicle_value
 from rocsafe_planner.routing.flight_search import (
     Flight,
     caps_within,
@@ -24,7 +24,6 @@ from rocsafe_planner.routing.flight_search import (
     searched,
     time_of_flights,
 )
-from rocsafe_planner.routing.methods import Optimised
 from rocsafe_planner.routing.solver_method import Watch, optimised, search_options
 from rocsafe_planner.routing.solver_problem import LegTable
 

@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +13,15 @@ from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
 from rocsafe_planner.routing.queues import waits_s
 from rocsafe_planner.routing.sorties import sorties
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Optimised:
+    """Routes, a lower bound of their value (NaN: not known), and the name of its proof."""
+
+    orders: list[Order]
+    bound: float = math.nan
+    bound_name: str = ''
 
 
 def finish_s(problem: FleetProblem, orders: list[Order]) -> float:

@@ -1,29 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Routing methods by name: they assign points to vehicles and order them."""
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from rocsafe_planner.plan.survey_options import Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.boustrophedon import boustrophedon_equal, boustrophedon_minmax, strips
-from rocsafe_planner.routing.christofides import christofides
-from rocsafe_planner.routing.insertion import minmax_insertion
+from rocsafe_planner.routing.tours.boustrophedon import (
+    boustrophedon_equal,
+    boustrophedon_minmax,
+    strips,
+)
+from rocsafe_planner.routing.tours.christofides import christofides
+from rocsafe_planner.routing.tours.insertion import minmax_insertion
 
 # Distances that differ by rounding only are equal: the lower index wins on every machine.
 _DECIMALS = 6
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Optimised:
-    """Routes, a lower bound of their value (NaN: not known), and the name of its proof."""
-
-    orders: list[Order]
-    bound: float = math.nan
-    bound_name: str = ''
 
 
 def paper_greedy(problem: FleetProblem) -> list[Order]:
@@ -67,7 +60,7 @@ def nearest_to_shortest(problem: FleetProblem) -> list[Order]:
 def solver(problem: FleetProblem) -> list[Order]:
     """Search for the routes with the shortest makespan; equal problems give equal routes.
 
-    `optimising.optimised` is the same with a time limit, other objectives and a bound.
+    `solver_method.optimised` is the same with a time limit, other objectives and a bound.
     """
     # Imported here, because loading the compiled code takes time that no other method needs.
     from rocsafe_planner.routing.solver_method import optimised

@@ -17,7 +17,7 @@ import numpy as np
 
 from rocsafe_geo.motion.performance import Performance
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.routing.boustrophedon import grid_rows, serpentine
+from rocsafe_planner.routing.tours.boustrophedon import grid_rows, serpentine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

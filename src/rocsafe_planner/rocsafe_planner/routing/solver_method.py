@@ -7,17 +7,16 @@ from collections.abc import Callable, Sequence
 
 from rocsafe_planner.plan.survey_options import PEAK_OBJECTIVES, Effort
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.boustrophedon import (
+from rocsafe_planner.routing.costs import Optimised, objective_value
+from rocsafe_planner.routing.solver_problem import routing_problem
+from rocsafe_planner.routing.tours.boustrophedon import (
     boustrophedon_equal,
     boustrophedon_minmax,
     grid_rows,
     serpentine,
     strips,
 )
-from rocsafe_planner.routing.costs import objective_value
-from rocsafe_planner.routing.methods import Optimised
-from rocsafe_planner.routing.sensor_repair import with_sensors
-from rocsafe_planner.routing.solver_problem import routing_problem
+from rocsafe_planner.routing.tours.sensor_repair import with_sensors
 from rocsafe_planner.solver import Bound, Progress, SearchOptions, solve
 
 Watch = Callable[[float, float], bool]

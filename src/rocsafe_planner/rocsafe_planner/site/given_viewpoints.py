@@ -8,7 +8,6 @@ import shapely
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_geo.position import GeoPosition
 from rocsafe_planner.coverage.sight import sight
 from rocsafe_planner.coverage.viewpoint_grid import Coverage
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
@@ -39,7 +38,7 @@ def given_coverage(
         raise TooManyViewpointsError(
             f'{len(views)} viewpoints are given: max_viewpoints is {limit}'
         )
-    centres = places_of(frame, [view.position for view in views])
+    centres = frame.plane_of([view.position for view in views])
     kept = np.ones(len(views), dtype=bool) if airspace is None else airspace.holds(centres)
     if not kept.any():
         raise NoWayError('exclusions leave no viewpoint: all of them lie inside')
@@ -56,17 +55,8 @@ def given_coverage(
     )
 
 
-def places_of(frame: LocalFrame, positions: Sequence[GeoPosition]) -> FloatArray:
-    """Return (east, north) of positions, shape (n, 2)."""
-    return frame.to_enu(
-        [position.latitude_deg for position in positions],
-        [position.longitude_deg for position in positions],
-        np.nan,
-    )[:, :2]
-
-
 def footprints_of(frame: LocalFrame, views: Sequence[Viewpoint]) -> FloatArray:
     """Return the corners (east, north) of what viewpoints show, shape (n, 4, 2)."""
     if not views:
         return np.zeros((0, 4, 2))
-    return places_of(frame, [c for view in views for c in view.footprint]).reshape(-1, 4, 2)
+    return frame.plane_of([c for view in views for c in view.footprint]).reshape(-1, 4, 2)

@@ -19,7 +19,8 @@ from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.problem.fleet_problem import FleetProblem
-from rocsafe_planner.site.given_viewpoints import given_coverage, places_of
+from rocsafe_planner.site.columns import columns_of, detours_of
+from rocsafe_planner.site.given_viewpoints import given_coverage
 from rocsafe_planner.site.site_checks import check_distances, check_stands, check_ups, exits
 
 MAX_TERRAIN_SITES = 2500
@@ -149,7 +150,7 @@ def _problem_of(
     starts, homes, ends = _stands(request, frame)
     sites = np.vstack([coverage.centres, starts, ends, homes])
     start_ups = _start_ups_m(request, frame)
-    detours = insides = None
+    insides = None
     if airspace is not None:
         check_stands(vehicles, airspace, (starts, homes, ends))
         starts, insides = exits(vehicles, airspace, starts)
@@ -157,7 +158,8 @@ def _problem_of(
         # On their way out they come to the height of their legs.
         start_ups = np.where(np.isnan(insides[:, 0]), start_ups, math.nan)
         sites = np.vstack([coverage.centres, starts, ends, homes])
-        detours = airspace.detours(sites)
+    columns = columns_of(request, frame, len(coverage.centres))
+    detours = detours_of(request, sites, airspace, columns)
     ground = relief = None
     if request.terrain is not None:
         if detours is not None and len(sites) > MAX_TERRAIN_SITES:
@@ -196,9 +198,9 @@ def _stands(
     """Return starts, homes and ends of the vehicles (east, north), (m, 2) each."""
     vehicles = request.vehicles
     return (
-        places_of(frame, [vehicle.start for vehicle in vehicles]),
-        places_of(frame, [vehicle.home for vehicle in vehicles]),
-        places_of(frame, [vehicle.end or vehicle.home for vehicle in vehicles]),
+        frame.plane_of([vehicle.start for vehicle in vehicles]),
+        frame.plane_of([vehicle.home for vehicle in vehicles]),
+        frame.plane_of([vehicle.end or vehicle.home for vehicle in vehicles]),
     )
 
 

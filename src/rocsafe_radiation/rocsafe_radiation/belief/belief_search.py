@@ -31,6 +31,8 @@ EXPECTED_SOURCES = 1.0
 SMALLEST_ERROR, LARGEST_ERROR = 1e-5, 0.45
 # With background alone, 2e-5 of the readings say yes.
 YES_DEVIATIONS = 4.1
+# Counts of a block of readings, whose median is within 0.01 of their mean.
+BLOCK_COUNTS = 25.0
 # A reading that says yes has at least this share of the highest excess within so many heights.
 PEAK_SHARE, PEAK_HEIGHTS = 0.5, 2.0
 BLOCK = 1024
@@ -151,8 +153,17 @@ def _beliefs(
 
 
 def _median_level_usvh(survey: RadiationSurvey) -> float:
-    """Return the median rate as background: sources raise fewer than half of the readings."""
-    return max(float(np.median(survey.net_counts / survey.exposures)), 1e-6)
+    """Return the median rate as background: sources raise fewer than half of the readings.
+
+    That of blocks of readings in their order, of `BLOCK_COUNTS` on average: the median of few
+    counts is far from their mean, 0 for 0.5 counts a reading.
+    """
+    size = math.ceil(BLOCK_COUNTS * survey.size / max(float(survey.counts.sum()), BLOCK_COUNTS))
+    starts = np.arange(0, survey.size, size)
+    net, exposures = (
+        np.add.reduceat(values, starts) for values in (survey.net_counts, survey.exposures)
+    )
+    return max(float(np.median(net / exposures)), 1e-6)
 
 
 def poisson_below(limits: FloatArray, means: FloatArray) -> FloatArray:

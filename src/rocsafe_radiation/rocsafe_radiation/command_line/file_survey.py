@@ -12,6 +12,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.ground_heights import ShiftedHeights, read_heights, shift_to_m
 from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
 from rocsafe_radiation.readings.readings_file import (
+    AGAIN,
     DEAD,
     FAR,
     UNIT,
@@ -76,8 +77,7 @@ def _caveats(
     if is_ground_guessed:
         yield 'the ground is not given: taken to be as low as the lowest reading'
     yield from dead_caveats(len(readings.dropped.get(DEAD, ())))
-    vehicles = [one.vehicle for one in readings.observations]
-    yield from repeat_caveats(vehicles, np.array([one.counts for one in readings.observations]))
+    yield from repeat_caveats(len(readings.dropped.get(AGAIN, ())))
     for reason in (FAR, UNIT):
         left_out = len(readings.dropped.get(reason, ()))
         total = left_out + survey.size

@@ -22,7 +22,8 @@ columns of the file, comma separated, with a row of names; others are ignored:
                                             hour) or _usvps (microsievert per second)
   or counts, live_time_s                    with --sensitivity; best give both
   dose_rate_std_usvh, time_ns, vehicle      optional
-  saturated                                 1: the detector was saturated; left out
+  saturated                                 1: the detector was saturated; left out (without the
+                                            column: values that pile up at the largest one)
   reference_counts                          of a window of the spectrum above the lines of the
                                             source: they predict the background of counts
 Rows without a valid place and value are left out; their number and lines are printed.

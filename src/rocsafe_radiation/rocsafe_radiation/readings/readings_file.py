@@ -19,11 +19,13 @@ from rocsafe_geo.storage.csv_rows import UTF_16_MARKS
 from rocsafe_geo.storage.named_file import require_file
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.readings.row_checks import (
+    at_top,
     dead,
     far,
     jumping,
     of_other_units,
     out_of_range,
+    repeated,
 )
 from rocsafe_radiation.readings.survey import LocalReading
 
@@ -46,12 +48,14 @@ NUMBER, PLACE, SATURATED, REPEATED = (
     'saturated: the dose rate is only a lower limit',
     'the same stamp of the same vehicle again',
 )
-HEADER, FIELDS, FAR, DEAD, UNIT = (
+HEADER, FIELDS, FAR, DEAD, UNIT, TOP, AGAIN = (
     'the names of the columns again',
     'more fields than columns: decimal commas need another separator, ; or a tabulator, or quotes',
     'farther than 1 km, and 20 times as far as half of all, from the middle of the others',
     'of a detector that counted nothing: dead, no proof of absence',
     'counts and dose rate that do not agree as in the others: another unit',
+    'the largest that the detector shows: saturated',
+    'as the one before: the detector is read too often, or stuck',
 )
 # So many dose rates among those of another size are no accident.
 FEWEST_JUMPS, MOST_LINES_NAMED, LONGEST_SHOWN = 5, 5, 60
@@ -106,6 +110,7 @@ class _Columns:
     dose_rate: str
     has_counts: bool
     has_reference: bool
+    has_saturated: bool
     names: tuple[str, ...]
 
 
@@ -209,6 +214,7 @@ def _columns(path: Path, names: Sequence[str], height_m: float) -> _Columns:
         dose_rate=rates[0] if rates else '',
         has_counts=has_counts,
         has_reference=REFERENCE_COLUMN in known,
+        has_saturated='saturated' in known,
     )
 
 
@@ -277,10 +283,14 @@ def _checked(path: Path, rows: _Rows, ground_altitude_m: float) -> ReadingsFile:
                 f'(lines {rows.named(jumps)}): several units in one column'
             )
     kept = np.ones(len(table), dtype=bool)
+    known = np.nan_to_num(rates)
+    amounts = np.where(live_s > 0.0, counts / live_s, known)
     for reason, are_wrong in (
         (FAR, far(table[:, :2], is_geodetic)),
-        (DEAD, dead(rows.vehicles, counts + np.nan_to_num(rates))),
+        (DEAD, dead(rows.vehicles, counts + known)),
         (UNIT, of_other_units(rows.vehicles, counts, live_s, rates)),
+        (TOP, at_top(rows.vehicles, amounts) & (not columns.has_saturated)),
+        (AGAIN, repeated(rows.vehicles, counts, known)),
     ):
         if (are_wrong & kept).any():
             rows.dropped[reason] += [rows.lines[k] for k in np.flatnonzero(are_wrong & kept)]

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
+from rocsafe_hazard.value_runs import are_again, are_at_top
 from rocsafe_radiation.readings.calibration import calibration_of
 
 # No detector reads more, no vehicle of a survey flies higher or farther.
@@ -88,17 +89,40 @@ def dead_caveats(count: int) -> tuple[str, ...]:
     return (f'{count} readings are of a dead detector: nothing is known there',) if count else ()
 
 
-def repeat_caveats(vehicles: Sequence[str], counts: FloatArray) -> tuple[str, ...]:
-    """Return what is to be said of counts (n,) that are more often those before than by chance."""
-    repeats = 0
+def repeated(vehicles: Sequence[str], counts: FloatArray, rates: FloatArray) -> BoolArray:
+    """Return which readings (n,) are the one before again: read too often, or stuck.
+
+    Parameters
+    ----------
+    vehicles : n names
+        Of each reading.
+    counts, rates : shape (n,)
+        Counts, which are alike by chance now and then; where there are none, dose rates.
+    """
+    found = np.zeros(len(counts), dtype=bool)
     for rows in rows_by_vehicle(vehicles):
         own = counts[rows]
-        alike, by_chance = int((np.diff(own) == 0.0).sum()), ALIKE_BY_CHANCE * len(own)
-        if np.median(own) >= FEWEST_COUNTS and alike > by_chance + 5.0 * by_chance**0.5:
-            repeats += alike
-    if not repeats:
-        return ()
-    return (f'{repeats} counts are those before again: the detector is read too often, or stuck',)
+        if not own.any():
+            found[rows] = are_again(rates[rows])
+            continue
+        alike = np.concatenate([[False], np.diff(own) == 0.0])
+        by_chance = ALIKE_BY_CHANCE * len(own)
+        if np.median(own) >= FEWEST_COUNTS and alike.sum() > by_chance + 5.0 * by_chance**0.5:
+            found[rows] = alike
+    return found
+
+
+def at_top(vehicles: Sequence[str], amounts: FloatArray) -> BoolArray:
+    """Return which amounts (n,), counts or dose rates, are the largest that a detector shows."""
+    found = np.zeros(len(amounts), dtype=bool)
+    for rows in rows_by_vehicle(vehicles):
+        found[rows] = are_at_top(amounts[rows])
+    return found
+
+
+def repeat_caveats(count: int) -> tuple[str, ...]:
+    """Return what is to be said of so many readings that are those before again."""
+    return (f'{count} readings are those before again: read too often, or stuck',) if count else ()
 
 
 def of_other_units(

@@ -16,6 +16,8 @@ _ROW = np.dtype(
 )
 # The largest number of 16 bits is reserved: it means no corner.
 _MOST_16_BIT = 65535
+# Costs half of trilinear filtering on a processor; the difference is hardly visible.
+_MIPMAPPED = core.SamplerState.FTLinearMipmapNearest, core.SamplerState.FTLinear
 
 
 def _format() -> Any:
@@ -87,50 +89,43 @@ def _cells(points: Floats, normals: Floats, corner: Floats, columns: int) -> Mes
 
 def colour_texture(name: str, image: NDArray[np.uint8], *, is_tile: bool = False) -> Any:
     """Return a mip-mapped texture of `image`: blue, green, red, maybe alpha; row 0 at v = 0."""
-    rows, columns, channels = image.shape
-    texture = core.Texture(name)
-    layout = core.Texture.FRgb if channels == 3 else core.Texture.FRgba
-    texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, layout)
-    _fill(texture, image)
-    # Costs half of trilinear filtering on a processor; the difference is hardly visible.
-    texture.setMinfilter(core.SamplerState.FTLinearMipmapNearest)
-    texture.setMagfilter(core.SamplerState.FTLinear)
-    _wrap(texture, core.SamplerState.WMRepeat if is_tile else core.SamplerState.WMMirror)
-    return texture
+    layout = core.Texture.FRgb if image.shape[2] == 3 else core.Texture.FRgba
+    wrap = core.SamplerState.WMRepeat if is_tile else core.SamplerState.WMMirror
+    return _texture(name, image, layout, _MIPMAPPED, wrap)
 
 
 def grey_texture(name: str, image: NDArray[np.uint8]) -> Any:
     """Return a mip-mapped texture of brightness, mirrored beyond its edges; row 0 at v = 0."""
-    filters = core.SamplerState.FTLinearMipmapNearest, core.SamplerState.FTLinear
-    return _of_bytes(name, image, *filters)
+    return _texture(name, image, core.Texture.FRed, _MIPMAPPED)
 
 
 def class_texture(name: str, classes: NDArray[np.uint8]) -> Any:
     """Return a texture of class numbers, never interpolated; row 0 at v = 0."""
-    return _of_bytes(name, classes, core.SamplerState.FTNearest, core.SamplerState.FTNearest)
-
-
-def _of_bytes(name: str, values: NDArray[np.uint8], smaller: Any, larger: Any) -> Any:
-    """Return a texture of single bytes with these filters for minification and magnification."""
-    texture = core.Texture(name)
-    rows, columns = values.shape
-    texture.setup2dTexture(columns, rows, core.Texture.TUnsignedByte, core.Texture.FRed)
-    _fill(texture, values)
-    texture.setMinfilter(smaller)
-    texture.setMagfilter(larger)
-    _wrap(texture, core.SamplerState.WMMirror)
-    return texture
+    return _texture(name, classes, core.Texture.FRed, (core.SamplerState.FTNearest,) * 2)
 
 
 def height_texture(name: str, heights: NDArray[np.float32]) -> Any:
     """Return a texture of heights in metres; row 0 at v = 0."""
+    filters = (core.SamplerState.FTLinear,) * 2
+    return _texture(name, heights, core.Texture.FR32, filters, core.SamplerState.WMClamp)
+
+
+def _texture(
+    name: str,
+    values: NDArray[Any],
+    layout: Any,
+    filters: tuple[Any, Any],
+    wrap: Any = core.SamplerState.WMMirror,
+) -> Any:
+    """Return a texture with filters for minification and magnification."""
     texture = core.Texture(name)
-    rows, columns = heights.shape
-    texture.setup2dTexture(columns, rows, core.Texture.TFloat, core.Texture.FR32)
-    _fill(texture, heights)
-    texture.setMinfilter(core.SamplerState.FTLinear)
-    texture.setMagfilter(core.SamplerState.FTLinear)
-    _wrap(texture, core.SamplerState.WMClamp)
+    rows, columns = values.shape[:2]
+    kind = core.Texture.TFloat if values.dtype == np.float32 else core.Texture.TUnsignedByte
+    texture.setup2dTexture(columns, rows, kind, layout)
+    _fill(texture, values)
+    texture.setMinfilter(filters[0])
+    texture.setMagfilter(filters[1])
+    _wrap(texture, wrap)
     return texture
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from rocsafe_geo.pinhole import rotation_enu_from_body
 from rocsafe_scene.mesh.surfaces import Surface
 
 # Arrays of any float type: meshes are built in double and kept in single precision.
@@ -150,14 +151,4 @@ def unit(vectors: Floats) -> Floats:
 
 def rotation_of(yaw_deg: float, pitch_deg: float = 0.0, roll_deg: float = 0.0) -> Floats:
     """Return Rz(yaw) Ry(pitch) Rx(roll), (3, 3); positive pitch lowers the x axis (REP 103)."""
-    (cy, sy), (cp, sp), (cr, sr) = (
-        (math.cos(angle), math.sin(angle))
-        for angle in map(math.radians, (yaw_deg, pitch_deg, roll_deg))
-    )
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
+    return rotation_enu_from_body(*map(math.radians, (yaw_deg, pitch_deg, roll_deg)))

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from rocsafe_geo.pinhole import rotation_of_quaternion
 from rocsafe_geo.storage.named_file import require_file
 from rocsafe_scene.errors import SceneError
 from rocsafe_scene.mesh.mesh import Floats, Mesh, joined, made, unit
@@ -115,14 +116,7 @@ def _collect(
 def _matrix(node: dict[str, Any]) -> Floats:
     if 'matrix' in node:
         return np.array(node['matrix'], float).reshape(4, 4).T
-    x, y, z, w = node.get('rotation', (0.0, 0.0, 0.0, 1.0))
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    turn = rotation_of_quaternion(node.get('rotation', (0.0, 0.0, 0.0, 1.0)))
     matrix = np.eye(4)
     matrix[:3, :3] = turn * np.array(node.get('scale', (1.0, 1.0, 1.0)))
     matrix[:3, 3] = node.get('translation', (0.0, 0.0, 0.0))

@@ -206,8 +206,8 @@ def _inside(crown: Crown, places: Floats) -> Floats:
     """Return the implicit function of the blended lobes, above 0 inside: after Blinn (1982)."""
     total = np.zeros(len(places))
     for lobe in crown.lobes:
-        squared = np.sum(((places - lobe.centre) / lobe.radii) ** 2, 1)
-        total += np.exp(CROWN.softness * (1.0 - squared))
+        x, y, z = (((places - lobe.centre) / lobe.radii) ** 2).T
+        total += np.exp(CROWN.softness * (1.0 - (x + y + z)))
     return np.log(np.maximum(total, 1e-30))
 
 

@@ -51,13 +51,13 @@ def torn_sleepers(rng: np.random.Generator, course: Floats, kept: float = 0.75) 
 def stone_wall(rng: np.random.Generator, course: Floats, height_m: float = 1.1) -> Mesh:
     """Return a dry stone wall along `course` (k, 3)."""
     line = resampled(course, 0.32)
-    parts = []
+    pebble, parts = ball(1.0, 7), []
     for place in line:
         for layer in range(max(1, round(height_m / 0.28))):
             size = rng.uniform(0.8, 1.25, 3) * np.array([0.22, 0.24, 0.17])
             tone = int(rng.normal(142.0, 20.0))
             aside = rng.normal(0.0, 0.05, 2)
-            stone = ball(1.0, 7).scaled(*size).turned(float(rng.uniform(0, 360)))
+            stone = pebble.scaled(*size).turned(float(rng.uniform(0, 360)))
             stone = stone.moved(place[0] + aside[0], place[1] + aside[1], place[2] + 0.28 * layer)
             parts.append(stone.painted((tone, tone - 2, tone - 12), Surface.STONE))
     return joined(parts)

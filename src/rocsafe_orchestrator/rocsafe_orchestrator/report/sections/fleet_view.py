@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the report says of agents: who heard whom, plans made anew, rounds, duplicates."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from rocsafe_orchestrator.products.run_record import AgentSample
@@ -45,7 +46,9 @@ def fleet_view(samples: tuple[AgentSample, ...], begin_ns: int) -> FleetView | N
     for sample in samples:
         own.setdefault(sample.vehicle, []).append(sample)
     names = tuple(sorted(own))
-    epochs = _epochs(samples)
+    # Parts of a fleet have epochs of their own.
+    epochs = _firsts(samples, lambda one: (one.epoch, one.coordinator))
+    rounds = _firsts(samples, lambda one: (one.search_round, one.search_by))
     duplicates = max(sample.duplicates for sample in samples)
     alarms = max(sample.alarms for sample in samples)
     return FleetView(
@@ -55,7 +58,7 @@ def fleet_view(samples: tuple[AgentSample, ...], begin_ns: int) -> FleetView | N
         vehicles=names,
         contact_rows=tuple(_contact(name, own[name], names) for name in names),
         epoch_rows=tuple(_epoch(sample, begin_ns) for sample in epochs),
-        round_rows=tuple(_round(sample, begin_ns) for sample in _rounds(samples)),
+        round_rows=tuple(_round(sample, begin_ns) for sample in rounds),
         agent_rows=tuple(_agent(name, own[name]) for name in names),
     )
 
@@ -64,22 +67,14 @@ def _count(count: int, what: str) -> str:
     return f'{count} {what}' if count == 1 else f'{count} {what}s'
 
 
-def _epochs(samples: tuple[AgentSample, ...]) -> list[AgentSample]:
-    """Return the first sample of each epoch; parts of a fleet have epochs of their own."""
+def _firsts(
+    samples: tuple[AgentSample, ...], key_of: Callable[[AgentSample], tuple[int, str]]
+) -> list[AgentSample]:
+    """Return the first sample of each number of each agent, where both are told."""
     first: dict[tuple[int, str], AgentSample] = {}
     for sample in sorted(samples, key=lambda one: one.time_ns):
-        if sample.coordinator:
-            first.setdefault((sample.epoch, sample.coordinator), sample)
-    return list(first.values())
-
-
-def _rounds(samples: tuple[AgentSample, ...]) -> list[AgentSample]:
-    """Return the first sample of each round of the search."""
-    first: dict[tuple[int, str], AgentSample] = {}
-    for sample in sorted(samples, key=lambda one: one.time_ns):
-        if sample.search_round:
-            first.setdefault((sample.search_round, sample.search_by), sample)
-    return list(first.values())
+        first.setdefault(key_of(sample), sample)
+    return [sample for key, sample in first.items() if all(key)]
 
 
 def _contact(name: str, samples: list[AgentSample], names: tuple[str, ...]) -> Row:

@@ -1,41 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The machines of a mission, and what runs on each."""
+"""Checks of the machines of a mission."""
 
-import ipaddress
 from collections import Counter
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import AfterValidator, Field
-
-from rocsafe_scenario.scenario_blocks import Block
-
-if TYPE_CHECKING:
-    from rocsafe_scenario.scenario import Scenario
-
-MOST_HOSTS = 16
+from rocsafe_scenario.scenario import Scenario
 
 
-def _ipv4(value: str) -> str:
-    try:
-        return str(ipaddress.IPv4Address(value))
-    except ValueError:
-        raise ValueError('must be an IPv4 address') from None
-
-
-class HostBlock(Block):
-    """A machine of the mission. `rocsafe run` is on the first, `rocsafe join` on the others.
-
-    Vehicles that no host has, and all other processes, run on the first.
-    """
-
-    name: Annotated[str, Field(pattern=r'^[a-z][a-z0-9_]*$', max_length=32)]
-    address: Annotated[str, AfterValidator(_ipv4)]
-    vehicles: tuple[str, ...] = ()
-    runs: tuple[Literal['world', 'radiation_field'], ...] = ()
-
-
-def host_mistakes(scenario: 'Scenario') -> Iterator[str]:
+def host_mistakes(scenario: Scenario) -> Iterator[str]:
     """Yield one line for each mistake of the hosts of a scenario."""
     hosts, processes = scenario.hosts, scenario.simulation.processes
     if not hosts:
@@ -55,7 +27,7 @@ def host_mistakes(scenario: 'Scenario') -> Iterator[str]:
     yield from _wrong_vehicles(scenario)
 
 
-def _wrong_vehicles(scenario: 'Scenario') -> Iterator[str]:
+def _wrong_vehicles(scenario: Scenario) -> Iterator[str]:
     for index, host in enumerate(scenario.hosts):
         if index and not host.vehicles:
             yield f'hosts[{index}].vehicles: must name at least one, {host.name} is not the first'

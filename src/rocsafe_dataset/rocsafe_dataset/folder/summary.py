@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rocsafe_dataset.data_card import data_card
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.files import DatasetFolder
+from rocsafe_dataset.folder.data_card import data_card
+from rocsafe_dataset.folder.files import DatasetFolder
 from rocsafe_dataset.options import SPLITS
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_scene.mesh.classes import CLASSES

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from rocsafe_scenario.scenario_blocks import Block, LatLon, UtcTime
+from rocsafe_scenario.blocks.block import Block, LatLon, UtcTime
 
 LARGEST_TIME_S = 604_800.0
 Material = Literal['iron', 'lead', 'concrete', 'water']

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from rocsafe_scenario.scenario_blocks import Block
+from rocsafe_scenario.blocks.block import Block
 
 CameraName = Annotated[str, Field(pattern=r'^[A-Za-z][A-Za-z0-9_]*$', max_length=32)]
 # The survey's camera, whose topics are /rav1/camera/...

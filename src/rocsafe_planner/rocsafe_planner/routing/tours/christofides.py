@@ -13,8 +13,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.sensor_repair import with_sensors
-from rocsafe_planner.routing.tour_splitting import min_max_parts
+from rocsafe_planner.routing.tours.sensor_repair import with_sensors
+from rocsafe_planner.routing.tours.tour_splitting import min_max_parts
 
 _SWEEPS = 50
 _LEAST_GAIN_M = 1e-6

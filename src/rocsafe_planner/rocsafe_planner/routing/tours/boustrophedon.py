@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from rocsafe_planner.problem.fleet_problem import FleetProblem, Order
-from rocsafe_planner.routing.sensor_repair import with_sensors
-from rocsafe_planner.routing.tour_splitting import equal_parts, makespan_s, min_max_parts
+from rocsafe_planner.routing.tours.sensor_repair import with_sensors
+from rocsafe_planner.routing.tours.tour_splitting import equal_parts, makespan_s, min_max_parts
 
 # Points whose rows differ by less lie in one row.
 _ROW_M = 0.01

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_dataset.ground_splits import GroundSplits
 from rocsafe_dataset.options import SPLITS, DatasetOptions
+from rocsafe_dataset.poses.ground_splits import GroundSplits
 from rocsafe_geo.pinhole import PinholeCamera, rotation_enu_from_optical
 from rocsafe_scene.ground.terrain import Terrain
 from rocsafe_scene.mesh.mesh import Floats

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from rocsafe_scenario.radiation_blocks import LARGEST_TIME_S, StopBlock
-from rocsafe_scenario.scenario_blocks import Block, LatLon
+from rocsafe_scenario.blocks.block import Block, LatLon
+from rocsafe_scenario.blocks.radiation import LARGEST_TIME_S, StopBlock
 
 # Industrial chemicals of the table of agents, or particles that stand for biological ones.
 ReleasedAgent = Literal[

@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from rocsafe_scenario.scenario_blocks import Block, DroneBlock, LatLon, VehicleName
+from rocsafe_scenario.blocks.block import Block, LatLon, VehicleName
+from rocsafe_scenario.blocks.vehicles import DroneBlock
 
 EvidenceName = Annotated[str, Field(pattern=r'^[A-Za-z0-9][A-Za-z0-9_-]*$', max_length=64)]
 

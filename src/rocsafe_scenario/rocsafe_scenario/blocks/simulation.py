@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from rocsafe_scenario.scenario_blocks import Block
+from rocsafe_scenario.blocks.block import Block
 
 _FASTEST_HZ = 400.0
 

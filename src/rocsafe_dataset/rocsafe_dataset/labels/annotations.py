@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_dataset.outlines import outline
-from rocsafe_dataset.rle import run_lengths, short_text
+from rocsafe_dataset.labels.outlines import outline
+from rocsafe_dataset.labels.rle import run_lengths, short_text
 from rocsafe_scene.graphics.rendering import Rendering
 from rocsafe_scene.mesh.classes import class_number
 from rocsafe_scene.scene.environment import FIRST_OBJECT_NUMBER, SceneObject

@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_dataset.annotations import Annotation
 from rocsafe_dataset.errors import DatasetError
-from rocsafe_dataset.image_poses import ImagePose
+from rocsafe_dataset.labels.annotations import Annotation
 from rocsafe_dataset.options import DatasetOptions
+from rocsafe_dataset.poses.image_poses import ImagePose
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.pinhole import PinholeCamera, quaternion_of_rotation
 from rocsafe_geo.storage.durable import replace_whole

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Values of one detector that stand still: read more often than measured, stuck, or saturated."""
+
+import numpy as np
+
+from rocsafe_geo.arrays import BoolArray, FloatArray
+
+# Of the values of a detector with fine steps, so many are unlike all others once those that repeat
+# the one before are left out. Values of coarse steps, and zeros of clean air, come back.
+LEAST_UNLIKE, FEWEST_UNLIKE = 0.9, 10
+# A smaller share of equal neighbours is an accident of rounding.
+LEAST_AGAIN = 0.05
+# So many times as many equal values at the top as there are of each other one are no accident, on
+# a scale of so many steps, where few of the others repeat the one before.
+TIMES_AT_TOP, LEAST_STEPS, MOST_REPEATS = 3.0, 20.0, 0.1
+
+
+def are_again(values: FloatArray) -> BoolArray:
+    """Return which values of a detector with fine steps, in their order, are the one before, (n,).
+
+    Examples
+    --------
+    >>> are_again(np.array([1.3, 1.3, 0.7, 2.1, 2.2, 2.3, 2.4, 2.9, 1.1, 0.1, 0.2])).tolist()[:4]
+    [False, True, False, False]
+    >>> are_again(np.array([0.0, 0.1, 0.1, 0.0, 0.0, 0.1])).tolist()
+    [False, False, False, False, False, False]
+    """
+    again = np.concatenate([np.zeros(min(len(values), 1), dtype=bool), np.diff(values) == 0.0])
+    kept = values[~again]
+    is_fine = len(np.unique(kept)) >= max(LEAST_UNLIKE * len(kept), FEWEST_UNLIKE)
+    return again & (is_fine and again.sum() >= LEAST_AGAIN * len(values))
+
+
+def are_at_top(values: FloatArray) -> BoolArray:
+    """Return which values of a detector, in their order, are the largest that it can show, (n,).
+
+    Examples
+    --------
+    >>> are_at_top(np.array([0.3, 5.1, 9.9, 9.9, 9.9, 7.2, 0.2, 0.25])).tolist()
+    [False, False, True, True, True, False, False, False]
+    >>> are_at_top(np.array([0.3, 5.1, 9.7, 9.9, 9.8, 7.2, 0.2])).tolist()
+    [False, False, False, False, False, False, False]
+    """
+    levels = np.unique(values)
+    at_top = values == levels[-1:]
+    others = len(values) - int(at_top.sum())
+    if not others:
+        return np.zeros(len(values), dtype=bool)
+    repeats = (np.diff(values) == 0.0) & ~at_top[1:]
+    is_limit = (
+        at_top.sum() >= TIMES_AT_TOP * others / (levels.size - 1)
+        and levels[-1] - levels[0] >= LEAST_STEPS * np.diff(levels).min()
+        and repeats.sum() <= MOST_REPEATS * len(values)
+    )
+    return at_top & is_limit

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Legs around the columns in which other vehicles climb and come down."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rocsafe_geo.position import level_offset_m, offset
+from rocsafe_planner.checked_planning import checked_plan
+from rocsafe_planner.checking.plan_checker import check_plan
+from rocsafe_planner.plan.situation import Situation
+from rocsafe_planner.plan.survey_options import UnheardVehicle
+from rocsafe_planner.plan.vehicle import Aloft
+from rocsafe_planner.problem.airspace import Airspace, Door
+from rocsafe_planner.replanning import replan
+from rocsafe_planner.site.survey_site import frame_of, survey_site
+
+from .fleets import FIELD, request, vehicle
+
+SEPARATION_M = 10.0
+
+
+def legs_of(plan, route):
+    """Return the level way of a route of one flight, east and north, as lines."""
+    centre = frame_of(plan.request).origin
+    for sortie in route.sorties:
+        corners = [route.vehicle.start]
+        for view, bends in zip([*sortie.viewpoints, None], sortie.bends, strict=True):
+            corners += [*bends, route.vehicle.home if view is None else view.position]
+        yield from (
+            shapely.LineString(pair)
+            for pair in pairwise([level_offset_m(centre, corner) for corner in corners])
+        )
+
+
+def nearest_m(plan, route, home):
+    """Return how near a route comes to the home of another, metres."""
+    place = shapely.Point(level_offset_m(frame_of(plan.request).origin, home))
+    return min(leg.distance(place) for leg in legs_of(plan, route))
+
+
+def _pair(place):
+    return place.latitude_deg, place.longitude_deg
+
+
+def fleet(*places):
+    """Return vehicles with homes at places around the middle of the field, metres."""
+    middle = FIELD.centroid()
+    return tuple(
+        vehicle(f'rav{k}', _pair(offset(middle, *place, 0.0))) for k, place in enumerate(places, 1)
+    )
+
+
+@pytest.mark.slow
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 10**6))
+def test_nobody_with_a_reserved_layer_flies_through_the_column_of_another(seed):
+    """Homes amid the survey: whenever somebody lands, nobody is below or above it."""
+    rng = np.random.default_rng(seed)
+    places = [tuple(rng.uniform(-150.0, 150.0, 2).tolist()) for _ in range(3)]
+    vehicles = fleet(*places)
+    plan = checked_plan(
+        request(
+            vehicles=vehicles, area=FIELD, height_agl_m=40.0, distance_m=SEPARATION_M,
+            by='reserved', proposals=5_000,
+        )
+    )  # fmt: skip
+    assert check_plan(plan) == []
+    views = [view.position for route in plan.routes for view in route.viewpoints]
+    for other in plan.routes:
+        home = other.vehicle.home
+        around = [*views, *(one.home for one in vehicles if one is not other.vehicle)]
+        gaps = [np.hypot(*level_offset_m(home, place)) for place in around]
+        if min(gaps) < 1.05 * SEPARATION_M:
+            continue  # somebody must fly to a place in it
+        for route in plan.routes:
+            if route is not other and route.sorties:
+                assert nearest_m(plan, route, home) >= SEPARATION_M - 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('by', ['reserved', 'layers'])
+def test_rest_leads_around_the_column_of_a_vehicle_in_no_plan(by):
+    """The straight way home leads through it; it may land at any time."""
+    vehicles = fleet((-200.0, 0.0), (200.0, 0.0))
+    plan = checked_plan(
+        request(
+            vehicles=vehicles, area=FIELD, height_agl_m=40.0, distance_m=SEPARATION_M, by=by,
+            proposals=5_000,
+        )
+    )  # fmt: skip
+    first, lost = plan.routes
+    last = max(first.viewpoints, key=lambda view: view.position.longitude_deg)
+    middle = np.array(level_offset_m(first.vehicle.home, last.position)) / 2.0
+    column = offset(first.vehicle.home, *(middle + 1.0).tolist(), 0.0)
+    visited = {v.id for r in plan.routes for v in r.viewpoints} - {last.id}
+    unheard = UnheardVehicle(
+        name=lost.vehicle.name, flight_height_m=lost.flight_height_m, home=column, places=()
+    )
+    straight, around = (
+        replan(
+            plan,
+            Situation(
+                alive={first.vehicle.name: Aloft(position=last.position, used_s=60.0)},
+                visited=frozenset(visited),
+                unheard=unheards,
+            ),
+        )
+        for unheards in ((), (unheard,))
+    )
+    assert nearest_m(straight, straight.routes[0], column) < SEPARATION_M
+    assert check_plan(around) == []
+    if around.routes[0].flight_height_m < lost.flight_height_m + SEPARATION_M:
+        assert nearest_m(around, around.routes[0], column) >= SEPARATION_M - 1e-3
+
+
+def test_a_column_in_which_somebody_else_must_land_is_open():
+    """Two homes that are near to each other: the plan is as without columns."""
+    near = fleet((0.0, 0.0), (4.0, 0.0))
+    wish = request(vehicles=near, area=FIELD, distance_m=SEPARATION_M, by='reserved')
+    assert survey_site(wish).problem.detours is None
+
+
+def test_legs_lead_through_the_door_of_their_own_site_only():
+    """A square with a site within: from there straight out, for others around."""
+    zone = shapely.box(-10.0, -10.0, 10.0, 10.0)
+    sites = np.array([[0.0, 0.0], [-30.0, 0.0], [30.0, 0.0]])
+    detours = Airspace([zone], 0.0).detours(sites, [Door(site=0, zone=zone)])
+    assert detours.length_m[0].tolist() == [0.0, 30.0, 30.0]
+    assert detours.length_m[1, 2] == pytest.approx(2.0 * np.hypot(20.0, 10.0) + 20.0, abs=0.01)
+    both = Airspace([zone, shapely.box(40.0, -10.0, 60.0, 10.0)], 0.0).detours(
+        np.array([[0.0, 0.0], [50.0, 0.0], [80.0, 0.0]]),
+        [Door(site=0, zone=zone), Door(site=1, zone=shapely.box(40.0, -10.0, 60.0, 10.0))],
+    )
+    assert both.length_m[0, 1] == 50.0
+    assert both.length_m[0, 2] > 80.0
