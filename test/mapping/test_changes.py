@@ -89,7 +89,7 @@ def test_a_folder_without_photographs_is_named(tmp_path, capsys):
     """Nobody is told that two flights do not look alike where one has no photograph."""
     (tmp_path / 'before').mkdir()
     assert main([str(tmp_path / 'before'), str(tmp_path / 'after')]) == EXIT_REFUSED
-    assert 'before: no photograph that can be placed' in capsys.readouterr().err
+    assert 'before: has no JPEG file' in capsys.readouterr().err
 
 
 def test_change_options_have_limits():
