@@ -9,7 +9,6 @@ so that no rounding makes a path touch the zone it follows.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 import shapely
@@ -128,21 +127,14 @@ class Detours:
         self._sites, self.corners = sites, corners
         ways, self._next = _corner_paths(corners, edges)
         reach = _distances(sites, corners)
-        passed = {door.site: door.passes(edges) for door in doors}
-        blocked_ways = _blocked(sites, corners, edges)
-        blocked = _blocked(sites, sites, edges)
-        for i, mine in passed.items():
-            blocked_ways[i] = _blocked(sites[i : i + 1], corners, edges[~mine])[0]
-            blocked[i] = blocked[:, i] = _blocked(sites[i : i + 1], sites, edges[~mine])[0]
-        for (i, mine), (j, theirs) in combinations(passed.items(), 2):
-            others = edges[~(mine | theirs)]
-            is_blocked = _blocked(sites[i : i + 1], sites[j : j + 1], others)[0, 0]
-            blocked[i, j] = blocked[j, i] = is_blocked
-        reach[blocked_ways] = np.inf
+        passed = np.zeros((len(sites), len(edges)), dtype=bool)
+        for door in doors:
+            passed[door.site] = door.passes(edges)
+        reach[_blocked(sites, corners, edges, passed)] = np.inf
         self.length_m: FloatArray = _distances(sites, sites)
         self.first: NDArray[np.int32] = np.full(self.length_m.shape, -1, dtype=np.int32)
         self.last: NDArray[np.int32] = self.first.copy()
-        self._fill(blocked, reach, ways)
+        self._fill(_blocked(sites, sites, edges, passed, passed), reach, ways)
         self._durations: dict[Air, FloatArray] = {}
 
     def _fill(self, blocked: BoolArray, reach: FloatArray, ways: FloatArray) -> None:
@@ -247,13 +239,27 @@ def _distances(a: FloatArray, b: FloatArray) -> FloatArray:
     return distances
 
 
-def _blocked(a: FloatArray, b: FloatArray, edges: FloatArray) -> BoolArray:
-    """Return which segments from `a` (n, 2) to `b` (k, 2) meet an edge, shape (n, k)."""
+def _blocked(
+    a: FloatArray,
+    b: FloatArray,
+    edges: FloatArray,
+    passed_a: BoolArray | None = None,
+    passed_b: BoolArray | None = None,
+) -> BoolArray:
+    """Return which segments from `a` (n, 2) to `b` (k, 2) meet an edge, shape (n, k).
+
+    Those of a place that passes an edge do not meet it: `passed_a` (n, e), `passed_b` (k, e).
+    """
     blocked = np.zeros((len(a), len(b)), dtype=bool)
     for start in range(0, len(a), _BLOCK):
         block = slice(start, start + _BLOCK)
-        for begin, end in edges:
-            blocked[block] |= _meets(a[block], b, begin, end)
+        for number, (begin, end) in enumerate(edges):
+            meets = _meets(a[block], b, begin, end)
+            if passed_a is not None:
+                meets[passed_a[block, number]] = False
+            if passed_b is not None:
+                meets[:, passed_b[:, number]] = False
+            blocked[block] |= meets
     return blocked
 
 

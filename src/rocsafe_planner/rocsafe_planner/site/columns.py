@@ -21,8 +21,8 @@ from rocsafe_planner.errors import NoWayError
 from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.problem.airspace import MAX_SITES, Airspace, Detours, Door
 
-MAX_CHECKS = 5e7
-"""Pairs of sites times sides of columns that are looked at: about half a second."""
+MAX_CHECKS = 1e8
+"""Pairs of sites times sides of columns that are looked at: about a second."""
 _SIDES_A_QUARTER = 4
 _MARGIN_M = 1e-3
 
