@@ -32,6 +32,7 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 POLL_S = 0.02
 MISSIONS = 'missions'
+LINES_OF_A_TRY = 60
 DOMAINS = range(1, 101)
 
 
@@ -58,6 +59,14 @@ def pytest_collection_finish(session: pytest.Session) -> None:
     """Let the garbage collector pass over all that the collected tests are made of."""
     gc.collect()
     gc.freeze()
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Show why tests had a second try: what passes then is a fault of product or test, too."""
+    for report in terminalreporter.getreports('rerun'):
+        terminalreporter.write_sep('_', f'first try of {report.nodeid}')
+        lines = report.longreprtext.splitlines()
+        terminalreporter.write_line('\n'.join(lines[-LINES_OF_A_TRY:]))
 
 
 def _starts_processes(item: pytest.Item) -> bool:

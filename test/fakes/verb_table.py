@@ -19,7 +19,7 @@ VERBS = ('hold', 'return_home', 'land', 'resume', 'go_to', 'set_speed', 'fence',
 # by order is; while it speaks to nobody, and while its route is being sent, there is none.
 TABLE = {
     'disarmed': '= = = - - - + +',
-    'waiting': '+ + + - - - + +',
+    'waiting': '+ + + =- - - + +',
     'starting': '.+ .+ .+ .- .- .- .- .-',
     'armed': '.+ .+ .+ .- .- .- .- .-',
     'taking off': '+ + + = + + + +',

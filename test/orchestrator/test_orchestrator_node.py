@@ -307,8 +307,20 @@ def test_vehicle_that_was_taken_over_in_flight_is_left_alone(stage: Stage) -> No
     assert sighting.taken_by == 'operator'
 
 
-@pytest.mark.parametrize('state', [FlightState.HOLDING, FlightState.LANDED])
-def test_real_vehicle_that_was_held_is_told_to_go_on(stage: Stage, state: FlightState) -> None:
+@pytest.mark.parametrize(
+    ('real', 'state', 'told'),
+    [
+        ({'rav1'}, FlightState.HOLDING, True),
+        ({'rav1'}, FlightState.FLYING, False),
+        ({'rav1'}, FlightState.LANDED, False),
+        (set(), FlightState.HOLDING, True),
+        (set(), FlightState.WAITING, True),
+        (set(), FlightState.RETURNING, False),
+    ],
+)
+def test_vehicle_that_was_held_is_told_to_go_on(
+    stage: Stage, real: set[str], state: FlightState, told: bool
+) -> None:
     """Its route is joined, which moves nothing: it would hold until its battery is empty."""
     leases: list[str] = []
 
@@ -319,14 +331,14 @@ def test_real_vehicle_that_was_held_is_told_to_go_on(stage: Stage, state: Flight
 
     stage.servers.create_service(Resume, 'rav1/resume', resume)
     stage.advance_to(Phase.COLLECTING)
-    stage.node.requests._real = {'rav1'}
+    stage.node.requests._real = real
     stage.monitor.on_vehicle(VehicleStatus(name='rav1', state=state))
     stage.node.requests.send(Order(kind=OrderKind.RESUME, vehicle='rav1'))
     end_s = time.monotonic() + 0.5
     stage.until(lambda: bool(leases) or time.monotonic() > end_s)
     for lease in leases:
         stage.servers.leases['rav1'].require(lease)
-    assert len(leases) == (state is FlightState.HOLDING)
+    assert len(leases) == told
 
 
 def test_flight_with_a_fault_is_told(stage: Stage) -> None:

@@ -47,6 +47,9 @@ _VERBS = {
 }
 
 
+_ON_ROUTE = frozenset({FlightState.WAITING, FlightState.TAKING_OFF, FlightState.FLYING})
+
+
 class Requests(GoalRequests):
     """Clients of the planner, the vehicles, the world, the map maker, localizer and estimator.
 
@@ -234,9 +237,13 @@ class Requests(GoalRequests):
             self._refuse(order, f'{order.vehicle}: {result.error_msg}')
 
     def _send_resume(self, order: Order) -> None:
-        """Let a real vehicle that was told to hold go on; a simulated one does by its route."""
-        is_held = self._monitor.vehicle(order.vehicle).state is FlightState.HOLDING
-        if not (is_held and order.vehicle in self._real):
+        """Let a vehicle that was told to hold go on: its route again moves nothing.
+
+        A simulated one that is on its way, or waits on the ground unheld, is not disturbed by it.
+        """
+        state = self._monitor.vehicle(order.vehicle).state
+        is_simulated = order.vehicle not in self._real
+        if not (state is FlightState.HOLDING or (is_simulated and state in _ON_ROUTE)):
             if self._mission is not None:
                 self._mission.answered(order)
             return

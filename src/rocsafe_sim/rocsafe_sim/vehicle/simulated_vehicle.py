@@ -136,7 +136,7 @@ class SimulatedVehicle(FlyingVehicle):
     def resume(self) -> None:
         """Continue a held flight; one that was held on the ground begins when it was due, or now.
 
-        If it flies its route anyway, nothing changes.
+        If it flies its route anyway, or waits to, nothing changes.
 
         Raises
         ------
@@ -146,7 +146,9 @@ class SimulatedVehicle(FlyingVehicle):
         if self._is_held_down:
             self._release()
             return
-        flight = self._require_mode('resume', Mode.HOLDING, Mode.TAKING_OFF, Mode.FLYING)
+        flight = self._require_mode(
+            'resume', Mode.WAITING, Mode.HOLDING, Mode.TAKING_OFF, Mode.FLYING
+        )
         if self.mode is not Mode.HOLDING and not self._is_sent_away:
             return
         if flight.outcome is not None:
