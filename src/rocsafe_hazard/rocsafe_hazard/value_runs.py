@@ -5,8 +5,9 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 
-# Of the values of a detector with fine steps, so many are unlike all others once those that repeat
-# the one before are left out. Values of coarse steps, and zeros of clean air, come back.
+# A detector has fine steps if at least this share, and this number, of its values differ from
+# each other when repeats of the value before are left out. Values of coarse steps, and zeros of
+# clean air, recur.
 LEAST_UNLIKE, FEWEST_UNLIKE = 0.9, 10
 # A smaller share of equal neighbours is an accident of rounding.
 LEAST_AGAIN = 0.05

@@ -4,8 +4,8 @@
 import math
 from collections.abc import Iterable
 
-# Who has not done the newest step for so long is late, seconds of wall time: all repeat their
-# reports sooner.
+# A participant is late if it has not done the newest step for this time, seconds of wall time. All
+# participants repeat their reports sooner.
 LATE_S = 1.5
 
 

@@ -2,10 +2,10 @@
 """Legs around the columns in which other vehicles climb and come down.
 
 With a layer reserved for each vehicle, legs of different vehicles never meet, whatever plans they
-follow. What is left are climbs and descents: each at a home, through the layers below. Legs of the
-others lead around, as around an exclusion, so that it does not matter when somebody lands. The
-same holds for vehicles in no plan, which land by themselves. A column is open where somebody else
-must fly to a place in it: there only times keep apart.
+follow. Climbs and descents pass the layers below, each in a column of air over a home. Legs of
+other vehicles lead around this column, as around an exclusion, so that it does not matter when
+somebody lands. The same holds for the homes of vehicles in no plan, which land by themselves. A
+column is open if another vehicle must fly to a place in it: there only times keep vehicles apart.
 """
 
 import math
@@ -29,7 +29,15 @@ _MARGIN_M = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Column:
-    """Where a vehicle climbs or comes down, and the sites of its own."""
+    """A column of air in which one vehicle climbs and descends.
+
+    Attributes
+    ----------
+    place : (2,)
+        Its middle, east and north, metres.
+    own
+        Numbers of the vehicle's own sites inside: legs from and to these may cross its edge.
+    """
 
     place: FloatArray
     own: frozenset[int] = frozenset()
