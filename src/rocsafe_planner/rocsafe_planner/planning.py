@@ -137,9 +137,9 @@ def _with_last_points(site: SurveySite) -> Optimised | None:
         return None
     if request.effort.method == 'solver':
         # Loaded when it is asked for: see `_found`.
-        from rocsafe_planner.routing.two_stages import orders_in_two_stages
+        from rocsafe_planner.routing.last_points import orders_with_last
 
-        orders = orders_in_two_stages(site.problem, request.effort, last)
+        orders = orders_with_last(site.problem, request.effort, last)
     else:
         orders = minmax_insertion(site.problem, last)
     value = objective_value(site.problem, orders, 'longest_time')
