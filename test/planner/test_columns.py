@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Legs around the columns in which other vehicles climb and come down."""
 
+import dataclasses
 from itertools import pairwise
 
 import numpy as np
@@ -26,20 +27,16 @@ SEPARATION_M = 10.0
 
 def legs_of(plan, route):
     """Return the level way of a route of one flight, east and north, as lines."""
-    centre = frame_of(plan.request).origin
     for sortie in route.sorties:
         corners = [route.vehicle.start]
         for view, bends in zip([*sortie.viewpoints, None], sortie.bends, strict=True):
-            corners += [*bends, route.vehicle.home if view is None else view.position]
-        yield from (
-            shapely.LineString(pair)
-            for pair in pairwise([level_offset_m(centre, corner) for corner in corners])
-        )
+            corners += [*bends, route.vehicle.landings[-1] if view is None else view.position]
+        yield from map(shapely.LineString, pairwise(frame_of(plan.request).plane_of(corners)))
 
 
 def nearest_m(plan, route, home):
     """Return how near a route comes to the home of another, metres."""
-    place = shapely.Point(level_offset_m(frame_of(plan.request).origin, home))
+    place = shapely.Point(frame_of(plan.request).plane_of([home])[0])
     return min(leg.distance(place) for leg in legs_of(plan, route))
 
 
@@ -59,10 +56,12 @@ def fleet(*places):
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 10**6))
 def test_nobody_with_a_reserved_layer_flies_through_the_column_of_another(seed):
-    """Homes amid the survey: whenever somebody lands, nobody is below or above it."""
+    """Homes and an end amid the survey: when somebody lands, nobody is below or above it."""
     rng = np.random.default_rng(seed)
-    places = [tuple(rng.uniform(-150.0, 150.0, 2).tolist()) for _ in range(3)]
-    vehicles = fleet(*places)
+    places = [tuple(rng.uniform(-150.0, 150.0, 2).tolist()) for _ in range(4)]
+    end = offset(FIELD.centroid(), *places.pop(), 0.0)
+    first, *others = fleet(*places)
+    vehicles = (dataclasses.replace(first, end=end), *others)
     plan = checked_plan(
         request(
             vehicles=vehicles, area=FIELD, height_agl_m=40.0, distance_m=SEPARATION_M,
@@ -71,15 +70,14 @@ def test_nobody_with_a_reserved_layer_flies_through_the_column_of_another(seed):
     )  # fmt: skip
     assert check_plan(plan) == []
     views = [view.position for route in plan.routes for view in route.viewpoints]
-    for other in plan.routes:
-        home = other.vehicle.home
-        around = [*views, *(one.home for one in vehicles if one is not other.vehicle)]
-        gaps = [np.hypot(*level_offset_m(home, place)) for place in around]
+    for other, landing in [(one, place) for one in vehicles for place in one.landings]:
+        others = [place for one in vehicles if one is not other for place in one.landings]
+        gaps = [np.hypot(*level_offset_m(landing, place)) for place in [*views, *others]]
         if min(gaps) < 1.05 * SEPARATION_M:
             continue  # somebody must fly to a place in it
         for route in plan.routes:
-            if route is not other and route.sorties:
-                assert nearest_m(plan, route, home) >= SEPARATION_M - 1e-3
+            if route.vehicle.name != other.name and route.sorties:
+                assert nearest_m(plan, route, landing) >= SEPARATION_M - 1e-3
 
 
 @pytest.mark.slow
@@ -138,3 +136,13 @@ def test_legs_lead_through_the_door_of_their_own_site_only():
     )
     assert both.length_m[0, 1] == 50.0
     assert both.length_m[0, 2] > 80.0
+
+
+def test_legs_out_of_a_door_do_not_enter_a_zone_that_lies_across_it():
+    """From (0, 0) to (15, 30) the straight line leaves the own zone through that of another."""
+    own, other = shapely.box(-10.0, -10.0, 10.0, 10.0), shapely.box(2.0, -12.0, 22.0, 8.0)
+    sites, doors = np.array([[0.0, 0.0], [15.0, 30.0]]), [Door(site=0, zone=own)]
+    airspace = Airspace([own, other], 0.0)
+    straight = float(np.hypot(15.0, 30.0))
+    assert airspace.detours(sites, doors).length_m[0, 1] == pytest.approx(straight)
+    assert airspace.detours(sites, doors, [own, other]).length_m[0, 1] > straight + 0.01

@@ -141,7 +141,8 @@ def with_extra(survey: SurveyPlan, extra: ExtraPlaces) -> SurveyPlan:
 def situation_of(survey: SurveyPlan, wanted: Wanted) -> Situation:
     """Return a proposal as the planner takes it.
 
-    Who is no member may be in the air, in the layer that is reserved for it, or come down at home.
+    Who is no member may be in the air, in the layer that is reserved for it, or come down at
+    home or where its route ends.
     """
     proposal = wanted.proposal
     names = [vehicle.name for vehicle in survey.request.vehicles]
@@ -156,20 +157,24 @@ def situation_of(survey: SurveyPlan, wanted: Wanted) -> Situation:
         },
         visited=proposal.visited & known,
         new_exclusions=tuple(SurveyArea(ring) for ring in wanted.rings),
-        unheard=tuple(_left_out(survey, k) for k in range(len(names)) if k not in proposal.names),
+        unheard=tuple(
+            one
+            for k in range(len(names))
+            if k not in proposal.names
+            for one in _left_out(survey, k)
+        ),
         last=proposal.last,
     )
 
 
-def _left_out(survey: SurveyPlan, number: int) -> UnheardVehicle:
+def _left_out(survey: SurveyPlan, number: int) -> list[UnheardVehicle]:
     request = survey.request
     vehicle, layers = request.vehicles[number], request.layers_m
-    return UnheardVehicle(
-        name=vehicle.name,
-        flight_height_m=request.coverage.height_agl_m + (layers[number] if layers else 0.0),
-        home=vehicle.home,
-        places=(),
-    )
+    height_m = request.coverage.height_agl_m + (layers[number] if layers else 0.0)
+    return [
+        UnheardVehicle(name=vehicle.name, flight_height_m=height_m, home=place, places=())
+        for place in vehicle.landings
+    ]
 
 
 class SharedPlans:

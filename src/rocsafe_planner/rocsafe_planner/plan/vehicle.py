@@ -127,6 +127,11 @@ class Vehicle:
         return self.home if self.aloft is None else self.aloft.position
 
     @property
+    def landings(self) -> tuple[GeoPosition, ...]:
+        """Places at which it may land: its home, and its end if that is another one."""
+        return (self.home,) if self.end in (None, self.home) else (self.home, self.end)
+
+    @property
     def first_endurance_s(self) -> float:
         """Flight time that is left on the battery that it has."""
         return self.endurance_s - (self.used_s if self.aloft is None else self.aloft.used_s)

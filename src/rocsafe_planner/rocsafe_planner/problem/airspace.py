@@ -73,8 +73,22 @@ class Airspace:
         nearest: FloatArray = shapely.get_coordinates(line)[-1]
         return nearest
 
-    def detours(self, sites: FloatArray, doors: Sequence['Door'] = ()) -> 'Detours':
+    def detours(
+        self,
+        sites: FloatArray,
+        doors: Sequence['Door'] = (),
+        crossed: Sequence[shapely.Polygon] = (),
+    ) -> 'Detours':
         """Return the shortest paths among sites (s, 2), all of which may be flown to.
+
+        Parameters
+        ----------
+        sites
+            Places, east and north, metres.
+        doors
+            Sites from which legs may leave a zone.
+        crossed
+            Zones that lie across such a zone: legs do not enter them from there either.
 
         Raises
         ------
@@ -89,7 +103,8 @@ class Airspace:
                 f'at most {MAX_SITES}'
             )
         corners = self._corners[self.holds(self._corners)]
-        return Detours(sites, corners, self._edges, doors)
+        edges = np.vstack([self._edges, *map(_edges, crossed)])
+        return Detours(sites, corners, edges, doors)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

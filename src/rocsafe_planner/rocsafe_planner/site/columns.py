@@ -2,10 +2,11 @@
 """Legs around the columns in which other vehicles climb and come down.
 
 With a layer reserved for each vehicle, legs of different vehicles never meet, whatever plans they
-follow. Climbs and descents pass the layers below, each in a column of air over a home. Legs of
-other vehicles lead around this column, as around an exclusion, so that it does not matter when
-somebody lands. The same holds for the homes of vehicles in no plan, which land by themselves. A
-column is open if another vehicle must fly to a place in it: there only times keep vehicles apart.
+follow. Climbs and descents pass the layers below, each in a column of air over a home, or over
+the place where a route ends. Legs of other vehicles lead around it, as around an exclusion, so
+that it does not matter when somebody lands. The same holds for vehicles in no plan, which land by
+themselves. A column is open if another vehicle must fly to a place in it: there only times keep
+vehicles apart, as where a vehicle lands at its last viewpoint.
 """
 
 import math
@@ -55,8 +56,13 @@ def detours_of(
         zones = {column: _zone(column, request.separation.distance_m) for column in kept}
         closed = [] if airspace is None else list(shapely.get_parts(airspace.closed))
         doors = [Door(site=k, zone=zones[column]) for column in kept for k in column.own]
+        crossed = [
+            one
+            for k, one in zones.items()
+            if any(k is not other and one.intersects(zone) for other, zone in zones.items())
+        ]
         try:
-            return Airspace([*closed, *zones.values()], 0.0, sites).detours(sites, doors)
+            return Airspace([*closed, *zones.values()], 0.0, sites).detours(sites, doors, crossed)
         except NoWayError:
             pass  # the columns shut somebody in
     return None if airspace is None else airspace.detours(sites)
@@ -69,10 +75,10 @@ def columns_of(request: SurveyRequest, frame: LocalFrame, points: int) -> list[C
     if request.separation.by != 'reserved':
         return columns
     count = len(request.vehicles)
-    homes = frame.plane_of([vehicle.home for vehicle in request.vehicles])
-    for k, home in enumerate(homes):
+    for k, vehicle in enumerate(request.vehicles):
         own = frozenset(points + group * count + k for group in range(3))
-        columns.append(Column(place=home, own=own))
+        landings = frame.plane_of(vehicle.landings)
+        columns += [Column(place=place, own=own) for place in landings]
     return columns
 
 
