@@ -117,6 +117,8 @@ def test_agents_take_over_from_a_lost_vehicle(fly: Fly) -> None:
         time.sleep(0.05)
     assert flight.end() == 0, flight.output
     assert photographed(flight) == planned(flight)
+    assert flight.run.further_plans, 'the report draws the plan of those who took over'
+    assert ' for the rest: ' in flight.run.report.read_text(encoding='utf-8')
 
 
 @pytest.mark.all

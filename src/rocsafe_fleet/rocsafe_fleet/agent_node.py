@@ -22,7 +22,7 @@ from rocsafe_fleet.conversions import (
 )
 from rocsafe_fleet.dds_link_node import DdsLink
 from rocsafe_fleet.errors import LinkError
-from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started
+from rocsafe_fleet.fleet_start import FleetStart, fleet_start, has_started, keep_plan
 from rocsafe_fleet.ledger.records import FIRST_EPOCH
 from rocsafe_fleet.link.fleet_link import FleetLink
 from rocsafe_fleet.link.zenoh_link import ZenohLink
@@ -66,6 +66,7 @@ class AgentsNode(Node):
         self._job: tuple[BackgroundJob[Any, None], Callable[[Any], None]] | None = None
         self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
         self._missed: set[str] = set()
+        self._kept: set[str] = set()
         self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
         self._plan_id = ''
@@ -276,6 +277,16 @@ class AgentsNode(Node):
                     f'{len(agent.route)} viewpoints, {len(agent.proposal.names)} vehicles'
                 )
                 link.fly(source.plan_id, route_of(source, name, agent.visited))
+                if source.plan_id not in self._kept:
+                    self._kept.add(source.plan_id)
+                    BackgroundJob(partial(self._keep, source), 'keeping', None)
+
+    def _keep(self, plan: Any, _report: Callable[[None], bool]) -> None:
+        """Write a plan for the report; runs in a thread."""
+        try:
+            keep_plan(plan, Path(self._options.plan_file).parent)
+        except ValueError as error:
+            self.get_logger().error(str(error))
 
     # Simulated time.
 

@@ -24,6 +24,7 @@ from rocsafe_fleet.trial.trial import planner_of
 from rocsafe_geo.storage.durable import replace_whole, write_whole
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.terrain.terrain_file import read_terrain
+from rocsafe_planner.options import further_folder
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.plan_reading import read_plan
 
@@ -193,6 +194,20 @@ def _batteries(options: AgentOptions) -> Batteries:
 def _search(options: AgentOptions) -> SearchOptions | None:
     path = options.search_file
     return read_values(Path(path), SearchOptions) if path else None
+
+
+def keep_plan(plan: SurveyPlan, folder: Path) -> None:
+    """Write a plan of the agents where the planner writes its further plans.
+
+    Raises
+    ------
+    ValueError
+        If the folder cannot be written.
+    """
+    # Loaded here: pictures and archives, which an agent needs for nothing else.
+    from rocsafe_planner.export.plan_files import write_plan
+
+    write_plan(plan, further_folder(folder, plan.plan_id))
 
 
 def has_started(folder: str) -> bool:

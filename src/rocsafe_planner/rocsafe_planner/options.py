@@ -38,7 +38,7 @@ class PlannerOptions:
     def export_folder(self, plan_id: str, is_further: bool) -> Path:
         """Return the folder for the files of a plan; one of given viewpoints has its own."""
         folder = Path(self.export_directory)
-        return folder / f'further-{plan_id}' if is_further else folder
+        return further_folder(folder, plan_id) if is_further else folder
 
     def exported(self, plan_id: str) -> tuple[Path, ...]:
         """Return the files in which a plan may have been exported."""
@@ -46,3 +46,8 @@ class PlannerOptions:
             return ()
         folders = (self.export_folder(plan_id, is_further) for is_further in (False, True))
         return tuple(folder / 'plan.json' for folder in folders)
+
+
+def further_folder(folder: Path, plan_id: str) -> Path:
+    """Return where the files of a plan for the rest of a survey are, or of another round."""
+    return folder / f'further-{plan_id}'

@@ -22,7 +22,7 @@ from rocsafe_planner.planning import Progress
 from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.site.survey_site import frame_of
 
-_PROPOSALS_A_POINT = 2500
+_PROPOSALS_A_POINT = 5000
 _LEAST_PROPOSALS = 100_000
 _MOST_PROPOSALS = 2_000_000
 

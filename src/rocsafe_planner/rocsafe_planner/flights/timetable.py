@@ -20,8 +20,8 @@ from rocsafe_planner.flights.separation import Conflicts, box_distances
 
 LONGEST_HOVER_S = 300
 """Nobody hovers longer to let others pass."""
-MOST_TRIES = 60
-"""Timetables that are tried for a better one."""
+MOST_TRIES, MOST_TURNS = 60, 2000
+"""Timetables that are tried for a better one, and vehicles in all of them together."""
 
 Choices = Mapping[int, Iterable[FlightChoice]]
 """What each vehicle may fly, the preferred first."""
@@ -77,6 +77,7 @@ class _Search:
         longest_s = max((track.duration_s for track in preferred.values()), default=0.0)
         self._least = (0, 0, longest_s)
         self._tries = 0
+        self._most_tries = min(MOST_TRIES, MOST_TURNS // max(1, len(choices)))
 
     def best(self) -> Timetable:
         """Return the best timetable of some orders, each a small change of the best so far."""
@@ -84,7 +85,7 @@ class _Search:
         if self._may_wait:
             order, best = self._better([order[::-1]], order, best)
         before = None
-        while best is not before and best.rank > self._least and self._tries < MOST_TRIES:
+        while best is not before and best.rank > self._least and self._tries < self._most_tries:
             before = best
             order, best = self._better(self._orders(order, best), order, best)
         return best
@@ -94,7 +95,7 @@ class _Search:
     ) -> tuple[list[int], Timetable]:
         """Return the first better timetable of some orders with its order, or the best so far."""
         for other in orders:
-            if best.rank <= self._least or self._tries == MOST_TRIES:
+            if best.rank <= self._least or self._tries >= self._most_tries:
                 break
             self._tries += 1
             found = self._from_the_begin(other)

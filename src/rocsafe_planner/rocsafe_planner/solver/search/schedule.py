@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Schedule of the annealing: first plan, temperatures and length of each cycle of each lane.
 
-The first cycles anneal a constructed plan, each longer than the one before. Later cycles anneal
-crosses of the best plans from a lower temperature: a genetic search whose mutation is annealing.
-Their manner is drawn by what each manner has brought so far, and they grow when nothing better is
-found. Nothing depends on the length of the search: a longer one begins with all that a shorter one
-does, and is never worse.
+Some cycles anneal a constructed plan, each longer than the one before. All others anneal crosses
+of the best plans from a lower temperature: a genetic search whose mutation is annealing. Their
+manner is drawn by what each manner has brought so far, and they grow when nothing better is found.
+A longer annealing of the construction comes when crosses have had their share of the work so far.
+Nothing depends on the length of the search: a longer one begins with all that a shorter one does,
+and is never worse.
 """
 
 from collections.abc import Callable
@@ -86,7 +87,7 @@ class Schedule:
         self.members: list[tuple[float, Plan]] = []
         self.best = np.inf
         self.made = 0
-        self.round = 0
+        self.rung = 0
         self.began = options.clock()
         self.draws = np.random.Generator(np.random.PCG64(options.seed))
         self.choices = AdaptiveChoices(
@@ -120,14 +121,23 @@ class Schedule:
 
     def next_round(self) -> list[Cycle]:
         """Return one cycle for each lane."""
-        ladder, lanes = self.tuning.ladder, range(self.options.lanes)
-        self.round += 1
-        if self.round <= len(ladder):
-            return [self._founder(ladder[self.round - 1]) for _ in lanes]
+        lanes = range(self.options.lanes)
+        if (work := self._next_rung()) is not None:
+            self.rung += 1
+            return [self._founder(work) for _ in lanes]
         if self.is_restart or len(self.members) < 2:
             self.is_restart = False
             return [self._founder(2.0 * self.work) for _ in lanes]
         return [self._crossed() for _ in lanes]
+
+    def _next_rung(self) -> int | None:
+        """Return the work of the next cycle of the ladder if it is its turn."""
+        ladder = self.tuning.ladder
+        if self.rung == len(ladder):
+            return None
+        work = ladder[self.rung]
+        is_due = self.made >= self.tuning.crosses * work * self.customers
+        return work if is_due or len(self.members) < 2 else None
 
     def _founder(self, work: float) -> Cycle:
         """Return a cycle that begins with the construction."""
@@ -232,7 +242,7 @@ class Schedule:
         """Count the work of a round, the same in each lane; grow if the search stagnates."""
         self.made += max(int(c.proposals * self._effort(c.manner)) + 1 for c in cycles)
         self.idle_rounds += 1
-        if self.idle_rounds < self.tuning.patience or self.round <= len(self.tuning.ladder):
+        if self.idle_rounds < self.tuning.patience:
             return
         self.idle_rounds = 0
         self.stagnations += 1

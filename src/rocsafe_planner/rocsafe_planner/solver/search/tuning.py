@@ -17,8 +17,11 @@ class CycleTuning:
     chunk
         Proposals between two looks at the clock.
     ladder
-        Work of the first cycles, which begin with a construction: proposals a customer, where one
-        that ruins and recreates counts for as many others as it takes the time of.
+        Work of the cycles that begin with a construction: proposals a customer, where one that
+        ruins and recreates counts for as many others as it takes the time of.
+    crosses
+        Multiple of its own work that a search has done before such a cycle begins, once there are
+        plans to cross.
     crossed
         Work of the first cycles that begin with a cross, proposals a customer.
     longer
@@ -62,6 +65,7 @@ class CycleTuning:
 
     chunk: int = 16384
     ladder: tuple[int, ...] = (500, 2_000, 8_000)
+    crosses: float = 2.0
     crossed: int = 1_000
     longer: float = 2.0
     patience: int = 3
