@@ -114,6 +114,23 @@ def test_restarts_have_a_limit_and_the_last_words_are_told(supervise: MakeSuperv
     assert not supervisor.running
 
 
+@pytest.mark.parametrize(
+    ('logged', 'told'),
+    [
+        ('[ERROR] [1795850394.296] [rav3.rav]: the port is taken', ': the port is taken'),
+        ('[INFO] [1795850394.296] [rav3.rav]: led by orchestrator@vm', ''),
+    ],
+)
+def test_last_words_are_a_reason_only_if_they_are_no_information(
+    supervise: MakeSupervisor, logged: str, told: str
+) -> None:
+    """Without what ROS puts before a line; what a node did at last does not say why it ended."""
+    supervisor = supervise({'node': f'print({logged!r}); raise SystemExit(1)'}, QUICK)
+    supervisor.start('node')
+    events = events_until(supervisor, ProcessEventKind.GAVE_UP)
+    assert events[-1].text == f'ended with exit code 1 after 2 restarts{told}'
+
+
 def test_process_that_cannot_be_started_again_is_given_up(
     supervise: MakeSupervisor, tmp_path: Path
 ) -> None:

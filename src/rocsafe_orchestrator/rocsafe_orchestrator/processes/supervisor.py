@@ -7,6 +7,7 @@ and so that the children of a process can be killed with it.
 
 import logging
 import os
+import re
 import signal
 import time
 from collections.abc import Callable, Iterable, Mapping
@@ -29,6 +30,8 @@ STOP_DEADLINE_S = 5.0
 # Period of the checks whether stopped processes have ended.
 STOP_POLL_S = 0.02
 # Characters of the last line of a log that an event quotes.
+# What ROS puts before a line in which a node tells why it ends; others are no reason.
+_LOGGED = re.compile(r'^\[(WARN|ERROR|FATAL)\] \[[\d.]+\] \[[^]]*\]: ')
 LONGEST_LINE = 300
 
 log = logging.getLogger(__name__)
@@ -218,8 +221,8 @@ def last_line(path: Path) -> str:
 def _why(child: _Child, how: str) -> str:
     """Return why a process is not started again, with its own last words."""
     times = f' after {child.restarts} restarts' if child.restarts else ''
-    words = last_line(child.launch.log)
-    return f'{how}{times}' + (f': {words}' if words else '')
+    words = _LOGGED.sub('', last_line(child.launch.log))
+    return f'{how}{times}' + (f': {words}' if words and not words.startswith('[') else '')
 
 
 def _open_log(path: Path) -> IO[bytes]:
