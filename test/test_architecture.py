@@ -103,6 +103,7 @@ MAY_IMPORT = {
     'rocsafe_fleet': {
         'rocsafe_planner.conversions',
         'rocsafe_planner.errors',
+        'rocsafe_planner.export.plan_files',
         'rocsafe_planner.plan',
         'rocsafe_planner.planning',
         'rocsafe_planner.replanning',

@@ -254,3 +254,17 @@ def test_rest_of_a_rest_in_another_layer_is_planned():
     last = replan(rest, Situation(alive=dict.fromkeys(names), visited=frozenset()))
     assert check_plan(last) == []
     assert min(r.flight_height_m for r in last.routes if r.sorties) == 32.0
+
+
+def test_rest_above_a_silent_vehicle_is_planned_within_the_batteries():
+    """The climb to the lowest free layer counts: what it leaves no time for is left out."""
+    plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))
+    first, silent = plan.routes[0].vehicle, plan.routes[1].vehicle
+    unheard = UnheardVehicle(name=silent.name, flight_height_m=32.0, home=silent.home, places=())
+    for left_s in (150.0, 180.0, 210.0):
+        used = {first.name: first.endurance_s - left_s}
+        rest = replan(plan, Situation(alive=used, visited=frozenset(), unheard=(unheard,)))
+        assert check_plan(rest) == []
+        assert rest.left_out
+        assert rest.routes[0].flight_height_m >= 47.0
+        assert left_s - 30.0 < rest.makespan_s <= left_s

@@ -24,8 +24,8 @@ from rocsafe_fleet.trial.trial import planner_of
 from rocsafe_geo.storage.durable import replace_whole, write_whole
 from rocsafe_geo.storage.value_file import read_values
 from rocsafe_geo.terrain.terrain_file import read_terrain
-from rocsafe_planner.options import further_folder
 from rocsafe_planner.plan.plan import SurveyPlan
+from rocsafe_planner.plan.plan_json import further_folder
 from rocsafe_planner.plan.plan_reading import read_plan
 
 _STARTS, _LEDGER, _ROUTES = 'starts.txt', 'ledger.bin', 'routes.json'

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rocsafe_geo.limits import require_count
 from rocsafe_geo.option import option
+from rocsafe_planner.plan.plan_json import further_folder
 from rocsafe_planner.plan.survey_options import (
     GRIDS,
     MAX_VIEWPOINTS_LIMIT,
@@ -46,8 +47,3 @@ class PlannerOptions:
             return ()
         folders = (self.export_folder(plan_id, is_further) for is_further in (False, True))
         return tuple(folder / 'plan.json' for folder in folders)
-
-
-def further_folder(folder: Path, plan_id: str) -> Path:
-    """Return where the files of a plan for the rest of a survey are, or of another round."""
-    return folder / f'further-{plan_id}'

@@ -156,7 +156,10 @@ def _partly_served(
     part = site.without(set(range(len(site.problem.points))) - set(served))
     number = {point: new for new, point in enumerate(served)}
     known = [[number[point] for point in order] for order in orders]
-    return part, _found(part, on_progress, [known])
+    found = _found(part, on_progress, [known])
+    if math.isinf(objective_value(part.problem, found.orders, 'longest_time')):
+        found = Optimised(orders=known)  # a method without a search may exceed the batteries
+    return part, found
 
 
 def _shortage(site: SurveySite, needed_s: float) -> str:

@@ -5,20 +5,18 @@ import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from rocsafe_planner.errors import BeyondEnduranceError, NoFreeHeightError
+from rocsafe_planner.errors import BeyondEnduranceError
 from rocsafe_planner.flights.flight_choice import FlightChoice
 from rocsafe_planner.flights.routes import route_of
-from rocsafe_planner.flights.separation import TOLERANCE_M, minimum_separation_m
+from rocsafe_planner.flights.separation import minimum_separation_m
 from rocsafe_planner.flights.timetable import Timetable, timetable
 from rocsafe_planner.flights.unheard_space import unheard_spaces
 from rocsafe_planner.plan.plan import Route
 from rocsafe_planner.plan.vehicle import Vehicle
 from rocsafe_planner.problem.fleet_problem import Order
 from rocsafe_planner.routing.sorties import sorties
+from rocsafe_planner.site.free_layers import free_layers_m
 from rocsafe_planner.site.survey_site import SurveySite
-
-MAX_LAYERS = 8
-"""Layers that are tried; the highest flies that many separations higher, less one."""
 
 MAX_TURNS = 12
 """Flights of a vehicle that are tried as its first."""
@@ -112,7 +110,7 @@ class FlightChoices:
         problem, spaces = site.problem, unheard_spaces(site)
         layers = [problem.layer_m(vehicle)]
         if site.request.separation.by == 'layers' and site.request.separation.distance_m > 0.0:
-            layers = _free_layers(site)
+            layers = free_layers_m(site.request)
         for number, layer_m in enumerate(layers):
             own = [problem.layer_m(k) for k in range(len(problem.vehicles))]
             own[vehicle] = layer_m
@@ -153,32 +151,3 @@ def _turns(spec: Vehicle, flights: Orders) -> list[Orders]:
 def in_layers(site: SurveySite, layers_m: tuple[float, ...]) -> SurveySite:
     """Return the site with vehicles that fly so much higher."""
     return dataclasses.replace(site, problem=site.problem.in_layers(layers_m))
-
-
-def _free_layers(site: SurveySite) -> list[float]:
-    """Return the layers that may be flown in, as heights above the lowest.
-
-    Raises
-    ------
-    NoFreeHeightError
-        If vehicles that nobody hears leave none.
-    """
-    step, base_m = site.request.separation.distance_m, site.request.coverage.height_agl_m
-    unheard = site.request.continuation.unheard
-    highest_m = site.request.airspace.max_height_agl_m
-    free = [
-        number * step
-        for number in range(MAX_LAYERS)
-        if base_m + number * step <= highest_m
-        and all(
-            abs(base_m + number * step - one.flight_height_m) >= step - TOLERANCE_M
-            for one in unheard
-        )
-    ]
-    if not free:
-        heights = ', '.join(f'{one.flight_height_m:g} m' for one in unheard)
-        raise NoFreeHeightError(
-            f'no flight height up to {highest_m:g} m keeps {step:g} m from vehicles that nobody '
-            f'hears, at {heights}'
-        )
-    return free

@@ -6,6 +6,7 @@ on when or where the plan was made: equal requests give equal files.
 """
 
 from dataclasses import asdict
+from pathlib import Path
 
 from rocsafe_planner.plan.document import (
     Document,
@@ -24,6 +25,11 @@ from rocsafe_planner.plan.plan import Route, Sortie, SurveyPlan
 from rocsafe_planner.plan.request import SurveyRequest
 
 FORMAT_VERSION = 2
+
+
+def further_folder(folder: Path, plan_id: str) -> Path:
+    """Return where the files of a plan for the rest of a survey are, or of another round."""
+    return folder / f'further-{plan_id}'
 
 
 def plan_document(plan: SurveyPlan) -> Document:

@@ -30,8 +30,8 @@ class Situation:
     unheard
         Vehicles in the air of which nobody hears, see `Continuation`.
     last
-        Ids of viewpoints that each vehicle visits after all its others: somebody who is not
-        heard may be about to visit them.
+        Ids of viewpoints that each vehicle visits after all its others, if batteries do for that:
+        somebody who is not heard may be about to visit them.
     """
 
     alive: Mapping[str, Aloft | float | None]

@@ -20,6 +20,7 @@ from rocsafe_planner.plan.viewpoint import Viewpoint
 from rocsafe_planner.problem.airspace import Airspace
 from rocsafe_planner.problem.fleet_problem import FleetProblem
 from rocsafe_planner.site.columns import columns_of, detours_of
+from rocsafe_planner.site.free_layers import lowest_layers_m
 from rocsafe_planner.site.given_viewpoints import given_coverage
 from rocsafe_planner.site.site_checks import check_distances, check_stands, check_ups, exits
 
@@ -183,7 +184,7 @@ def _problem_of(
         ground=ground,
         relief=relief,
         separation_m=request.separation.distance_m,
-        layers_m=request.layers_m,
+        layers_m=lowest_layers_m(request),
         wind_mps=request.airspace.wind_mps,
         detours=None if detours is None or detours.is_straight else detours,
         may_visit=_may_visit(request, coverage),
