@@ -79,7 +79,7 @@ def test_every_link_leads_to_a_file_and_a_heading_of_the_site(site):
 def test_no_command_is_shown_as_a_line_of_text(site):
     """As one is that is indented below a list: it belongs to the last item there."""
     command = re.compile(r'<(?:p|li)>\s*((?:rocsafe|ros2|make|python3?|source) [^<]*--?\w[^<]*)<')
-    found = {page.name: command.findall(page.read_text()) for page in site.rglob('*.html')}
+    found = {str(page): command.findall(page.read_text()) for page in site.rglob('*.html')}
     assert {name: lines for name, lines in found.items() if lines} == {}
 
 
