@@ -16,7 +16,6 @@ from rocsafe_console.runs.drafts import Drafts
 from rocsafe_console.runs.outline import areas_of
 from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of
-from rocsafe_geo.storage.evidence_log import EvidenceError
 
 DRAFTS: web.AppKey[Drafts] = web.AppKey('drafts', Drafts)
 # A plan takes up to two minutes: other requests, log-ins among them, do not wait for it.
@@ -85,7 +84,7 @@ async def launch_draft(request: web.Request) -> web.Response:
         await context.write(
             'launch', session.user, name=name, approved=approved, confirmed=confirmed
         )
-    except (OSError, EvidenceError) as error:
+    except OSError as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
     launch = await asyncio.to_thread(
         request.app[DRAFTS].launch, name, approved, session.user, confirmed
