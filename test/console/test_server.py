@@ -19,12 +19,13 @@ from test.console.test_hostile_clients import frames_read
 
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.orders.order_book import TARGETS
-from rocsafe_console.people.missions import SAFE
+from rocsafe_console.people.missions import SAFE, Access
 from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
 from rocsafe_console.people.sessions import MOST_SESSIONS
 from rocsafe_console.people.users import User, Users, write_users
 from rocsafe_console.runs.drafts import Drafts, Step
+from rocsafe_console.runs.launches import Launches
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
@@ -427,6 +428,40 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             is_refused = status == 403 and f'a {role.value} may not' in answer['error']
             assert is_refused == (action not in MAY[role]), action
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
+
+
+@pytest.mark.parametrize('run', ['yard-1', ''], ids=['run known', 'run not known yet'])
+@pytest.mark.parametrize('visibility', ['everybody', 'named'])
+@pytest.mark.parametrize('members', [[], ['operator']])
+def test_only_its_commander_ends_a_mission(
+    tmp_path, people, monkeypatch, run, visibility, members
+):
+    """Whatever mission is heard beside it, and whoever commands that one: all users, both ways."""
+    others = {'other': replace(people['commander'], name='other')}
+    stage = Stage(tmp_path, users={**people, **others})
+    stage.begin()
+    missions = stage.context.missions
+    rights = {'visibility': visibility, 'members': tuple(members)}
+    missions.put('yard-1', Access(commander='commander', **rights))
+    missions.put(stage.context.mission, Access(commander='other'))
+    ended = []
+    monkeypatch.setattr(Launches, 'run_of', lambda *_: run)
+    monkeypatch.setattr(Launches, 'user_of', lambda *_: 'commander')
+    monkeypatch.setattr(Launches, 'end', lambda _self, name: ended.append(name))
+    with served(stage) as address:
+        for user in (*people, 'other'):
+            caller = Caller(address)
+            assert caller.ask('/api/login', {'name': user, 'password': PASSWORD})[0] == 200
+            status, _ = caller.ask('/api/missions/yard/end', {})
+            assert (status, ended) == ((200, ['yard']) if user == 'commander' else (403, [])), user
+            ended.clear()
+            sees = caller.ask('/api/missions/yard')[0] == 200
+            is_hidden = run and visibility == 'named' and user == 'operator' and not members
+            assert sees == (user != 'viewer' and not is_hidden), user
+        # Who takes the command may end it.
+        if run:
+            missions.put('yard-1', Access(commander='other', **rights))
+            assert caller.ask('/api/missions/yard/end', {})[0] == 200
 
 
 @pytest.fixture
