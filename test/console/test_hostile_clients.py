@@ -16,6 +16,7 @@ from test.console.caller import Caller
 from test.console.stage import TOKEN, Stage, served
 from test.console.test_tak_server import Authority
 
+from rocsafe_console.errors import ConsoleError
 from rocsafe_console.web import door, guards, push, server
 
 DEADLINE_S = 30.0
@@ -194,6 +195,19 @@ def test_requests_that_never_end_keep_no_page_out(tmp_path, monkeypatch, head):
         until(lambda: sum(map(is_open, idle)) <= 8, 'the oldest are closed')
         for connection in idle:
             connection.close()
+
+
+def test_a_port_that_is_taken_is_told_in_one_line(tmp_path):
+    """By its number and the reason, without that of Python; a host that is none, too."""
+    with socket.create_server(('127.0.0.1', 0)) as taken:
+        port = taken.getsockname()[1]
+        text = f'--host 127.0.0.1 --port {port}: cannot be listened at: Address already in use'
+        stage = Stage(tmp_path)
+        stage.context.options = replace(stage.context.options, port=port)
+        with pytest.raises(ConsoleError, match=f'^{text}$'):
+            server.ServerThread(stage.context, print)
+    with pytest.raises(ConsoleError, match='^--host no.such.host.invalid --port 1: cannot be'):
+        asyncio.run(door.listening_at('no.such.host.invalid', 1))
 
 
 def test_a_page_is_not_closed_for_others_that_wait(live, monkeypatch):

@@ -8,6 +8,7 @@ whatever waits beside it.
 
 import asyncio
 import ipaddress
+import os
 import socket
 import ssl
 from collections import Counter
@@ -17,6 +18,8 @@ from functools import lru_cache, partial
 from typing import Any
 
 from aiohttp import web
+
+from rocsafe_console.errors import ConsoleError
 
 # Until the head of a request, or the end of the TLS handshake, has come; and between two requests.
 HEAD_S = 10.0
@@ -141,15 +144,15 @@ async def listening_at(host: str, port: int) -> list[socket.socket]:
 
     Raises
     ------
-    OSError
+    ConsoleError
         If one of the addresses cannot be listened at.
     """
     loop = asyncio.get_running_loop()
-    found = await loop.getaddrinfo(
-        host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-    )  # fmt: skip
     sockets: list[socket.socket] = []
     try:
+        found = await loop.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )
         for family, _, _, _, (name, number, *_rest) in dict.fromkeys(found):
             chosen = sockets[0].getsockname()[1] if sockets and not port else number
             one = socket.create_server((str(name), int(chosen)), family=family, backlog=QUEUE)
@@ -158,8 +161,9 @@ async def listening_at(host: str, port: int) -> list[socket.socket]:
     except OSError as error:
         for one in sockets:
             one.close()
-        text = f'--host {host} --port {port}: cannot be listened at: {error.strerror or error}'
-        raise OSError(error.errno, text) from error
+        reason = os.strerror(error.errno) if (error.errno or 0) > 0 else error.strerror
+        text = f'--host {host} --port {port}: cannot be listened at: {reason}'
+        raise ConsoleError(text) from error
     return sockets
 
 
