@@ -206,7 +206,7 @@ def test_a_port_that_is_taken_is_told_in_one_line(tmp_path):
         stage.context.options = replace(stage.context.options, port=port)
         with pytest.raises(ConsoleError, match=f'^{text}$'):
             server.ServerThread(stage.context, print)
-    with pytest.raises(ConsoleError, match='^--host no.such.host.invalid --port 1: cannot be'):
+    with pytest.raises(ConsoleError, match=r'^--host no\.such\.host\.invalid --port 1: cannot be'):
         asyncio.run(door.listening_at('no.such.host.invalid', 1))
 
 

@@ -161,7 +161,8 @@ async def listening_at(host: str, port: int) -> list[socket.socket]:
     except OSError as error:
         for one in sockets:
             one.close()
-        reason = os.strerror(error.errno) if (error.errno or 0) > 0 else error.strerror
+        number = error.errno or 0
+        reason = os.strerror(number) if number > 0 else error.strerror
         text = f'--host {host} --port {port}: cannot be listened at: {reason}'
         raise ConsoleError(text) from error
     return sockets
