@@ -154,7 +154,8 @@ class ServerThread:
         sockets = await listening_at(options.host, options.port)
         self.port[0] = sockets[0].getsockname()[1]
         self._ready.set()
-        works = (*self._work_of(app), *map(door.accept, sockets))
+        accepting = (self._kept_up(partial(door.accept, one)) for one in sockets)
+        works = (*self._work_of(app), *accepting)
         tasks = [asyncio.create_task(work) for work in works]
         await self._stop.wait()
         for task in tasks:
