@@ -7,7 +7,7 @@ from pathlib import Path
 
 _HEAD = """\
 # Made by make wheels: all that an installation needs, in this folder, with hashes.
-#   python3 -m venv rocsafe && rocsafe/bin/pip install -r install.txt
+#   python3 -m venv rocsafe && rocsafe/bin/pip install --no-compile -r install.txt
 --no-index
 --find-links .
 --require-hashes
