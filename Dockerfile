@@ -14,11 +14,9 @@ FROM debian:12-slim
 RUN apt-get update && apt-get install -y --no-install-recommends \
     ca-certificates libegl1 libgl1 libgl1-mesa-dri python3 python3-venv \
     && rm -rf /var/lib/apt/lists/*
-COPY --from=wheels /rocsafe/dist /dist
-RUN python3 -m venv /opt/rocsafe && /opt/rocsafe/bin/pip install --no-cache-dir -r /dist/install.txt
-# The inner loops of the planner are compiled at the first plan, here instead of in each container.
-RUN useradd --create-home rocsafe && mkdir /runs && chown rocsafe /runs \
-    && /opt/rocsafe/bin/python -m rocsafe_planner.solver.precompile
+RUN --mount=type=bind,from=wheels,source=/rocsafe/dist,target=/dist \
+    python3 -m venv /opt/rocsafe && /opt/rocsafe/bin/pip install --no-cache-dir -r /dist/install.txt
+RUN useradd --create-home rocsafe && mkdir /runs && chown rocsafe /runs
 ENV PATH=/opt/rocsafe/bin:$PATH
 USER rocsafe
 WORKDIR /

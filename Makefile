@@ -72,7 +72,7 @@ docs: ## write the tables of docs/interfaces.md from the code
 	@. ./env.sh && python tools/interface_tables.py
 
 .PHONY: wheels
-wheels: ## set up and make wheels of all packages in dist/, for machines without a compiler
+wheels: ## set up and make wheels of all packages and libraries in dist/, for machines without a compiler
 	@sh tools/setup.sh
 	@. ./env.sh && PYTHONPATH="tools:$$PYTHONPATH" python -m distribution.command
 

@@ -2,20 +2,31 @@
 """Render the images of docs/scenes: nadir, oblique, labels and overview of each scene.
 
     python tools/scene_pictures.py [--only derailment] [--run RUN_DIR]
+    python tools/scene_pictures.py --moving docs/scene.webp
 
 With the directory of a finished run in the derailment, its overview shows the planned and flown
-routes. Each image is drawn with four times the pixels; that takes about a minute a scene.
+routes. Each image is drawn with four times the pixels; that takes about a minute a scene. The
+moving picture of the README is what a camera sees on a flight around the derailment.
 """
 
 import argparse
+import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
+import numpy as np
+from PIL import Image
 
+from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_scene.command_line import scene_command
+from rocsafe_scene.engine.oversampled_camera import OversampledCamera, open_scene
+from rocsafe_scene.graphics.lens import looking
+from rocsafe_scene.scene.map_cache import default_folder
+from rocsafe_scene.scene.placing import to_world
+from rocsafe_scene.scene.scene_file import read_scene
 
 ROOT = Path(__file__).resolve().parents[1]
 LARGEST_BYTES = 200_000
@@ -43,6 +54,10 @@ VIEWS: dict[str, dict[str, list[str]]] = {
         'overview': ['--eye=-70,-120,60', '--target=0,0,0'],
     },
 }
+# The moving picture: places of the camera about what it looks at, metres.
+MOVING_SCENE, MOVING_TARGET = 'derailment', (10.0, 4.0, 1.0)
+MOVING_RADIUS_M, MOVING_HEIGHT_M = 42.0, (12.0, 26.0)
+MOVING_SIZE_PX, MOVING_FRAMES, MOVING_FRAME_MS, MOVING_QUALITY = (560, 350), 48, 140, 50
 # The view that also gets an image of its labels and depth.
 LABELLED = 'oblique'
 
@@ -62,7 +77,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument('--only', choices=tuple(VIEWS), action='append', help='of this scene')
     parser.add_argument('--run', type=Path, metavar='RUN_DIR', help='in the derailment')
     parser.add_argument('--out', type=Path, default=ROOT / 'docs' / 'scenes')
+    parser.add_argument('--moving', type=Path, metavar='FILE', help='only the moving picture')
     arguments = parser.parse_args(argv)
+    if arguments.moving:
+        write_moving(arguments.moving)
+        return 0
     for view in views_of(arguments.only or tuple(VIEWS), arguments.run):
         code = render_view(view, arguments.out, scene_command.main)
         if code:
@@ -93,6 +112,26 @@ def render_view(view: View, folder: Path, run: Callable[[list[str]], int]) -> in
         if truth.exists():
             shrink(truth, folder / f'{view.scene}_truth.jpg')
     return code
+
+
+def write_moving(path: Path) -> None:
+    """Write what a camera sees that flies once around a scene, and looks at its middle."""
+    description = read_scene(ROOT / f'config/scenes/{MOVING_SCENE}.yaml')
+    camera = OversampledCamera(
+        open_scene(description, origin=None, cache=default_folder()),
+        PinholeCamera(math.radians(60.0), *MOVING_SIZE_PX),
+    )
+    target = np.array([*to_world(description, [MOVING_TARGET[:2]])[0], MOVING_TARGET[2]])
+    low_m, high_m = MOVING_HEIGHT_M
+    frames = []
+    for turn in np.arange(MOVING_FRAMES) * (2.0 * math.pi / MOVING_FRAMES):
+        height_m = low_m + (high_m - low_m) * 0.5 * (1.0 - math.cos(turn))
+        side = MOVING_RADIUS_M * np.array([math.sin(turn), -math.cos(turn)])
+        eye = np.array([*(target[:2] + side), height_m])
+        image = camera.expose(eye, looking(target - eye)).image
+        frames.append(Image.fromarray(cv2.cvtColor(image, cv2.COLOR_BGR2RGB)))
+    frames[0].save(path, save_all=True, append_images=frames[1:], loop=0,
+                   duration=MOVING_FRAME_MS, quality=MOVING_QUALITY, method=6)  # fmt: skip
 
 
 def shrink(drawn: Path, kept: Path) -> None:

@@ -5,6 +5,7 @@ import base64
 import hashlib
 import json
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -31,7 +32,11 @@ from rocsafe_geo.storage.evidence_log import (
     checked,
     line_of,
     read_log,
+    segment,
+    segments_of,
+    whole_lines,
 )
+from rocsafe_orchestrator.report.sections.people_view import people_rows
 
 
 def order_at(time_s: float, by: str = 'anna', **what) -> Event:
@@ -78,8 +83,13 @@ def test_several_writers_make_one_chain(tmp_path):
     second.add([order_at(9.0, 'bert'), order_at(9.5, 'bert')])
     assert [entry['n'] for entry in read_log(path)] == list(range(1, 9))
     path.write_bytes(b'')
-    with pytest.raises(EvidenceError, match='have been removed'):
-        first.add([order_at(10.0)])
+    first.add([order_at(10.0)])
+    second.add([order_at(11.0)])
+    entries, fault = whole_lines(segment(path, 2))
+    assert ([entry['kind'] for entry in entries], fault) == (['damaged', 'order', 'order'], '')
+    assert entries[0]['why'] == 'log: lines have been removed'
+    first.close()
+    second.close()
 
 
 @given(st.data())
@@ -121,8 +131,72 @@ def test_lines_that_are_gone_or_moved_are_found(tmp_path, change):
     with pytest.raises(EvidenceError, match='does not follow'):
         checked(change(lines))
     (tmp_path / 'log').write_bytes(b''.join(line + b'\n' for line in change(lines)))
-    with pytest.raises(EvidenceError, match='does not follow'):
-        EvidenceLog(tmp_path / 'log')
+    with closing(EvidenceLog(tmp_path / 'log')) as log:
+        log.add([order_at(9.0)])
+    assert 'does not follow' in read_first(tmp_path / 'log-0002')['why']
+
+
+def read_first(path: Path) -> dict:
+    """Return the first entry of a segment."""
+    return json.loads(path.read_bytes().split(b'\n')[0])
+
+
+def test_a_damaged_log_goes_on_and_verify_names_the_damage(tmp_path, key, capsys):
+    """Nothing of it is overwritten; what is changed later is found, too; it can be sealed."""
+    run = run_of(tmp_path)
+    log, changed = run / LOG_NAME, (run / LOG_NAME).read_bytes().replace(b'anna', b'bert', 1)
+    log.write_bytes(changed)
+    log_of(log, 2)
+    assert log.read_bytes() == changed
+    log_of(log, 1)
+    second = run / 'evidence-0002.jsonl'
+    assert [entry['kind'] for entry in whole_lines(second)[0]] == ['damaged'] + ['order'] * 3
+    assert people_rows(run)[5][2].startswith('found the log damaged')
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    damage = [
+        f'{LOG_NAME}, line 1: has been changed; the log goes on in {second.name}',
+        f'{LOG_NAME}: was damaged when {second.name} began: {LOG_NAME}, line 1: has been changed',
+    ]
+    assert verify_run(run) == damage
+    assert verify_main([str(run)]) == 1
+    assert 'line 1: has been changed' in capsys.readouterr().out
+    log.write_bytes(changed + b'x\n')
+    assert verify_run(run) == [*damage, f'{LOG_NAME}: has been changed since']
+    log.unlink()
+    assert verify_run(run) == [damage[1], f'{LOG_NAME}: has been changed since']
+    log.write_bytes(changed)
+    second.write_bytes(second.read_bytes().replace(b'anna', b'bert', 1))
+    assert f'{second.name}, line 2: has been changed' in verify_run(run)
+    with pytest.raises(EvidenceError, match='evidence-0002'):
+        seal_run(run, 2.0, 'anna', '0.2.0', read_key(key))
+
+
+def test_damage_of_what_was_sealed_is_not_sealed_again(tmp_path, key):
+    """The log goes on; no new seal makes the old lines new."""
+    run = run_of(tmp_path)
+    seal_run(run, 1.0, 'anna', '0.2.0', read_key(key))
+    log = run / LOG_NAME
+    log.write_bytes(log.read_bytes().replace(b'anna', b'bert', 1))
+    log_of(log, 1)
+    with pytest.raises(EvidenceError, match='has 0 lines, 5 were sealed'):
+        seal_run(run, 2.0, 'anna', '0.2.0', read_key(key))
+    assert any('line 1: has been changed' in fault for fault in verify_run(run))
+
+
+def test_a_log_that_is_taken_away_goes_on(tmp_path):
+    """Removed, or another file in its place: writers that have it open notice."""
+    path = tmp_path / LOG_NAME
+    with closing(EvidenceLog(path)) as log:
+        log.add([order_at(1.0)])
+        path.unlink()
+        log.add([order_at(2.0)])
+        second = segment(path, 2)
+        second.rename(tmp_path / 'kept')
+        second.write_bytes((tmp_path / 'kept').read_bytes())
+        log.add([order_at(3.0)])
+    assert [one.name for one in segments_of(path)] == [second.name, 'evidence-0003.jsonl']
+    assert read_first(second)['why'] == f'{LOG_NAME}: is gone'
+    assert read_first(segment(path, 3))['why'] == f'{second.name}: another file has its name'
 
 
 @pytest.fixture
@@ -229,6 +303,8 @@ def test_a_new_seal_hides_no_change_of_raw_evidence(tmp_path, key):
     lambda content: content.update(log={'lines': 5}),
     lambda content: content.update(log=None),
     lambda content: content.update(log={'lines': 'x', 'last': ''}),
+    lambda content: content.update(log={'lines': 0, 'last': None, 'name': 5}),
+    lambda content: content.update(log={'lines': 0, 'last': None, 'name': '../x'}),
 ])  # fmt: skip
 def test_a_seal_without_its_parts_is_told_in_one_line(tmp_path, damage):
     """Also where nobody has signed it."""

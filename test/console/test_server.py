@@ -18,11 +18,14 @@ from test.console.stage import TOKEN, Stage, served
 from test.console.test_hostile_clients import frames_read
 
 from rocsafe_console.errors import ConsoleError
+from rocsafe_console.orders.order_book import TARGETS
+from rocsafe_console.people.missions import SAFE, Access
 from rocsafe_console.people.passwords import hash_of
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role
 from rocsafe_console.people.sessions import MOST_SESSIONS
 from rocsafe_console.people.users import User, Users, write_users
 from rocsafe_console.runs.drafts import Drafts, Step
+from rocsafe_console.runs.launches import Launches
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
@@ -68,16 +71,57 @@ def test_an_order_is_written_down_and_sent_and_answered(stage, caller, tmp_path)
 
 
 def test_an_order_that_cannot_be_written_down_is_not_sent(stage, caller, monkeypatch):
-    """A full disk: nothing flies without a line in the log."""
+    """A full disk: nothing flies without a line in the log, but what ends a flight."""
 
     def full(*_: object) -> None:
         raise OSError(28, 'No space left on device')
 
     monkeypatch.setattr(stage.context.desk, 'write', full)
-    status, answer = caller.order('return', revisions_of(stage))
-    assert status == 403
-    assert 'nothing was sent' in answer['error']
+    for verb in sorted(verb.value for verb in VERBS - SAFE - TARGETS.keys()):
+        status, answer = caller.order(verb, revisions_of(stage))
+        assert status == 403
+        assert 'nothing was sent' in answer['error']
     assert not stage.crew.sent
+
+
+@pytest.mark.parametrize('verb', ['hold', 'return', 'land'])
+@pytest.mark.parametrize('disk', ['full', 'hangs', 'log damaged', 'log gone'])
+def test_no_trouble_with_the_log_holds_up_an_emergency(
+    stage, caller, monkeypatch, tmp_path, verb, disk
+):
+    """It is sent, and the page says that it is in no log; a damaged log goes on beside itself."""
+    monkeypatch.setattr(order_handlers, 'LOG_S', 0.3)
+    path, done = tmp_path / 'console.jsonl', threading.Event()
+    write = stage.context.desk.write
+
+    def troubled(*event: object) -> None:
+        if disk == 'full':
+            raise OSError(28, 'No space left on device')
+        done.wait(20.0)
+        write(*event)
+
+    if disk == 'log damaged':
+        path.write_bytes(path.read_bytes().replace(b'anna', b'bert'))
+        # As a console that is started again reads it.
+        stage.context.desk.close()
+    elif disk == 'log gone':
+        path.unlink()
+    else:
+        monkeypatch.setattr(stage.context.desk, 'write', troubled)
+    begun_s = time.monotonic()
+    status, answer = caller.order(verb, revisions_of(stage))
+    assert time.monotonic() - begun_s < 5.0
+    assert (status, [one['outcome'] for one in answer['results']]) == (200, ['done'] * 3)
+    assert len(stage.crew.sent) == 1
+    done.set()
+    if disk in ('full', 'hangs'):
+        assert answer['unlogged']
+        return
+    assert 'unlogged' not in answer
+    log = tmp_path / 'console-0002.jsonl'
+    entries = checked(log.read_bytes().split(b'\n')[:-1])
+    assert [entry['kind'] for entry in entries] == ['damaged', 'order', 'outcome']
+    assert 'evidence log damaged' in str(stage.context.live.picture.sections.value('alarms'))
 
 
 def test_what_was_done_is_told_though_its_outcome_cannot_be_written_down(
@@ -127,7 +171,7 @@ def test_a_slow_disk_holds_up_no_picture(stage, caller, monkeypatch):
 
     monkeypatch.setattr(stage.context.desk, 'write', slow)
     with ThreadPoolExecutor(1) as pool:
-        order = pool.submit(caller.order, 'land', revisions_of(stage))
+        order = pool.submit(caller.order, 'resume', revisions_of(stage))
         try:
             assert begun.wait(20.0)
             assert asyncio.run(frames_read(caller, stage.step, 5)) == 5
@@ -384,6 +428,40 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             is_refused = status == 403 and f'a {role.value} may not' in answer['error']
             assert is_refused == (action not in MAY[role]), action
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
+
+
+@pytest.mark.parametrize('run', ['yard-1', ''], ids=['run known', 'run not known yet'])
+@pytest.mark.parametrize('visibility', ['everybody', 'named'])
+@pytest.mark.parametrize('members', [[], ['operator']])
+def test_only_its_commander_ends_a_mission(
+    tmp_path, people, monkeypatch, run, visibility, members
+):
+    """Whatever mission is heard beside it, and whoever commands that one: all users, both ways."""
+    others = {'other': replace(people['commander'], name='other')}
+    stage = Stage(tmp_path, users={**people, **others})
+    stage.begin()
+    missions = stage.context.missions
+    rights = {'visibility': visibility, 'members': tuple(members)}
+    missions.put('yard-1', Access(commander='commander', **rights))
+    missions.put(stage.context.mission, Access(commander='other'))
+    ended = []
+    monkeypatch.setattr(Launches, 'run_of', lambda *_: run)
+    monkeypatch.setattr(Launches, 'user_of', lambda *_: 'commander')
+    monkeypatch.setattr(Launches, 'end', lambda _self, name: ended.append(name))
+    with served(stage) as address:
+        for user in (*people, 'other'):
+            caller = Caller(address)
+            assert caller.ask('/api/login', {'name': user, 'password': PASSWORD})[0] == 200
+            status, _ = caller.ask('/api/missions/yard/end', {})
+            assert (status, ended) == ((200, ['yard']) if user == 'commander' else (403, [])), user
+            ended.clear()
+            sees = caller.ask('/api/missions/yard')[0] == 200
+            is_hidden = run and visibility == 'named' and user == 'operator' and not members
+            assert sees == (user != 'viewer' and not is_hidden), user
+        # Who takes the command may end it.
+        if run:
+            missions.put('yard-1', Access(commander='other', **rights))
+            assert caller.ask('/api/missions/yard/end', {})[0] == 200
 
 
 @pytest.fixture

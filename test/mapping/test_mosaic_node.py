@@ -3,6 +3,7 @@
 
 import importlib.util
 import json
+import math
 import pathlib
 import threading
 
@@ -10,6 +11,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
+import cv2
+import numpy as np
 import rasterio
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -124,6 +127,27 @@ def test_a_receipt_puts_its_photograph_on_the_map(bench):
     assert message.preview.format == 'png'
     assert bytes(message.preview.data[:4]) == b'\x89PNG'
     assert message.south_west.latitude < 53.28 < message.north_east.latitude
+
+
+def test_the_tiles_of_a_saved_map_are_complete(bench):
+    """When the answer comes: the mission ends its nodes then, and the tiles are its product."""
+    bench.start()
+    for number in range(3):
+        bench.put(number)
+    assert bench.save().success
+    bench.stop()
+    bench.node = None
+    seen = {}
+    for path in (bench.directory / 'map/tiles').rglob('*.png'):
+        tile = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        zoom = int(path.parts[-3])
+        seen[zoom] = seen.get(zoom, 0) + np.count_nonzero(tile[..., 3] > 127)
+    finest = max(seen)
+    with rasterio.open(bench.output) as file:
+        area_m2 = np.count_nonzero(file.dataset_mask()) * file.res[0] ** 2
+    pixel_m = 40_075_017 * math.cos(math.radians(53.28)) / 256 / 2**finest
+    assert seen[finest] * pixel_m**2 == pytest.approx(area_m2, rel=0.05)
+    assert seen[finest - 2] == pytest.approx(seen[finest] / 16, rel=0.2)
 
 
 def test_saving_places_all_that_is_stored_and_writes_the_file(bench):

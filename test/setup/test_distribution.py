@@ -6,7 +6,6 @@ import hashlib
 import os
 import subprocess
 import sys
-import sysconfig
 import zipfile
 from pathlib import Path, PurePath
 
@@ -15,6 +14,7 @@ import pytest
 from distribution import command
 from distribution.archive import Member, read_wheel, write_wheel
 from distribution.install_list import install_list
+from distribution.libraries import LibrariesError, closure, gather
 from distribution.python_wheel import make_python_wheel
 from distribution.requirement_names import UnknownRequirementError, read_lock, requirements
 from rocsafe_planner.solver.model.compiled import cache_directory
@@ -78,50 +78,67 @@ def test_the_same_sources_make_the_same_bytes(tmp_path):
     assert make_python_wheel(package, [], tmp_path / 'b').read_bytes() == first
 
 
-def test_the_list_holds_what_is_needed_indirectly():
+def test_what_is_needed_indirectly_is_found():
     """Numba needs llvmlite, which no manifest names."""
-    text = install_list([], [LOCK['numba'].split(' ')[0]], LOCK)
-    assert 'llvmlite==' in text
-    assert 'colcon' not in text
+    found = closure([LOCK['numba'].split(' ')[0]])
+    assert 'llvmlite' in found
+    assert 'colcon' not in ' '.join(found)
+
+
+def test_the_list_needs_no_index_and_names_every_file_by_its_hash(tmp_path):
+    """Nothing but the files of the folder can be installed by it."""
+    wheel = tmp_path / 'a-1.0-py3-none-any.whl'
+    wheel.write_bytes(b'x')
+    lines = install_list([wheel]).splitlines()
+    assert {'--no-index', '--find-links .', '--require-hashes'} <= set(lines)
+    assert lines[-1] == f'a==1.0 --hash=sha256:{hashlib.sha256(b"x").hexdigest()}'
+
+
+def test_a_library_with_another_hash_is_refused_in_one_line(tmp_path, monkeypatch):
+    """As somebody who changed a file on the index would have it."""
+    monkeypatch.setenv('PIP_NO_INDEX', '1')
+    monkeypatch.setenv('PIP_FIND_LINKS', str(tmp_path / 'index'))
+    (tmp_path / 'index').mkdir()
+    info = 'rocsafe_try-1.0.dist-info'
+    members = {f'{info}/METADATA': Member(content=b'Name: rocsafe_try\nVersion: 1.0\n')}
+    write_wheel(tmp_path / 'index/rocsafe_try-1.0-py3-none-any.whl', info, members)
+    with pytest.raises(LibrariesError, match=r'^ERROR: .*HASHES') as error:
+        gather(['rocsafe_try==1.0 --hash=sha256:' + '0' * 64], tmp_path)
+    assert '\n' not in str(error.value)
 
 
 @pytest.mark.all
-def test_wheels_alone_plan_a_mission(tmp_path, monkeypatch):
-    """In a fresh environment, without the checkout, `rocsafe check` and `ros2` work.
-
-    The libraries of the index are taken from this environment: the test needs no network.
-    """
+@pytest.mark.system
+@pytest.mark.timeout(600)
+def test_the_folder_alone_flies_the_derailment(tmp_path, monkeypatch, own_domain):
+    """In a fresh environment, with no compiler, no index, no checkout and an empty home."""
     monkeypatch.setattr(command, 'OUT', tmp_path / 'dist')
-    assert command.main() == 0
-    venv = tmp_path / 'venv'
-    _run([sys.executable, '-m', 'venv', '--without-pip', str(venv)])
-    wheels = [str(path) for path in sorted((tmp_path / 'dist').glob('*.whl'))]
-    pip = [sys.executable, '-m', 'pip', '--python', str(venv / 'bin/python'), 'install', '-q']
-    _run([*pip, '--no-deps', '--no-index', '--no-compile', *wheels])
-    site = sysconfig.get_path('purelib', vars={'base': str(venv)})
-    Path(site, 'libraries.pth').write_text(sysconfig.get_path('purelib') + '\n')
-    scenario = venv / 'share/rocsafe/config/scenarios/derailment.yaml'
-    assert 'valid' in _run([str(venv / 'bin/rocsafe'), 'check', str(scenario)])
-    ros2 = str(venv / 'bin/ros2')
-    assert 'rocsafe_sim rav' in _run([ros2, 'pkg', 'executables', 'rocsafe_sim'])
-    shown = _run([ros2, 'interface', 'show', 'rocsafe_interfaces/msg/VehicleState'])
-    assert 'header' in shown
-
-
-def _run(arguments: list[str]) -> str:
-    """Run a command without the environment of the workspace; return its output."""
-    base = Path(sys.prefix)
-    libraries = [base / 'lib', *sorted(Path(sysconfig.get_path('purelib')).glob('ros_*.libs'))]
-    prefix = Path(arguments[0]).parents[1]
+    if command.main() != 0:
+        pytest.skip('the package index cannot be reached')
+    (tmp_path / 'bin').mkdir()
+    for name in ('sh', 'env'):
+        (tmp_path / 'bin' / name).symlink_to(f'/bin/{name}')
     environment = {
-        'PATH': os.defpath,
-        'HOME': os.environ['HOME'],
-        'LD_LIBRARY_PATH': os.pathsep.join(map(str, [prefix / 'lib', *libraries])),
-        '_ROS_WHEELS_BOOTSTRAP_COMPLETE': '1',
-        'AMENT_PREFIX_PATH': str(base),
+        'PATH': str(tmp_path / 'bin'),
+        'HOME': str(tmp_path),
+        'ROS_DOMAIN_ID': os.environ['ROS_DOMAIN_ID'],
+        'PIP_CONFIG_FILE': os.devnull,
     }
-    done = subprocess.run(
-        arguments, env=environment, capture_output=True, text=True, timeout=LIMIT_S, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+
+    def run(*arguments: str) -> str:
+        done = subprocess.run(
+            arguments, env=environment, cwd=tmp_path, capture_output=True, text=True,
+            timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    base = Path(sys.base_prefix, 'bin', f'python3.{sys.version_info.minor}')
+    run(str(base), '-m', 'venv', 'rocsafe')
+    run('rocsafe/bin/pip', 'install', '-q', '--no-compile', '-r', 'dist/install.txt')
+    scenario = 'rocsafe/share/rocsafe/config/scenarios/derailment.yaml'
+    assert 'mission complete' in run('rocsafe/bin/rocsafe', 'run', scenario)
+    assert list(tmp_path.glob('runs/*/report.html'))
+    assert 'rocsafe_sim rav' in run('rocsafe/bin/ros2', 'pkg', 'executables', 'rocsafe_sim')
+    shown = run('rocsafe/bin/ros2', 'interface', 'show', 'rocsafe_interfaces/msg/VehicleState')
+    assert 'header' in shown

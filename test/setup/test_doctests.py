@@ -8,6 +8,7 @@ import pytest
 
 # Modules with what a user calls from Python.
 MODULES = (
+    'rocsafe_dispersion.estimation.locate',
     'rocsafe_dispersion.plume.steady_plume',
     'rocsafe_ground.drive.planning',
     'rocsafe_mapping.command_line.map_command',

@@ -5,9 +5,10 @@ import re
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
-DOCUMENTS = [ROOT / 'README.md', ROOT / 'CONTRIBUTING.md', *sorted((ROOT / 'docs').rglob('*.md'))]
+DOCUMENTS = [*sorted(ROOT.glob('*.md')), *sorted((ROOT / 'docs').rglob('*.md'))]
 
 
 def test_tables_are_current():
@@ -62,6 +63,17 @@ def test_readme_is_short_and_says_what_has_not_flown():
     text = (ROOT / 'README.md').read_text()
     assert len(text.splitlines()) <= 120
     assert 'No hardware has been flown' in text
+
+
+def test_the_pictures_of_the_readme_move_and_are_small():
+    """A mission, the console and a scene; together below 3 MB."""
+    text = (ROOT / 'README.md').read_text()
+    pictures = [ROOT / name for name in re.findall(r'!\[[^]]*\]\(([^)]+)\)', text)]
+    assert len(pictures) == 3
+    for path in pictures:
+        with Image.open(path) as picture:
+            assert picture.n_frames > 20
+    assert sum(path.stat().st_size for path in pictures) < 3e6
 
 
 def test_exit_codes_are_those_of_the_command():

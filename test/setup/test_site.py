@@ -6,7 +6,9 @@ import re
 import subprocess
 import sys
 import textwrap
+from html import unescape
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
@@ -33,7 +35,8 @@ def site(tmp_path_factory):
     """The site, built with warnings as errors: a broken link or a page outside the menu fails."""
     pytest.importorskip('mkdocs', reason='no mkdocs: make setup installs it for development')
     folder = tmp_path_factory.mktemp('site')
-    command = [sys.executable, '-m', 'mkdocs', 'build', '--strict', '-q', '-d', str(folder)]
+    # With `-q`, mkdocs would not count its warnings, and would never fail.
+    command = [sys.executable, '-m', 'mkdocs', 'build', '--strict', '-d', str(folder)]
     done = subprocess.run(
         command, cwd=ROOT, env={**os.environ, 'NO_MKDOCS_2_WARNING': '1'}, capture_output=True,
         text=True, timeout=LIMIT_S, check=False,
@@ -50,6 +53,34 @@ def test_nothing_is_loaded_from_elsewhere(site):
         foreign = re.findall(r'<(?:script|img|iframe)[^>]*src="https?:[^"]*"', text)
         styles = re.findall(r'<link[^>]*rel="(?:stylesheet|preconnect)"[^>]*https?:', text)
         assert foreign + styles == [], page
+
+
+@pytest.mark.slow
+def test_every_link_leads_to_a_file_and_a_heading_of_the_site(site):
+    """Also those that mkdocs only remarks upon, such as files that begin with a dot."""
+    texts = {page: page.read_text() for page in site.rglob('*.html') if page.name != '404.html'}
+    places = {page: set(re.findall(r'\bid="?([^"\s>]+)', text)) for page, text in texts.items()}
+    missing, seen = [], 0
+    for page, text in texts.items():
+        for link in set(re.findall(r'(?:href|src)="?([^"\s>]+)', text)):
+            if re.match(r'(?:https?|mailto|javascript|data):', link):
+                continue
+            seen += 1
+            path, _, place = unquote(unescape(link)).partition('#')
+            target = (page.parent / path).resolve() if path else page
+            target = target / 'index.html' if target.is_dir() else target
+            found = target.is_file() and (not place or place in places.get(target, {place}))
+            missing += [] if found else [f'{page.relative_to(site)}: {link}']
+    assert missing == []
+    assert seen > 1000
+
+
+@pytest.mark.slow
+def test_no_command_is_shown_as_a_line_of_text(site):
+    """As one is that is indented below a list: it belongs to the last item there."""
+    command = re.compile(r'<(?:p|li)>\s*((?:rocsafe|ros2|make|python3?|source) [^<]*--?\w[^<]*)<')
+    found = {str(page): command.findall(page.read_text()) for page in site.rglob('*.html')}
+    assert {name: lines for name, lines in found.items() if lines} == {}
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 """Files that a stranger looks for say what is true."""
 
 import re
+import shutil
+import subprocess
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
@@ -32,6 +34,23 @@ def test_the_workflow_runs_what_a_developer_runs():
     assert {word.split()[1] for word in commands if word.startswith('make ')} <= targets
     hooks = yaml.safe_load((ROOT / '.pre-commit-config.yaml').read_text())['repos'][0]['hooks']
     assert {'ruff', 'typos'} <= {Path(hook['entry'].split()[0]).name for hook in hooks}
+
+
+def test_every_source_file_names_its_licence():
+    """Of ours; what is of others has a notice at its head."""
+    kinds = ('*.py', '*.js', '*.mjs', '*.css', '*.sh', '*.cpp', '*.glsl', 'Makefile', 'Dockerfile')
+    git = shutil.which('git')
+    if git is None or not (ROOT / '.git').exists():
+        pytest.skip('no checkout of git')
+    listed = subprocess.run(
+        [git, 'ls-files', '-z', *kinds], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout.split('\0')[:-1]
+    heads = {name: (ROOT / name).read_text(encoding='utf-8')[:400] for name in listed}
+    assert len(heads) > 1000
+    without = [name for name, head in heads.items() if 'SPDX-License-Identifier' not in head]
+    others = [name for name in without if 'vendor/' in name or 'Copyright' in heads[name]]
+    assert sorted(without) == sorted(others)
+    assert len(others) <= 3
 
 
 @pytest.mark.parametrize('name', ['SECURITY.md', 'QUALITY_DECLARATION.md'])

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from distribution.install_list import install_list
 from distribution.interface_wheel import make_interface_wheel
+from distribution.libraries import LibrariesError, closure, gather
 from distribution.python_wheel import make_python_wheel
 from distribution.requirement_names import read_lock, requirements
 from distribution.suite_wheel import make_suite_wheel
@@ -17,7 +18,7 @@ OUT = ROOT / 'dist'
 
 
 def main() -> int:
-    """Write the wheels and the list of what to install to ``dist/``."""
+    """Write the wheels, those of the libraries, and the list of all to ``dist/``."""
     if not (ROOT / 'install/tf2_msgs').is_dir():
         print(
             'wheels: a ROS of the system is sourced; the wheels stand on those of ROS: run '
@@ -27,25 +28,39 @@ def main() -> int:
         return 1
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir()
-    manifests = sorted((ROOT / 'src').glob('*/package.xml'))
-    own = {path.parent.name: _version(path) for path in manifests}
     lock = read_lock(ROOT / 'requirements/lock.txt')
-    needs = {path.parent.name: requirements(path, own, lock) for path in manifests}
-    wheels = [_make(path.parent, own[path.parent.name], needs[path.parent.name])
-              for path in manifests]  # fmt: skip
-    every = [f'{name}=={version}' for name, version in own.items()]
-    wheels.append(make_suite_wheel(own['rocsafe_orchestrator'], every, ROOT / 'config', OUT))
-    foreign = {line for lines in needs.values() for line in lines} - set(every)
-    (OUT / 'install.txt').write_text(install_list(wheels, foreign, lock))
-    print(f'{len(wheels)} wheels and install.txt written to {OUT}')
+    foreign = make_own(lock)
+    own = len(list(OUT.glob('*.whl')))
+    print(f'{own} wheels of this repository; libraries of the package index follow', flush=True)
+    try:
+        gather([lock[name] for name in sorted(closure(foreign))], OUT)
+    except LibrariesError as error:
+        print(f'wheels: {error}', file=sys.stderr)
+        return 1
+    wheels = sorted(OUT.glob('*.whl'))
+    (OUT / 'install.txt').write_text(install_list(wheels))
+    megabytes = sum(path.stat().st_size for path in wheels) / 1e6
+    print(f'{len(wheels)} wheels, {megabytes:.0f} MB, and install.txt written to {OUT}')
     return 0
 
 
-def _make(package: Path, version: str, needs: list[str]) -> Path:
+def make_own(lock: dict[str, str]) -> set[str]:
+    """Write the wheels of this repository; return what they need of the package index."""
+    manifests = sorted((ROOT / 'src').glob('*/package.xml'))
+    own = {path.parent.name: _version(path) for path in manifests}
+    needs = {path.parent.name: requirements(path, own, lock) for path in manifests}
+    for path in manifests:
+        _make(path.parent, own[path.parent.name], needs[path.parent.name])
+    every = [f'{name}=={version}' for name, version in own.items()]
+    make_suite_wheel(own['rocsafe_orchestrator'], every, ROOT / 'config', OUT)
+    return {line for lines in needs.values() for line in lines} - set(every)
+
+
+def _make(package: Path, version: str, needs: list[str]) -> None:
     if (package / 'setup.py').exists():
-        return make_python_wheel(package, needs, OUT)
-    prefix = ROOT / 'install' / package.name
-    return make_interface_wheel(prefix, package.name, version, needs, OUT)
+        make_python_wheel(package, needs, OUT)
+    else:
+        make_interface_wheel(ROOT / 'install' / package.name, package.name, version, needs, OUT)
 
 
 def _version(manifest: Path) -> str:

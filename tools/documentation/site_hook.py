@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / 'tools')]
 
 from mkdocs.exceptions import PluginError  # noqa: E402
-from mkdocs.structure.files import File, Files  # noqa: E402
+from mkdocs.structure.files import File, Files, InclusionLevel  # noqa: E402
 
 from documentation.python_pages import python_pages  # noqa: E402
 from documentation.scenario_keys import scenario_page  # noqa: E402
@@ -51,7 +51,10 @@ def on_files(files: Files, config: Any) -> Files:
     }
     for target in sorted(linked):
         if (ROOT / target).is_file():
-            files.append(File.generated(config, target, abs_src_path=str(ROOT / target)))
+            copy = File.generated(config, target, abs_src_path=str(ROOT / target))
+            # Files and folders whose name begins with a dot would be left out.
+            copy.inclusion = InclusionLevel.INCLUDED
+            files.append(copy)
     return files
 
 

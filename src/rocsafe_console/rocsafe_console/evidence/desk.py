@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from threading import Lock, Thread
 
-from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceError, EvidenceLog
+from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceLog
 
 CONSOLE_LOG = 'console.jsonl'
 
@@ -28,6 +28,7 @@ class Desk:
         self._mission = ''
         self._writing = Lock()
         self._logs: dict[Path, EvidenceLog] = {}
+        self._told: set[Path] = set()
 
     def on_mission(self, mission: str) -> None:
         """Take events for this mission from now on.
@@ -40,10 +41,10 @@ class Desk:
 
     def _open(self, path: Path) -> None:
         # Whoever writes is told why not.
-        with self._writing, suppress(OSError, EvidenceError):
+        with self._writing, suppress(OSError):
             self._log(path)
 
-    def write(self, event: Event, run: str = '') -> None:
+    def write(self, event: Event, run: str = '') -> str:
         """Write an event: it is safely on disk on return.
 
         Parameters
@@ -51,14 +52,24 @@ class Desk:
         run
             That it is about; empty: the running mission.
 
+        Returns
+        -------
+        str
+            Why the log has gone on in a new segment, once; empty: it has not.
+
         Raises
         ------
-        OSError, EvidenceError
+        OSError
             If its log cannot be written.
         """
         path = self._path(run or self._mission)
         with self._writing:
-            self._log(path).add([event])
+            log = self._log(path)
+            log.add([event])
+            if not log.damage or path in self._told:
+                return ''
+            self._told.add(path)
+            return log.damage
 
     def close(self) -> None:
         """Close the logs."""

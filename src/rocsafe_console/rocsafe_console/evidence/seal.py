@@ -21,8 +21,10 @@ from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.storage.evidence_log import (
     LOG_NAME,
     EvidenceError,
+    faults_of,
     line_of,
-    read_log,
+    segments_of,
+    whole_lines,
 )
 from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
 
@@ -94,9 +96,9 @@ def seal_run(
         contents = [_content(path) for path in before]
         faults = list(_chain_faults(before, contents))
         faults += [text for kind, text in _differences(contents[-1], files) if kind == 'raw']
+        faults += _lost_lines(run, contents)
         if faults:
             raise EvidenceError('; '.join(faults))
-    entries = read_log(run / LOG_NAME)
     content: dict[str, Any] = {
         'format': FORMAT,
         'run': run.name,
@@ -104,7 +106,7 @@ def seal_run(
         'by': by,
         'version': version,
         'before': hashlib.sha256(before[-1].read_bytes()).hexdigest() if before else None,
-        'log': {'lines': len(entries), 'last': entries[-1]['hash'] if entries else None},
+        'log': _log_state(run),
         'files': files,
     }
     signed: dict[str, Any] = {'seal': content}
@@ -135,7 +137,7 @@ def verify_run(run: Path, public_key: str = '') -> list[str]:
     try:
         contents = [_content(path, public_key) for path in seals]
         faults = list(_chain_faults(seals, contents))
-        faults += _log_faults(run, contents)
+        faults += faults_of(run / LOG_NAME) or _lost_lines(run, contents)
     except EvidenceError as error:
         return [str(error)]
     files = {str(path.relative_to(run)): _fingerprint(path) for path in _files(run)}
@@ -145,7 +147,8 @@ def verify_run(run: Path, public_key: str = '') -> list[str]:
 def notes_of(run: Path) -> list[str]:
     """Return what a reader must know of a run in which `verify_run` finds nothing wrong."""
     seal = json.loads(seals_of(run)[-1].read_bytes())['seal']
-    added = len(read_log(run / LOG_NAME)) - seal['log']['lines']
+    newest = segments_of(run / LOG_NAME)[-1:]
+    added = len(whole_lines(newest[0])[0]) - seal['log']['lines'] if newest else 0
     notes = [f'{LOG_NAME}: the last {added} lines are in no seal'] if added else []
     if seal['run'] != run.name:
         notes.append(f'it was sealed as the run {seal["run"]}')
@@ -173,17 +176,31 @@ def _chain_faults(seals: list[Path], contents: list[dict[str, Any]]) -> Iterator
                 yield f'{path.name}: {text} since {before.name}'
 
 
-def _log_faults(run: Path, contents: list[dict[str, Any]]) -> list[str]:
-    """Return what is wrong with the log: lines may have been added since a seal."""
-    path = run / LOG_NAME
-    entries = read_log(path)
-    if path.is_file() and path.read_bytes()[-1:] not in (b'', b'\n'):
-        return [f'{LOG_NAME}: its end is no line']
+def _log_state(run: Path) -> dict[str, Any]:
+    """Return lines and last hash of the newest segment: its first line has the hash of the others.
+
+    Raises
+    ------
+    EvidenceError
+        If it is damaged.
+    """
+    segments = segments_of(run / LOG_NAME)
+    entries, fault = whole_lines(segments[-1]) if segments else ([], '')
+    if fault:
+        raise EvidenceError(fault)
+    name = {'name': segments[-1].name} if segments[1:] else {}
+    return {'lines': len(entries), 'last': entries[-1]['hash'] if entries else None, **name}
+
+
+def _lost_lines(run: Path, contents: list[dict[str, Any]]) -> list[str]:
+    """Return what is wrong with the lines that were sealed; others may have been added since."""
     for sealed in (content['log'] for content in contents):
+        path = run / sealed.get('name', LOG_NAME)
+        entries = whole_lines(path)[0] if path.is_file() else []
         if len(entries) < sealed['lines']:
-            return [f'{LOG_NAME}: has {len(entries)} lines, {sealed["lines"]} were sealed']
+            return [f'{path.name}: has {len(entries)} lines, {sealed["lines"]} were sealed']
         if sealed['lines'] and entries[sealed['lines'] - 1]['hash'] != sealed['last']:
-            return [f'{LOG_NAME}: is not the log that was sealed']
+            return [f'{path.name}: is not the log that was sealed']
     return []
 
 
@@ -231,6 +248,8 @@ def _require_whole(content: Mapping[str, Any]) -> None:
         raise TypeError('files must be a mapping, lines a number')
     if content['log']['lines']:
         content['log']['last'].encode()
+    if '/' in content['log'].get('name', LOG_NAME):
+        raise TypeError('the name of a log must be that of a file')
 
 
 def _bytes_of(text: str) -> bytes:
@@ -258,9 +277,9 @@ def _differences(
 
 def _files(run: Path) -> Iterator[Path]:
     """Yield what a seal covers: every file and link but the log, which grows, and seals."""
-    seals = set(seals_of(run))
+    others = {*seals_of(run), run / LOG_NAME, *segments_of(run / LOG_NAME)}
     for path in sorted(run.rglob('*')):
-        if (path.is_file() or path.is_symlink()) and path not in seals and path != run / LOG_NAME:
+        if (path.is_file() or path.is_symlink()) and path not in others:
             yield path
 
 

@@ -19,6 +19,7 @@ import yaml
 
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.runs.faults import Fault, faults_of
+from rocsafe_console.people.missions import Access, Missions
 from rocsafe_console.runs.launches import Launch, Launches, plain
 from rocsafe_console.runs.outline import CAMERA, outline_of, with_whole_paths
 from rocsafe_geo.storage.durable import replace_whole
@@ -156,7 +157,7 @@ class Drafts:
         command = [self._command(), 'run', str(scenario), '--out', str(self._runs), *words]
         log = self._path(name).with_suffix('.log')
         environment = {**self._environment, COMMANDER_VARIABLE: user}
-        return self._launches.begin(name, command, log, environment, EARLY_END_S)
+        return self._launches.begin(name, command, log, environment, EARLY_END_S, user)
 
     def _frozen(self, name: str, approved: str) -> Path:
         """Return a copy of a draft that was approved: nobody changes what is launched."""
@@ -172,6 +173,12 @@ class Drafts:
     def mission(self, name: str) -> Launch:
         """Tell how the mission of a draft stands."""
         return self._launches.look(name, self._path(name).with_suffix('.log'))
+
+    def rights_on(self, name: str, missions: Missions) -> Access:
+        """Return the rights on the mission of a draft, also before its run has a folder."""
+        run = self._launches.run_of(name, self._path(name).with_suffix('.log'))
+        access = missions.of(run) if run else Access()
+        return access if access != Access() else Access(commander=self._launches.user_of(name))
 
     def end(self, name: str) -> None:
         """End the mission of a draft, as Ctrl-C does; raises `RefusedError`."""

@@ -136,7 +136,7 @@ class Jobs:
         log.parent.mkdir(exist_ok=True)
         environment = {**self._environment, COMMANDER_VARIABLE: user}
         key = f'{kind} {name}'
-        return self._launches.begin(key, [program, *words], log, environment, EARLY_END_S)
+        return self._launches.begin(key, [program, *words], log, environment, EARLY_END_S, user)
 
     def look(self, kind: str, name: str) -> Launch:
         """Tell how a command stands."""

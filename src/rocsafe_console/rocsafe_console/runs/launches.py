@@ -13,6 +13,9 @@ from rocsafe_console.errors import RefusedError
 
 MOST_LOG_BYTES = 20_000
 _ANSI = re.compile(r'\x1b\[[0-9;]*m')
+# The first thing that `rocsafe run` prints.
+_RUN = re.compile(r'^run directory: (.+)$', re.M)
+_HEAD_BYTES = 2000
 _WANTED = re.compile(r'run again with --confirm ([0-9a-f]{4,64})\b')
 
 
@@ -40,6 +43,7 @@ class Launches:
 
     def __init__(self) -> None:
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._users: dict[str, str] = {}
         self._lock = Lock()
 
     def begin(
@@ -49,6 +53,7 @@ class Launches:
         log: Path,
         environment: Mapping[str, str],
         early_end_s: float,
+        user: str,
     ) -> Launch:
         """Start a mission, and tell how it stands after some seconds.
 
@@ -71,6 +76,7 @@ class Launches:
                     start_new_session=True,
                 )
             self._processes[name] = process
+            self._users[name] = user
         try:
             process.wait(early_end_s)
         except subprocess.TimeoutExpired:
@@ -90,6 +96,22 @@ class Launches:
             text = ''
         wanted = _WANTED.search(' '.join(text.split())) if state == 'failed' else None
         return Launch(state=state, text=text, confirm=wanted[1] if wanted else '')
+
+    def run_of(self, name: str, log: Path) -> str:
+        """Return the name of the run that a mission flies, empty if it is not known (yet)."""
+        if name not in self._processes:
+            return ''
+        try:
+            with log.open('rb') as file:
+                head = file.read(_HEAD_BYTES)
+        except OSError:
+            return ''
+        found = _RUN.search(plain(head))
+        return Path(found[1].strip()).name if found else ''
+
+    def user_of(self, name: str) -> str:
+        """Return who has launched a mission, empty if this console has not."""
+        return self._users.get(name, '')
 
     def end(self, name: str) -> None:
         """Ask a mission to end, as Ctrl-C does: it lands nobody that it may not.

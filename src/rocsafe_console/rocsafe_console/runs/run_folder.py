@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_console.errors import ConsoleError
+from rocsafe_geo.storage.evidence_log import LOG_NAME, segments_of
 from rocsafe_console.runs.recorded_flight import tracks_of
 
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9._-]{0,150}')
@@ -25,7 +26,7 @@ FILES = frozenset(
     }
 )  # fmt: skip
 _TILE = re.compile(r'map/tiles/(\d{1,2}/\d{1,7}/\d{1,7}\.png)')
-_SEAL = re.compile(r'seal-\d{4}\.json')
+_SEALED = re.compile(r'seal-\d{4}\.json|evidence-\d{4}\.jsonl')
 _MOST_POINTS = 4000
 _REPLAYED = frozenset({'decision', 'state', 'alarm', 'event', 'photograph', 'order', 'mark'})
 # One transparent pixel.
@@ -69,7 +70,7 @@ def run_in(folder: Path, name: str) -> Path:
 
 def file_of(run: Path, name: str) -> Path:
     """Return a file of a run that may be fetched; raises `ConsoleError`."""
-    is_known = name in FILES or _TILE.fullmatch(name) or _SEAL.fullmatch(name)
+    is_known = name in FILES or _TILE.fullmatch(name) or _SEALED.fullmatch(name)
     path = run / name
     if not is_known or not path.is_file() or not path.resolve().is_relative_to(run.resolve()):
         raise ConsoleError(f'{run.name} has no file {name!r} to fetch')
@@ -101,7 +102,7 @@ def replay_of(run: Path) -> dict[str, Any]:
         'summary': _json(run / 'summary.json'),
         'tiles': _tiles(run / 'map' / 'tiles'),
         'has_report': (run / 'report.html').is_file(),
-        'evidence': list(_evidence(run / 'evidence.jsonl')),
+        'evidence': [one for path in segments_of(run / LOG_NAME) for one in _evidence(path)],
     }
 
 
@@ -191,11 +192,10 @@ def _tiles(folder: Path) -> dict[str, Any] | None:
 
 
 def _evidence(path: Path) -> Iterator[dict[str, Any]]:
-    if path.is_file():
-        for line in path.read_bytes().split(b'\n')[:-1]:
-            try:
-                entry = json.loads(line)
-            except ValueError:
-                return
-            if entry.get('kind') in _REPLAYED:
-                yield entry
+    for line in path.read_bytes().split(b'\n')[:-1]:
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            return
+        if entry.get('kind') in _REPLAYED:
+            yield entry

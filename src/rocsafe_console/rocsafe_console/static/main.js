@@ -125,7 +125,7 @@ link.addEventListener('sections', ({ detail }) => {
   orders.draw();
   const { mission, session, alarms } = link.sections;
 const { access } = link.sections;
-  $('#mission').replaceChildren(...(session?.is_hidden ? [t('hidden')] : mission ? [make('b', { text: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) }), access?.commander ? make('span', { class: 'note', text: t('commanded_by', { name: access.commander }) }) : ''] : [t('no_mission')]));
+  $('#mission').replaceChildren(...(session?.is_hidden ? [t('hidden')] : mission ? [make('b', { text: mission.id, title: mission.id }), make('span', { class: `badge badge-${mission.phase}`, text: t(`phase_${mission.phase}`) }), access?.commander ? make('span', { class: 'note', text: t('commanded_by', { name: access.commander }) }) : ''] : [t('no_mission')]));
   const who = $('#who');
   who.hidden = !session;
   if (session) who.textContent = t('who', { user: session.user, role: session.role });
@@ -156,7 +156,8 @@ setInterval(() => {
   if (banner.textContent !== text) banner.textContent = text;
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
-    $('#clock').textContent = `${local} · ${utc} · T+${missionClock(link.sections.progress?.mission_time_s)}`.replace(' · T+–', '');
+    const both = utc.startsWith(local) ? utc : `${local} · ${utc}`;
+    $('#clock').textContent = `${both} · T+${missionClock(link.sections.progress?.mission_time_s)}`.replace(' · T+–', '');
   }
   if (!isLive) map.schedule();
 }, 500);
@@ -248,7 +249,7 @@ document.addEventListener('keydown', (event) => {
 });
 function showHelp() {
   const help = $('#help');
-  help.replaceChildren(make('h2', { id: 'help-title', text: t('help_title') }), make('p', { text: t('help') }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => help.close() }));
+  help.replaceChildren(make('h2', { id: 'help-title', text: t('help_title') }), make('ul', { class: 'keys' }, ...t('help').split('\n').map((line) => { const [key, does] = line.split('\t'); return make('li', {}, make('kbd', { text: key }), does); })), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => help.close() }));
   help.showModal();
 }
 

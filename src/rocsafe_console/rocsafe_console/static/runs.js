@@ -135,6 +135,7 @@ export class Runs {
     this.makeBar();
     document.documentElement.dataset.replay = '1';
     document.getElementById('replay-mark').hidden = false;
+    document.getElementById('place').hidden = true;
     this.onChange?.();
     if (this.eventBox) this.eventBox.hidden = false;
     this.seek(run.end_s - run.begin_s);

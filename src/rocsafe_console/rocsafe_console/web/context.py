@@ -21,6 +21,7 @@ from rocsafe_console.people.roles import Action, Role, require
 from rocsafe_console.people.session_file import save_sessions
 from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
 from rocsafe_console.people.users import Users
+from rocsafe_console.picture.alarms import WARN
 from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
 from rocsafe_geo.storage.evidence_log import Event
@@ -144,7 +145,10 @@ class Context:
         """
         event = Event(time_s=self.clock(), kind=kind, by=by, what=what)
         loop = asyncio.get_running_loop()
-        await loop.run_in_executor(self.log_thread, self.desk.write, event, run)
+        damage = await loop.run_in_executor(self.log_thread, self.desk.write, event, run)
+        if damage:
+            with self.live.lock:
+                self.live.picture.alarm(event.time_s, WARN, '', f'evidence log damaged: {damage}')
 
     @property
     def mission(self) -> str:

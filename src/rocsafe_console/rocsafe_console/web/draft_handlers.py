@@ -12,11 +12,11 @@ from aiohttp import web
 
 from rocsafe_console.errors import RefusedError
 from rocsafe_console.people.roles import Action
+from rocsafe_console.people.sessions import Session
 from rocsafe_console.runs.drafts import Drafts
 from rocsafe_console.runs.outline import areas_of
-from rocsafe_console.web.context import context_of, mission_session, session_of
+from rocsafe_console.web.context import context_of, session_of
 from rocsafe_console.web.guards import body_of
-from rocsafe_geo.storage.evidence_log import EvidenceError
 
 DRAFTS: web.AppKey[Drafts] = web.AppKey('drafts', Drafts)
 # A plan takes up to two minutes: other requests, log-ins among them, do not wait for it.
@@ -85,7 +85,7 @@ async def launch_draft(request: web.Request) -> web.Response:
         await context.write(
             'launch', session.user, name=name, approved=approved, confirmed=confirmed
         )
-    except (OSError, EvidenceError) as error:
+    except OSError as error:
         raise RefusedError(f'nothing is launched: the evidence log: {error}') from error
     launch = await asyncio.to_thread(
         request.app[DRAFTS].launch, name, approved, session.user, confirmed
@@ -96,7 +96,7 @@ async def launch_draft(request: web.Request) -> web.Response:
 
 async def mission_of_draft(request: web.Request) -> web.Response:
     """Tell how the mission of a draft stands, and what it has printed."""
-    session_of(request, Action.DRAFT)
+    _draft_session(request, Action.DRAFT)
     drafts, name = request.app[DRAFTS], request.match_info['name']
     return web.json_response(asdict(await asyncio.to_thread(drafts.mission, name)))
 
@@ -104,10 +104,21 @@ async def mission_of_draft(request: web.Request) -> web.Response:
 async def end_mission(request: web.Request) -> web.Response:
     """End the mission of a draft; it is written to the evidence log first."""
     context, name = context_of(request), request.match_info['name']
-    session = mission_session(request, Action.END)
+    session = _draft_session(request, Action.END)
     await context.write('end', session.user, name=name)
     request.app[DRAFTS].end(name)
     return web.json_response({})
+
+
+def _draft_session(request: web.Request, action: Action) -> Session:
+    """Return the session of a request whose user may do `action` to the mission of a draft.
+
+    That may be another one than the mission that is heard: its own rights count.
+    """
+    session, context = session_of(request, action), context_of(request)
+    access = request.app[DRAFTS].rights_on(request.match_info['name'], context.missions)
+    access.require(session.user, session.role, action)
+    return session
 
 
 async def _step(

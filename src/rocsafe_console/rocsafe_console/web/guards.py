@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What every request must pass: host, origin, form and session; and what every answer says."""
 
+import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
@@ -9,6 +10,7 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError, RefusedError, TooManyError
 from rocsafe_console.web.context import SESSION, WebOptions, context_of
+from rocsafe_console.web.door import DOOR
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
 LOOPBACK_NAMES = ('127.0.0.1', 'localhost', '[::1]')
@@ -39,6 +41,7 @@ STATUSES: Mapping[type[Exception], int] = {
     EvidenceError: 503, OSError: 503,
     ValueError: 400, LookupError: 400, TypeError: 400, ArithmeticError: 400, AttributeError: 400,
 }  # fmt: skip
+BODY_S = 10.0
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -51,6 +54,11 @@ def hosts_of(options: WebOptions, port: int) -> frozenset[str]:
 @web.middleware
 async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
     """Let a request pass that comes from the page itself and from somebody who is logged in."""
+    with request.app[DOOR][0].serving(request.protocol):
+        return await _guarded(request, handler)
+
+
+async def _guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
     try:
         refusal = _refusal(request)
         answer = refusal if refusal is not None else await handler(request)
@@ -74,7 +82,12 @@ def refused(status: int, text: str) -> web.Response:
 
 async def body_of(request: web.Request) -> dict[str, Any]:
     """Return the JSON object in a request; raises `ValueError` or `TypeError`."""
-    content = json.loads(await request.text())
+    try:
+        content = json.loads(await asyncio.wait_for(request.text(), BODY_S))
+    except asyncio.TimeoutError as error:
+        raise web.HTTPRequestTimeout(
+            reason=f'the body did not come within {BODY_S:g} s'
+        ) from error
     if not isinstance(content, dict):
         raise TypeError('the body must be a JSON object')
     return content

@@ -10,6 +10,7 @@ from aiohttp import web
 
 from rocsafe_console.errors import RefusedError
 from rocsafe_console.orders.order_book import TARGETS, Order, Outcome, Result, stale
+from rocsafe_console.people.missions import SAFE
 from rocsafe_console.people.roles import Action
 from rocsafe_console.web.context import (
     Context,
@@ -19,9 +20,10 @@ from rocsafe_console.web.context import (
     session_of,
 )
 from rocsafe_console.web.guards import body_of
-from rocsafe_geo.storage.evidence_log import EvidenceError
 
 ORDER_S = 7.0
+# For a line of the evidence log, before somebody in an emergency does not wait for it.
+LOG_S = 1.0
 # Of a search for a way; large maps take some seconds.
 DRIVE_PLAN_S = 20.0
 NO_ROS = 'ROS has not started yet'
@@ -59,7 +61,10 @@ async def prepare_order(request: web.Request) -> web.Response:
 
 
 async def confirm_order(request: web.Request) -> web.Response:
-    """Second step of an order: it is written to the evidence log, and sent."""
+    """Second step of an order: it is written to the evidence log, and sent.
+
+    Only hold, return and land are sent without their line, too: a full disk holds up no emergency.
+    """
     context = context_of(request)
     session = session_of(request, Action.SEE)
     request_id = request.match_info['id']
@@ -68,24 +73,50 @@ async def confirm_order(request: web.Request) -> web.Response:
         return await _results(context, request_id)
     mission_session(request, order.verb)
     left_out, names = _addressees(context, order)
-    try:
-        await context.write('order', order.user, **_order_plain(order, names))
-    except (OSError, EvidenceError) as error:
-        text = f'nothing was sent: the evidence log cannot be written: {error}'
+    plain_order = _order_plain(order, names)
+    unlogged = await _write_down(context, order, 'order', plain_order)
+    if unlogged and order.verb not in SAFE:
+        text = f'nothing was sent: the evidence log cannot be written: {unlogged}'
         context.orders.finish(request_id, (*left_out, *_all(names, Outcome.REFUSED, text)))
-        raise RefusedError(text) from error
+        raise RefusedError(text)
     # The disk may have taken long.
     left_out, names = _addressees(context, order)
     results = (*left_out, *(await _sent(context, order, names) if names else ()))
     plain = [_result_plain(result) for result in results]
     context.orders.finish(request_id, results)
+    # The vehicles have done it: that is told, whatever the disk does.
+    outcome = {'request_id': request_id, 'results': plain}
+    unlogged_outcome = await _write_down(
+        context, order, 'outcome', {**outcome, 'order': plain_order} if unlogged else outcome
+    )
     answer: dict[str, Any] = {'results': plain}
-    try:
-        await context.write('outcome', order.user, request_id=request_id, results=plain)
-    except (OSError, EvidenceError) as error:
-        # The vehicles have done it: that is told, whatever the disk does.
-        answer['unlogged'] = str(error)
+    if unlogged_outcome:
+        answer['unlogged'] = unlogged_outcome
     return web.json_response(answer)
+
+
+async def _write_down(context: Context, order: Order, kind: str, what: dict[str, Any]) -> str:
+    """Write to the evidence log; return why that was not possible, empty if it was.
+
+    An order that makes nothing more dangerous, and any outcome, waits for no slow disk: the line
+    comes when it comes.
+    """
+    waits = order.verb not in SAFE and kind == 'order'
+    writing = asyncio.ensure_future(context.write(kind, order.user, **what))
+    try:
+        await asyncio.wait_for(asyncio.shield(writing), None if waits else LOG_S)
+    except asyncio.TimeoutError:
+        writing.add_done_callback(_forgotten)
+        return f'not on disk within {LOG_S:g} s'
+    except OSError as error:
+        return str(error)
+    return ''
+
+
+def _forgotten(writing: asyncio.Future[None]) -> None:
+    """Take the error of a line that nobody waits for any more."""
+    if not writing.cancelled():
+        writing.exception()
 
 
 def _addressees(context: Context, order: Order) -> tuple[tuple[Result, ...], tuple[str, ...]]:

@@ -31,16 +31,13 @@ from rocsafe_console.web import (
     video_handlers,
 )
 from rocsafe_console.web.context import CONTEXT, Context, WebOptions
+from rocsafe_console.web.door import DOOR, HEAD_S, Door, listening_at
 from rocsafe_console.web.event_sender import send_events
 from rocsafe_console.web.guards import PORT, guard
 from rocsafe_console.web.push import PUSHER, Pusher, live
 
 MOST_BODY_BYTES = 2**20
 MOST_PORT = 65535
-# A page needs about ten; most machines let a process open 1024 files. A burst may exceed it by
-# the length of the queue.
-MOST_CONNECTIONS = 400
-QUEUE = 100
 STOP_S = 2.0
 # After a fault that nobody has foreseen.
 AGAIN_S = 1.0
@@ -86,6 +83,7 @@ def make_app(context: Context, port: list[int]) -> web.Application:
     app[CONTEXT] = context
     app[PUSHER] = Pusher(context)
     app[PORT] = port
+    app[DOOR] = []
     app[seal_handlers.SEALING] = asyncio.Lock()
     app[draft_handlers.DRAFTS] = Drafts(options.runs, options.scenarios, context.environment)
     folders = Folders(runs=options.runs, scenarios=options.scenarios)
@@ -145,24 +143,27 @@ class ServerThread:
     async def _serve(self) -> None:
         options = self._context.options
         app = make_app(self._context, self.port)
-        runner = web.AppRunner(app, access_log=None, shutdown_timeout=STOP_S, logger=_log)
+        runner = web.AppRunner(
+            app, access_log=None, shutdown_timeout=STOP_S, logger=_log, keepalive_timeout=HEAD_S
+        )
         await runner.setup()
         if runner.server is None:
             raise ConsoleError('the server has not been set up')
-        listener = await self._loop.create_server(
-            partial(_accepted, runner.server),
-            options.host,
-            options.port,
-            ssl=_tls(options),
-            backlog=QUEUE,
-        )
-        self.port[0] = listener.sockets[0].getsockname()[1]
+        door = Door(runner.server, _tls(options))
+        app[DOOR].append(door)
+        sockets = await listening_at(options.host, options.port)
+        self.port[0] = sockets[0].getsockname()[1]
         self._ready.set()
-        tasks = [asyncio.create_task(work) for work in self._work_of(app)]
+        accepting = (self._kept_up(partial(door.accept, one)) for one in sockets)
+        works = (*self._work_of(app), *accepting)
+        tasks = [asyncio.create_task(work) for work in works]
         await self._stop.wait()
         for task in tasks:
             task.cancel()
-        listener.close()
+        await asyncio.wait(tasks)
+        for listening in sockets:
+            listening.close()
+        door.close()
         await app[PUSHER].close()
         await runner.cleanup()
 
@@ -194,20 +195,6 @@ class _NoRequest(logging.Filter):
 
 
 _log.addFilter(_NoRequest())
-
-
-class _Refusal(asyncio.Protocol):
-    """A connection that is closed at once."""
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Close it."""
-        if isinstance(transport, asyncio.Transport):
-            transport.abort()
-
-
-def _accepted(server: web.Server) -> asyncio.Protocol:
-    """Return what serves a new connection; ROS and the log need files of the process, too."""
-    return server() if len(server.connections) < MOST_CONNECTIONS else _Refusal()
 
 
 async def _index(request: web.Request) -> web.StreamResponse:

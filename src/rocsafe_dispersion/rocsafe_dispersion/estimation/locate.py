@@ -75,7 +75,7 @@ def locate_releases(
     anemometer_m: float = 10.0,
     options: LocateOptions | None = None,
 ) -> LocatedReleases:
-    """Return the releases that readings tell of; the same readings give the same answer.
+    r"""Return the releases that readings tell of; the same readings give the same answer.
 
     Parameters
     ----------
@@ -96,6 +96,36 @@ def locate_releases(
     ------
     ValueError
         If there is no wind, or a value is out of range.
+
+    Examples
+    --------
+    Readings of a grid 3 m above the ground, simulated for 5 g/s at 20 m west and 5 m north of the
+    origin, in a wind from the west:
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from rocsafe_dispersion.estimation.gas_csv import read_gas
+    >>> from rocsafe_geo.wind.stability import layer_of_class
+    >>> head = 'east_m,north_m,height_m,value_g_m3,std_g_m3,wind_speed_mps,wind_from_deg\n'
+    >>> milligrams = {0: [0, 0, 38, 0, 0], 20: [0, 1.6, 23, 2.1, 0], 40: [0.1, 7.7, 8, 4.9, 0.1]}
+    >>> rows = [
+    ...     f'{east},{north},3,{value / 1000},0.00015,4,270\n'
+    ...     for east, values in milligrams.items()
+    ...     for north, value in zip(range(-15, 35, 10), values)
+    ... ]
+    >>> with TemporaryDirectory() as folder:
+    ...     path = Path(folder, 'readings.csv')
+    ...     _ = path.write_text(head + ''.join(rows))
+    ...     survey = read_gas(path).survey
+    >>> area = SearchArea(west_m=-60.0, south_m=-40.0, east_m=40.0, north_m=50.0)
+    >>> layer = layer_of_class('D', 4.0, 10.0, 0.03)
+    >>> options = LocateOptions(most_releases=1)
+    >>> found = locate_releases(survey, area, layer, options=options)
+    >>> (release,) = found.releases
+    >>> math.dist(release.place_m, (-20.0, 5.0)) < 5.0
+    True
+    >>> bool(release.rate_low_g_s < 5.0 < release.rate_high_g_s)
+    True
     """
     options = options or LocateOptions()
     speed = usual_speed_mps(survey)

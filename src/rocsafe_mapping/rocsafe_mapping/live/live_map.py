@@ -130,6 +130,15 @@ class LiveMap:
         """Let `work` draw the tiles that are out of date now."""
         self._tiles.release()
 
+    def draw_tiles(self) -> None:
+        """Draw all tiles that are out of date, now: nobody may be there to do it later."""
+        self._tiles.release()
+        try:
+            while self._tiles.draw_next():
+                pass
+        except MappingError as error:
+            self._notice(f'the tiles are not complete: {error}')
+
     def _tie(self) -> bool:
         if not self._to_tie:
             return False

@@ -185,9 +185,10 @@ class MapWorker:
             wanted = product_options_of(self._options, self._live.maker, region)
             quality = write_products(self._live.maker, alignment, wanted)
             self._live.mark_all()
-            self._refine_later()
             self._files = files_after(self._files, self._options, quality)
             self._show(self._live, self._files)
+            # A mission ends its nodes as soon as the map is written.
+            self._live.draw_tiles()
         message = f'{len(self._live)} photographs in {self._files.geotiff}'
         if self._refused:
             message += f', {len(self._refused)} could not be placed'

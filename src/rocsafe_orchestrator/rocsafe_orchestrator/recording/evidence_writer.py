@@ -61,9 +61,11 @@ class EvidenceWriter:
         try:
             self._log = self._log or EvidenceLog(self._path)
             self._log.add(events)
-        except (OSError, EvidenceError) as error:
+        except OSError as error:
             self._tell(f'the evidence log cannot be written: {error}')
             return
+        if self._log.damage:
+            self._tell(f'the evidence log was damaged: {self._log.damage}')
         with self._lock:
             del self._waiting[: len(events)]
 

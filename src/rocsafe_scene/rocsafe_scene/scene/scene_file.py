@@ -25,15 +25,29 @@ def read_scene(path: Path) -> SceneDescription:
 
     Examples
     --------
+    A field with a drum and a car; then a key that there is not:
+
     >>> from tempfile import TemporaryDirectory
+    >>> lines = (
+    ...     'name: range',
+    ...     'place: {latitude_deg: 53.28, longitude_deg: -9.06, altitude_m: 20.0}',
+    ...     'light: {time: 2025-06-01T10:00:00Z, weather: clear}',
+    ...     'objects:',
+    ...     '  - {name: leaking, make: drum, at: [0, 0]}',
+    ...     '  - {name: first_car, make: car, at: [20, 20], yaw_deg: 35.0}',
+    ... )
     >>> with TemporaryDirectory() as folder:
     ...     path = Path(folder, 'range.yaml')
+    ...     _ = path.write_text('\n'.join(lines))
+    ...     scene = read_scene(path)
     ...     _ = path.write_text('name: range\nhills: {}\n')
     ...     try:
-    ...         scene = read_scene(path)
+    ...         read_scene(path)
     ...     except SceneError as error:
     ...         print(error)
     range.yaml: hills: unknown key
+    >>> [(one.name, one.make) for one in scene.objects]
+    [('leaking', 'drum'), ('first_car', 'car')]
     """
     content = _content(path)
     try:

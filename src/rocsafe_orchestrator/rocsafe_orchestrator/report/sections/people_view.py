@@ -8,7 +8,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.storage.evidence_log import LOG_NAME
+from rocsafe_geo.storage.evidence_log import DAMAGED, LOG_NAME, segments_of
 
 Entry = Mapping[str, Any]
 Row = tuple[str, ...]
@@ -19,25 +19,32 @@ def people_rows(folder: Path) -> list[Row]:
 
     A line that cannot be read has a row that says so: `rocsafe verify` tells what was changed.
     """
-    try:
-        lines = (folder / LOG_NAME).read_text(encoding='utf-8', errors='replace').splitlines()
-    except OSError:
-        return []
-    entries = list(map(_entry, lines))
+    named = [
+        (f'line {number} of {path.name}', _entry(line))
+        for path in segments_of(folder / LOG_NAME)
+        for number, line in enumerate(_lines(path), 1)
+    ]
     results = {
         entry['request_id']: _result(entry)
-        for entry in entries
+        for _, entry in named
         if entry is not None and entry.get('kind') == 'outcome' and 'request_id' in entry
     }
     rows: list[Row] = []
-    for number, entry in enumerate(entries, 1):
+    for name, entry in named:
         if entry is None:
-            rows.append(('', '', f'line {number} of {LOG_NAME} cannot be read', ''))
+            rows.append(('', '', f'{name} cannot be read', ''))
         elif entry['kind'] in _TOLD:
             result = results.get(str(entry.get('request_id')), '')
             told = _TOLD[entry['kind']](entry)
             rows.append((_clock(entry['time_s']), str(entry['by']), told, result))
     return rows
+
+
+def _lines(path: Path) -> list[str]:
+    try:
+        return path.read_text(encoding='utf-8', errors='replace').splitlines()
+    except OSError:
+        return []
 
 
 def _entry(line: str) -> Entry | None:
@@ -80,4 +87,5 @@ _TOLD: Mapping[str, Callable[[Entry], str]] = {
     'acknowledge': lambda entry: f'alarm seen: {entry.get("alarm", "")}',
     'launch': lambda entry: f'launched {entry.get("name", "")}',
     'seal': lambda _: 'sealed the run',
+    DAMAGED: lambda entry: f'found the log damaged, and began another: {entry.get("why", "")}',
 }
