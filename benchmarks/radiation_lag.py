@@ -6,8 +6,9 @@
 
 A drone flies lines to and fro, 3 to 8 m/s, 15 to 45 m high, about 441 readings of a second, over 0
 to 3 sources of 1 to 50 GBq two heights apart or more, in this order; the weakest gives 30 or more
-uncollided counts at its nearest reading. Fixes are off by 1.5 m in each of three axes. Even surveys
-tell counts, odd ones dose rates alone. The law of the dose rate is that of ``radiation_families``.
+uncollided counts at its nearest reading. Fixes are off by 1.5 m in each of three axes. Even
+surveys tell counts, odd ones dose rates alone. The law of the dose rate is that of
+``radiation_families``.
 
 ``plain``
     Nothing else.
@@ -91,8 +92,9 @@ def track(generator: Generator, height_m: float) -> tuple[FloatArray, FloatArray
     length = speed * READINGS
     across = max(5, round(math.sqrt(length / spacing / generator.uniform(1.0, 2.5))))
     line = length / across - spacing
-    corners = [[line * (((k + 1) // 2) % 2), spacing * (k // 2)] for k in range(2 * across)]
-    corners = np.array(corners)
+    corners = np.array(
+        [[line * (((k + 1) // 2) % 2), spacing * (k // 2)] for k in range(2 * across)]
+    )
     ways = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
     times = np.arange(0.0, ways[-1] / speed, 0.1)
     plane = np.stack([np.interp(speed * times, ways, axis) for axis in corners.T], axis=1)

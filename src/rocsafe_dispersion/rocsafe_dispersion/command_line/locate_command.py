@@ -21,6 +21,7 @@ from rocsafe_dispersion.estimation.locate import (
     usual_speed_mps,
 )
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.estimation.slow_response import without_delay
 from rocsafe_dispersion.estimator_options import estimator_options
 from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading
 from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
@@ -71,7 +72,12 @@ def _of_table(options: argparse.Namespace) -> dict[str, Any]:
         if getattr(options, name) is None:
             setattr(options, name, value)
     gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
-    gas = replace(gas, survey=averaged(gas.survey, MOST_FITTED))
+    survey, responses_s = without_delay(averaged(gas.survey, MOST_FITTED))
+    notes = list(gas.notes)
+    if responses_s:
+        slowest_s = max(responses_s.values())
+        notes.append(f'a sensor follows the gas within about {slowest_s:.2g} s: undone')
+    gas = replace(gas, survey=survey, notes=tuple(notes))
     area = search_area(gas.survey.places_m, options.margin, options.release_height)
     found = _located(gas, area, options)
     verdict = ReleaseRule().verdict(found)

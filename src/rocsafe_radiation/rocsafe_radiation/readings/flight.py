@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +17,7 @@ LONGEST_S = 1e9
 VELOCITY_S = 2.0
 # No vehicle of a survey is faster: such steps are errors of the fixes.
 FASTEST_MPS = 100.0
+SIDES: tuple[Literal['left', 'right'], ...] = ('left', 'right')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,20 +110,18 @@ def _velocities(names: IndexArray, times_s: FloatArray, places_m: FloatArray) ->
     apart_s = times_s + names * (times_s.max() + 10.0 * VELOCITY_S)
     order = np.argsort(apart_s, kind='stable')
     times, numbers = apart_s[order], np.arange(len(order))
-    before = np.minimum(np.searchsorted(times, times - VELOCITY_S), np.maximum(numbers - 1, 0))
-    after = np.maximum(
-        np.searchsorted(times, times + VELOCITY_S, side='right'),
-        np.minimum(numbers + 2, len(order)),
-    )
-    same = names[order]
-    is_inner = (same[before] == same) & (same[after - 1] == same)
+    first, last = (np.searchsorted(names[order], names[order], side) for side in SIDES)
+    before = np.searchsorted(times, times - VELOCITY_S)
+    after = np.searchsorted(times, times + VELOCITY_S, side='right')
+    before = np.maximum(np.minimum(before, numbers - 1), first)
+    after = np.minimum(np.maximum(after, numbers + 2), last)
     passed_s = _means(times, numbers, after) - _means(times, before, numbers + 1)
     found: FloatArray = np.zeros((len(order), 3))
     for axis, places in enumerate((places_m - places_m.mean(axis=0))[order].T):
         ways = _means(places, numbers, after) - _means(places, before, numbers + 1)
         with np.errstate(divide='ignore', invalid='ignore'):
             speeds = ways / passed_s
-        found[order, axis] = np.where(is_inner & (np.abs(speeds) < FASTEST_MPS), speeds, 0.0)
+        found[order, axis] = np.where(np.abs(speeds) < FASTEST_MPS, speeds, 0.0)
     return found
 
 
