@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from rocsafe_dispersion.command_line.locate_command import main
-from rocsafe_dispersion.detection.open_path import Beam
 from rocsafe_dispersion.estimation.gas_csv import read_gas
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
@@ -83,8 +82,10 @@ def test_beams_are_means_along_their_way(tmp_path: Path):
         (-5.0, -40.0, 5.0), (-5.0, 5.0, 40.0), (20.0, -40.0, 7.0), (20.0, 7.0, 40.0),
         (40.0, -10.0, 10.0), (-40.0, -30.0, 30.0),
     ]:  # fmt: skip
-        beam = Beam(start_m=(east, low, 2.0), end_m=(east, high, 2.0))
-        value = beam.mean(plume.concentrations_g_m3) + 1e-3
+        way = np.column_stack(
+            [np.full(2001, east), np.linspace(low, high, 2001), np.full(2001, 2.0)]
+        )
+        value = plume.concentrations_g_m3(way).mean() + 1e-3
         lines.append(f'{east},{low},2,{value:.6g},{SPEED_MPS:.4g},270,{east},{high},2')
     path = tmp_path / 'beams.csv'
     path.write_text('\n'.join(lines) + '\n', encoding='utf-8')
