@@ -32,6 +32,8 @@ RANGE_S, RANGE_LOG, LEAST_FALL = (0.7, 20.0), 0.5, 0.2
 # Less than no counts in between show that it is too long: none instead make the sum of all more.
 MOST_COUNTS = 1.2
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+# Readings of so many at the begin of the flight tell it.
+MOST_TRIED = 1500
 LARGEST_MISS, NOISE_ROUNDS = 3.0, 3
 
 
@@ -56,18 +58,12 @@ class Left:
 
 def as_counted(survey: RadiationSurvey, first_fit: FirstFit) -> tuple[RadiationSurvey, float]:
     """Return the survey as counted, and the smoothing time of the detector in seconds, 0: none."""
-    if survey.flight is None and not survey.is_nominal:
-        return survey, 0.0
-    likelihood, fit = first_fit(survey, False, None)
-    if survey.is_nominal:
-        survey, likelihood, fit = _with_noise(survey, likelihood, fit, first_fit)
-    if survey.flight is None or _left(likelihood, fit).alikeness < LARGEST_ALIKENESS:
-        return survey, 0.0
-    smoothing_s = _smoothing_s(survey, first_fit)
+    smoothing_s = 0.0
+    if survey.flight is not None:
+        begin = survey.only(np.argsort(survey.flight.times_s, kind='stable')[:MOST_TRIED])
+        smoothing_s = _smoothing_s(begin, first_fit)
     survey = unsmoothed(survey, smoothing_s)
-    if smoothing_s and survey.is_nominal:
-        survey, _, _ = _with_noise(survey, *first_fit(survey, False, None), first_fit)
-    return survey, smoothing_s
+    return _with_noise(survey, first_fit) if survey.is_nominal else survey, smoothing_s
 
 
 def unsmoothed(survey: RadiationSurvey, smoothing_s: float) -> RadiationSurvey:
@@ -84,24 +80,20 @@ def unsmoothed(survey: RadiationSurvey, smoothing_s: float) -> RadiationSurvey:
     return replace(survey, counts=counts)
 
 
-def _with_noise(
-    survey: RadiationSurvey, likelihood: Likelihood, fit: Fit, first_fit: FirstFit
-) -> tuple[RadiationSurvey, Likelihood, Fit]:
-    """Return a survey of dose rates alone with no more counts than their noise tells, and its fit.
-
-    `likelihood` and `fit` are of `survey` as it is.
-    """
+def _with_noise(survey: RadiationSurvey, first_fit: FirstFit) -> RadiationSurvey:
+    """Return a survey of dose rates alone with no more counts than their noise tells."""
     for _ in range(NOISE_ROUNDS):
-        share = 1.0 / _left(likelihood, fit).std ** 2
+        share = 1.0 / _left(*first_fit(survey, False, None)).std ** 2
         if math.log(share) > -LEAST_FALL:
             break
         survey = replace(survey, counts=survey.counts * share, exposures=survey.exposures * share)
-        likelihood, fit = first_fit(survey, False, None)
-    return survey, likelihood, fit
+    return survey
 
 
 def _smoothing_s(survey: RadiationSurvey, first_fit: FirstFit) -> float:
     """Return the time constant with the least left by golden sections, 0 if it is hardly less."""
+    if _left(*first_fit(survey, False, None)).alikeness < LARGEST_ALIKENESS:
+        return 0.0
     likelihood, fit = first_fit(survey, True, None)
     first = math.log(_left(likelihood, fit).std)
 

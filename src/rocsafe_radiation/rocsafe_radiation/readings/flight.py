@@ -42,6 +42,15 @@ class Flight:
     velocities_mps: FloatArray
     legs: IndexArray
 
+    def only(self, rows: IndexArray) -> 'Flight':
+        """Return the flight past some readings, by their numbers."""
+        return Flight(
+            vehicles=self.vehicles[rows],
+            times_s=self.times_s[rows],
+            velocities_mps=self.velocities_mps[rows],
+            legs=self.legs[rows],
+        )
+
     def merged(self, owner: IndexArray, first: IndexArray, weights: FloatArray) -> 'Flight':
         """Return the flight past cells of readings.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_radiation.readings.calibration import calibration_of
 from rocsafe_radiation.readings.flight import Flight, flight_of
 from rocsafe_radiation.readings.ground import LEVEL, Ground
@@ -123,6 +123,19 @@ class RadiationSurvey:
     def height_m(self, source_height_m: float) -> float:
         """Return the median height of the readings above sources, at least 1 m."""
         return max(1.0, float(np.median(self.heights_m)) - source_height_m)
+
+    def only(self, rows: IndexArray) -> 'RadiationSurvey':
+        """Return the survey of some readings, by their numbers."""
+        shape, dark, flight = self.background_shape, self.dark_counts, self.flight
+        return replace(
+            self,
+            positions_enu_m=self.positions_enu_m[rows],
+            counts=self.counts[rows],
+            exposures=self.exposures[rows],
+            dark_counts=dark if len(dark) == 1 else dark[rows],
+            background_shape=None if shape is None else shape[rows],
+            flight=None if flight is None else flight.only(rows),
+        )
 
     def merged(self, cell_m: float, most: int) -> 'RadiationSurvey':
         """Return a survey with one reading for each cube of `cell_m`, at the mean place within.
