@@ -134,3 +134,16 @@ def test_velocities_are_those_of_each_vehicle():
     flight = flight_of([*['a', 'b'] * 20, 'c'], np.append(times, 7.0), places)
     assert flight.velocities_mps[:40, 0] == pytest.approx(np.tile([5.0, -3.0], 20))
     assert flight.velocities_mps[40] == pytest.approx(0.0)
+
+
+def test_uneven_ground_is_no_running_mean():
+    """Counts scatter from one to the next as counts do, however the ground rises and falls."""
+    rng = np.random.default_rng(2)
+    readings = flown(sensitivity=3000.0)
+    rates = 0.1 + 0.04 * np.sin([one.position_enu_m[0] / 8.0 for one in readings])
+    uneven = [
+        dataclasses.replace(one, counts=float(count))
+        for one, count in zip(readings, rng.poisson(3000.0 * rates), strict=True)
+    ]
+    known = dataclasses.replace(LOSSLESS, largest_order=0)
+    assert localize(survey_of(uneven, 3000.0), known).smoothing_s == 0.0

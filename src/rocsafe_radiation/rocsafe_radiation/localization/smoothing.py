@@ -34,6 +34,11 @@ MOST_COUNTS = 1.2
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 # Readings of so many at the begin of the flight tell it.
 MOST_TRIED = 1500
+# Readings scatter less than counts if the square of their third differences, but for the largest,
+# is below this share of that of counts; where the noise is not known, if their correlation with
+# the next is above the other number.
+LARGEST_SCATTER, LEAST_BEND, KEPT_SHARE, FEWEST_READINGS = 0.4, -0.72, 0.95, 16
+THIRD_DIFFERENCE = np.array([1.0, -3.0, 3.0, -1.0])
 LARGEST_MISS, NOISE_ROUNDS = 3.0, 3
 
 
@@ -92,7 +97,9 @@ def _with_noise(survey: RadiationSurvey, first_fit: FirstFit) -> RadiationSurvey
 
 def _smoothing_s(survey: RadiationSurvey, first_fit: FirstFit) -> float:
     """Return the time constant with the least left by golden sections, 0 if it is hardly less."""
-    if _left(*first_fit(survey, False, None)).alikeness < LARGEST_ALIKENESS:
+    if not _is_smooth(survey) or (
+        _left(*first_fit(survey, False, None)).alikeness < LARGEST_ALIKENESS
+    ):
         return 0.0
     likelihood, fit = first_fit(survey, True, None)
     first = math.log(_left(likelihood, fit).std)
@@ -117,6 +124,33 @@ def _smoothing_s(survey: RadiationSurvey, first_fit: FirstFit) -> float:
             values = [values[1], left(inner[1])]
     best = min(range(2), key=lambda k: values[k])
     return math.exp(inner[best]) if values[best] < first - LEAST_FALL else 0.0
+
+
+def _is_smooth(survey: RadiationSurvey) -> bool:
+    """Return whether readings scatter less from one to the next than counts do.
+
+    Third differences are of the noise alone: neither sources nor uneven ground change so quickly.
+    Those of independent readings have a correlation of -0.75 with the next.
+    """
+    flight = survey.flight
+    if flight is None or survey.size < FEWEST_READINGS:
+        return False
+    order = np.lexsort((flight.times_s, flight.vehicles))
+    rates = (survey.net_counts / survey.exposures)[order]
+    usual = np.lib.stride_tricks.sliding_window_view(rates, 4).mean(axis=1)
+    mean = float(rates.mean())
+    exposures = np.lib.stride_tricks.sliding_window_view(survey.exposures[order], 4)
+    variances = np.maximum(usual, 0.1 * mean) * (exposures**-1.0 @ THIRD_DIFFERENCE**2)
+    same = flight.vehicles[order]
+    is_one = same[3:] == same[:-3]
+    bends = np.diff(rates, 3) / np.sqrt(variances)
+    squares = np.sort(bends[is_one] ** 2)
+    if not survey.is_nominal:
+        return bool(squares[: math.ceil(KEPT_SHARE * len(squares))].mean() < LARGEST_SCATTER)
+    clipped = np.clip(bends / math.sqrt(squares.mean()), -LARGEST_MISS, LARGEST_MISS)
+    pairs = is_one[1:] & is_one[:-1]
+    alike = (clipped[1:] * clipped[:-1])[pairs].sum() / (clipped**2)[1:][pairs].sum()
+    return bool(alike > LEAST_BEND)
 
 
 def _neighbours(flight: Flight) -> tuple[IndexArray, IndexArray]:
