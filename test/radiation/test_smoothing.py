@@ -126,6 +126,20 @@ def test_unsmoothing_is_the_inverse():
     assert unsmoothed(unknown, 4.0) is unknown
 
 
+@pytest.mark.filterwarnings('error')
+def test_dose_rates_that_are_all_alike_are_no_running_mean():
+    """Nor do they end in a division by 0."""
+    alike = [dataclasses.replace(one, dose_rate_usvh=0.1) for one in flown(is_dose=True)]
+    found = localize(survey_of(alike), dataclasses.replace(LOSSLESS, largest_order=0))
+    assert found.smoothing_s == 0.0
+
+
+def test_as_many_vehicles_as_readings_have_no_flight():
+    """Legs were made longer for ever, so that there were fewer of them."""
+    names = [str(number) for number in range(99)]
+    assert flight_of(names, np.arange(99.0), np.zeros((99, 3))) is None
+
+
 def test_velocities_are_those_of_each_vehicle():
     """Two that pass each other, and one reading of a third."""
     times = np.repeat(np.arange(20.0), 2)

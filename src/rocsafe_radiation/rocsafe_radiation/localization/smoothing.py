@@ -147,9 +147,12 @@ def _is_smooth(survey: RadiationSurvey) -> bool:
     squares = np.sort(bends[is_one] ** 2)
     if not survey.is_nominal:
         return bool(squares[: math.ceil(KEPT_SHARE * len(squares))].mean() < LARGEST_SCATTER)
-    clipped = np.clip(bends / math.sqrt(squares.mean()), -LARGEST_MISS, LARGEST_MISS)
+    clipped = np.clip(
+        bends / math.sqrt(max(float(squares.mean()), 1e-30)), -LARGEST_MISS, LARGEST_MISS
+    )
     pairs = is_one[1:] & is_one[:-1]
-    alike = (clipped[1:] * clipped[:-1])[pairs].sum() / (clipped**2)[1:][pairs].sum()
+    squared = max(float((clipped**2)[1:][pairs].sum()), 1e-30)
+    alike = float((clipped[1:] * clipped[:-1])[pairs].sum()) / squared
     return bool(alike > LEAST_BEND)
 
 

@@ -73,7 +73,7 @@ class Flight:
 
 
 def flight_of(vehicles: Sequence[str], times_s: FloatArray, places_m: FloatArray) -> Flight | None:
-    """Return the flight past readings; None if the times are not known.
+    """Return the flight past readings; None if the times are not known, or of too many vehicles.
 
     Legs of the first scale are `LEG_S` long, or longer if there were more than `MOST_LEGS`, those
     of each further scale `LEG_GROWTH` times as long. All have numbers of their own.
@@ -90,6 +90,8 @@ def flight_of(vehicles: Sequence[str], times_s: FloatArray, places_m: FloatArray
     if not len(times_s) or not np.ptp(times_s) < LONGEST_S:
         return None
     names = np.asarray(np.unique(np.asarray(vehicles), return_inverse=True)[1], np.intp)
+    if names.max() >= MOST_LEGS:
+        return None
     length_s, since_s = LEG_S, times_s - times_s.min()
     while _numbered(names, since_s, length_s).max() >= MOST_LEGS:
         length_s *= LENGTH_STEP
