@@ -6,6 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rocsafe_dispersion.agents.agent_table import agent
+from rocsafe_dispersion.mission_gas.near_field import near_field, near_field_line
 from rocsafe_dispersion.plume.dense_gas import DenseRelease
 
 # Liquid natural gas, 0.23 m^3/s of liquid of 425.6 kg/m^3, as gas of 1.76 kg/m^3 at -162 degrees.
@@ -62,3 +64,14 @@ def test_bad_values_are_refused(changed, named):
     }
     with pytest.raises(ValueError, match=named):
         DenseRelease(**(values | changed))
+
+
+def test_a_leak_of_chlorine_is_dense_near_by():
+    """Told beside the passive plume, with the method; little of it is not, nor ammonia."""
+    values = near_field(2000.0, agent('chlorine'), 3.0)['dense_gas']
+    assert values['largest_ppm'] == sorted(values['largest_ppm'], reverse=True)
+    assert values['half_widths_m'] == sorted(values['half_widths_m'])
+    assert 'screening by Britter and McQuaid' in near_field_line(values)
+    assert near_field(0.01, agent('chlorine'), 6.0) == {}
+    assert near_field(2000.0, agent('ammonia'), 3.0) == {}
+    assert near_field(2000.0, None, 3.0) == {}

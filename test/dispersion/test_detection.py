@@ -9,7 +9,6 @@ import pytest
 
 from rocsafe_dispersion.agents.agent_table import agent, agents
 from rocsafe_dispersion.detection.gas_sensor import GasSensor, Intake
-from rocsafe_dispersion.detection.open_path import Beam
 from rocsafe_dispersion.detection.particle_counter import CountingWindows, ParticleCounter
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_dispersion.detection.sensor_windows import GasSample, WindowSensor
@@ -164,14 +163,6 @@ def test_after_a_gap_the_past_is_unknown():
     assert [second for second in given if second > 120]
 
 
-def test_beam_reads_the_integral():
-    """Of a bell across it: its whole area."""
-    beam = Beam(start_m=(-50.0, 0.0, 2.0), end_m=(50.0, 0.0, 2.0))
-    bell = beam.integral(lambda places: np.exp(-0.5 * (places[:, 0] / 3.0) ** 2))
-    assert bell == pytest.approx(3.0 * math.sqrt(2.0 * math.pi), rel=1e-6)
-    assert beam.mean(lambda places: np.full(len(places), 7.0)) == pytest.approx(7.0)
-
-
 def test_trigger_has_its_rate_of_false_alarms():
     """At 1 in 100, of 3000 windows of natural background 10 to 60 trigger."""
     counter = ParticleCounter(false_alarm_probability=0.01)
@@ -214,7 +205,6 @@ def test_particles_beyond_what_it_counts():
         lambda: replace(PID, unit='%'),
         lambda: replace(IMS, bars=(2.0, 1.0)),
         lambda: WindowSensor(PID, Intake(), 'rav1', 0.0, 1),
-        lambda: Beam(start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.0)),
         lambda: ParticleCounter(efficiency=2.0),
     ],
 )

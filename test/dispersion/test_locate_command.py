@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from rocsafe_dispersion.command_line.locate_command import main
-from rocsafe_dispersion.detection.open_path import Beam
 from rocsafe_dispersion.estimation.gas_csv import read_gas
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
@@ -83,8 +82,10 @@ def test_beams_are_means_along_their_way(tmp_path: Path):
         (-5.0, -40.0, 5.0), (-5.0, 5.0, 40.0), (20.0, -40.0, 7.0), (20.0, 7.0, 40.0),
         (40.0, -10.0, 10.0), (-40.0, -30.0, 30.0),
     ]:  # fmt: skip
-        beam = Beam(start_m=(east, low, 2.0), end_m=(east, high, 2.0))
-        value = beam.mean(plume.concentrations_g_m3) + 1e-3
+        way = np.column_stack(
+            [np.full(2001, east), np.linspace(low, high, 2001), np.full(2001, 2.0)]
+        )
+        value = plume.concentrations_g_m3(way).mean() + 1e-3
         lines.append(f'{east},{low},2,{value:.6g},{SPEED_MPS:.4g},270,{east},{high},2')
     path = tmp_path / 'beams.csv'
     path.write_text('\n'.join(lines) + '\n', encoding='utf-8')
@@ -227,6 +228,45 @@ def test_a_value_that_is_read_again_counts_once(
     assert main([str(path), '--json', '--most', '0']) == 0
     (note,) = json.loads(capsys.readouterr().out)['notes']
     assert note == '240 readings left out: as before, read too often or stuck'
+
+
+def test_rows_without_a_value_or_wind_and_calm_ones_are_left_out(tmp_path: Path, capsys):
+    """With their number; the whole file was refused for one of them."""
+    path = tmp_path / 'a.csv'
+    head, *rows = clean(np.random.default_rng(2).normal(0.0, 1e-3, 60)).splitlines()
+    rows[3], rows[5] = rows[3].replace(',4,270', ',,'), rows[5].replace(',4,', ',nan,')
+    rows[7] = '7,21,2,,4,270'
+    rows[9] = rows[9].replace(',4,270', ',0,270')
+    path.write_text('\n'.join([head, *rows]) + '\n', encoding='utf-8')
+    gas = read_gas(path)
+    assert len(gas.survey.values_g_m3) == 56
+    assert list(gas.notes) == [
+        '1 readings left out: no value (lines 9)',
+        '2 readings left out: no wind (lines 5, 7)',
+        '1 readings left out: the wind is below 0.3 m/s',
+    ]
+    path.write_text('\n'.join([head, '1,2,3,4,,', '5,6,3,4,-,-']) + '\n', encoding='utf-8')
+    assert main([str(path)]) == 2
+    assert 'no row has a wind' in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_slow_sensor_is_undone(tmp_path: Path, capsys):
+    """A response of 30 s made releases of one far from it."""
+    rng, (head, *rows) = np.random.default_rng(3), readings(tmp_path).read_text().splitlines()
+    shown, lines = 0.0, []
+    for number, row in enumerate([*rows, *rows[::-1]]):
+        east, north, height, value, *wind = row.split(',')
+        shown += (float(value) - shown) * (1.0 - np.exp(-8.0 / 30.0))
+        reading = shown + rng.normal(0.0, 1e-5)
+        lines.append(','.join([east, north, height, f'{reading:.7g}', *wind, str(8 * number)]))
+    path = tmp_path / 'slow.csv'
+    path.write_text('\n'.join([head + ',time_s', *lines]) + '\n', encoding='utf-8')
+    assert main([str(path), '--json', '--most', '1']) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert any('follows the gas within about' in note for note in document['notes'])
+    (release,) = document['releases']
+    assert np.hypot(release['east_m'] + 20.0, release['north_m'] - 5.0) < 12.0
 
 
 @pytest.mark.slow

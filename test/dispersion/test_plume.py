@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from rocsafe_dispersion.agents.agent_table import agent
 from rocsafe_dispersion.plume.losses import Losses, settling_speed_mps
 from rocsafe_dispersion.plume.puffs import PuffCloud, Puffs
-from rocsafe_dispersion.plume.release import Release, area_release
+from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.rise import buoyancy_m4_s3, rise_m
 from rocsafe_dispersion.plume.spread import briggs_travel, similarity_travel, vertical_shape
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
@@ -243,16 +243,6 @@ def test_moving_release_leaves_puffs_along_its_track():
     assert np.allclose(middles[:, 1], 0.4 * middles[:, 0])
 
 
-def test_area_release_adds_up_and_fills_its_area():
-    """An L-shaped area."""
-    corners = np.array([(0, 0), (40, 0), (40, 20), (20, 20), (20, 40), (0, 40)], float)
-    parts = area_release(RELEASE, corners, 48)
-    assert sum(part.rate_g_s for part in parts) == pytest.approx(RELEASE.rate_g_s)
-    places = np.array([part.place_m for part in parts])
-    assert not ((places > 20.0).all(axis=1)).any()
-    assert len(parts) == pytest.approx(48, abs=6)
-
-
 @pytest.mark.parametrize(
     'make',
     [
@@ -262,7 +252,6 @@ def test_area_release_adds_up_and_fills_its_area():
         lambda: Release(place_m=(0.0, 0.0), rate_g_s=-1.0),
         lambda: Release(place_m=(0.0, 0.0), rate_g_s=1.0, duration_s=0.0),
         lambda: Release(place_m=(0.0, 0.0), rate_g_s=1.0, track=((5.0, 0, 0), (4.0, 0, 0))),
-        lambda: area_release(RELEASE, np.zeros((3, 2))),
         lambda: similarity_travel(LAYER, 100.0),
         lambda: similarity_travel(LAYER, 1.0, sigma_theta_rad=math.nan),
         lambda: Losses(surface_resistance_s_m=-1.0),

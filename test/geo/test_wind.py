@@ -114,6 +114,16 @@ def test_record_is_read_in_both_conventions(tmp_path: Path):
     assert np.allclose(winds[0], winds[1])
 
 
+def test_a_record_with_gaps_is_read(tmp_path: Path):
+    """Rows without a wind are left out; it is straight in between."""
+    path = tmp_path / 'gaps.csv'
+    path.write_text(
+        'time_s,wind_speed_mps,wind_from_deg\n0,2,270\n5,,\n6,nan,270\n10,4,270\n,3,9\n',
+        encoding='utf-8',
+    )
+    assert read_wind(path).wind_at(5.0).towards_east_mps == pytest.approx(3.0)
+
+
 @pytest.mark.parametrize(
     ('text', 'named'),
     [

@@ -4,6 +4,7 @@
 import math
 
 import pytest
+from PIL import Image
 
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.photographs.tags import Tags
@@ -42,8 +43,23 @@ def test_a_hemisphere_is_not_guessed(named):
     gps = {**DUBLIN, 3: named}
     if named is None:
         del gps[3]
-    with pytest.raises(ValueError, match=r'^GPSLongitudeRef = .* must be E or W$'):
-        record_of(gps)
+    record = record_of(gps)
+    assert math.isnan(record.latitude_deg)
+    assert math.isnan(record.longitude_deg)
+
+
+def test_a_photograph_without_a_hemisphere_is_kept_for_a_geo_txt(tmp_path):
+    """It was left out, also where a geo.txt tells its place."""
+    exif = Image.Exif()
+    exif.get_ifd(0x8769)[FOCAL_LENGTH_35MM] = 30
+    exif.get_ifd(0x8825).update({key: DUBLIN[key] for key in (1, 2, 4)})
+    Image.new('RGB', (64, 48)).save(tmp_path / 'a.jpg', exif=exif)
+    said = []
+    (shot,) = photographs_of(tmp_path, said.append)
+    assert math.isnan(shot.record.longitude_deg)
+    assert said == [
+        f'{tmp_path / "a.jpg"}: GPSLongitude is neither E nor W: its own place is not used'
+    ]
 
 
 @pytest.mark.parametrize(

@@ -53,20 +53,20 @@ def test_legs_are_of_one_vehicle_and_of_several_lengths():
         LocalReading(position_enu_m=(0.0, 0.0, 9.0), dose_rate_usvh=1.0, vehicle=v, time_s=t)
         for v, t in [('a', 5.0), ('a', 15.0), ('a', 26.0), ('b', 15.0), ('a', 90.0)]
     ]
-    legs = survey_of(readings).legs
+    legs = survey_of(readings).flight.legs
     assert legs.tolist() == [[0, 4, 7], [0, 4, 7], [1, 4, 7], [3, 6, 8], [2, 5, 7]]
     for time_s in (math.nan, 1e300):
         unknown = dataclasses.replace(readings[1], time_s=time_s)
-        assert survey_of([readings[0], unknown]).legs is None
+        assert survey_of([readings[0], unknown]).flight is None
 
 
 def test_many_readings_keep_their_places_before_their_legs():
     """Of an area flown over again and again, cells are not made larger for the sake of legs."""
     survey = flown(1)
-    plain = dataclasses.replace(survey, legs=None)
-    assert survey.merged(1.0, 1000).legs is not None
+    plain = dataclasses.replace(survey, flight=None)
+    assert survey.merged(1.0, 1000).flight is not None
     most = plain.merged(1.0, 1000).size - 1
-    assert survey.merged(1.0, most).legs is None
+    assert survey.merged(1.0, most).flight is None
     assert survey.merged(1.0, most).size == plain.merged(1.0, most).size
 
 
@@ -91,5 +91,5 @@ def test_lasting_errors_of_fixes_are_in_the_ellipse():
     """Taken as independent, they make it far too small."""
     surveys = [flown(seed) for seed in range(8)]
     assert sum(is_right(localize(survey, LOSSLESS)) for survey in surveys) >= 7
-    without = [dataclasses.replace(survey, legs=None) for survey in surveys]
+    without = [dataclasses.replace(survey, flight=None) for survey in surveys]
     assert sum(is_right(localize(survey, LOSSLESS)) for survey in without) <= 5

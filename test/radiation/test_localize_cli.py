@@ -461,3 +461,31 @@ def test_counts_that_are_no_number_leave_the_dose_rate(table):
     readings = read_readings(table(COUNTED + rows))
     survey = survey_of(readings.observations)
     assert (survey.net_counts / survey.exposures) == pytest.approx(0.1)
+
+
+def unlike(factor: float, *, has_doses: bool) -> str:
+    """Return rows of two detectors over the same ground, the second with more counts."""
+    rng = np.random.default_rng(6)
+    lines = ['instrument,latitude_deg,longitude_deg,altitude_m,counts,live_time_s,dose_rate_usvh']
+    for number in range(120):
+        for name, sensitivity in (('tube', 200.0), ('crystal', 200.0 * factor)):
+            place = 53.28 + 1e-4 * (number % 11), -9.06 + 1e-4 * (number // 11)
+            counts = rng.poisson(0.1 * sensitivity)
+            dose = f'{counts / 200.0:.4f}' if has_doses else ''
+            lines.append(f'{name},{place[0]},{place[1]},90,{counts},1,{dose}')
+    return '\n'.join(lines) + '\n'
+
+
+def test_one_sensitivity_for_unlike_detectors_is_refused(table, capsys):
+    """By their names; those that read alike pass, and dose rates that differ are never enough."""
+    options = ['--ground', '66', '--sensitivity', '200']
+    assert main([str(table(unlike(2.5, has_doses=False))), *options]) == 2
+    error = capsys.readouterr().err
+    assert "at the same places 'tube' reads 0.4" in error
+    assert "times what 'crystal' reads" in error
+    assert error.count('\n') == 1
+    assert main([str(table(unlike(1.0, has_doses=False))), *options]) == 0
+    assert main([str(table(unlike(2.5, has_doses=True))), *options[:2], '--json']) == 0
+    document = json.loads(capsys.readouterr().out.partition('{')[2].join(['{', '']))
+    assert not document['is_enough']
+    assert any('the detectors differ' in doubt for doubt in document['doubts'])

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rocsafe_dispersion.agents.agent_table import agent
+from rocsafe_dispersion.agents.agent_table import Agent, agent
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.gas_survey import averaged
@@ -21,9 +21,11 @@ from rocsafe_dispersion.estimation.locate import (
     usual_speed_mps,
 )
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.estimation.slow_response import without_delay
 from rocsafe_dispersion.estimator_options import estimator_options
 from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading
 from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
+from rocsafe_dispersion.mission_gas.near_field import near_field, near_field_line
 from rocsafe_dispersion.mission_gas.release_assessment import (
     ReleaseAssessment,
     assess,
@@ -32,6 +34,7 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
 from rocsafe_dispersion.mission_gas.release_files import write_release_files
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.wind.similarity import SurfaceLayer
 from rocsafe_geo.wind.stability import CLASSES, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
@@ -71,11 +74,18 @@ def _of_table(options: argparse.Namespace) -> dict[str, Any]:
         if getattr(options, name) is None:
             setattr(options, name, value)
     gas = read_gas(options.file, agent(options.agent).g_m3 if options.agent else None)
-    gas = replace(gas, survey=averaged(gas.survey, MOST_FITTED))
+    survey, responses_s = without_delay(averaged(gas.survey, MOST_FITTED))
+    notes = list(gas.notes)
+    if responses_s:
+        slowest_s = max(responses_s.values())
+        notes.append(f'a sensor follows the gas within about {slowest_s:.2g} s: undone')
+    gas = replace(gas, survey=survey, notes=tuple(notes))
     area = search_area(gas.survey.places_m, options.margin, options.release_height)
     found = _located(gas, area, options)
     verdict = ReleaseRule().verdict(found)
-    return document_of(found, gas.frame) | {
+    known = agent(options.agent) if options.agent else None
+    wind_10m_mps = float(_layer(gas, options).speed_mps(10.0))
+    return document_of(found, gas.frame, known, wind_10m_mps) | {
         'is_enough': verdict.is_enough,
         'verdict': verdict.reason,
         'notes': list(gas.notes),
@@ -118,7 +128,8 @@ def _highest(reading: GasFlightReading, frame: LocalFrame) -> dict[str, Any]:
 
 def _assessed(assessment: ReleaseAssessment, frame: LocalFrame) -> dict[str, Any]:
     flight = assessment.flight
-    return document_of(assessment.found, frame) | {
+    wind_10m_mps = assessment.wind_10m_mps
+    return document_of(assessment.found, frame, flight.agent, wind_10m_mps) | {
         'agent': flight.agent.name,
         'sensor': flight.sensor,
         'wind_towards_mps': list(flight.wind_towards_mps),
@@ -190,10 +201,15 @@ def parser() -> argparse.ArgumentParser:
     return found
 
 
-def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, Any]:
-    """Return what was found as values for JSON."""
+def document_of(
+    found: LocatedReleases, frame: LocalFrame | None, known: Agent | None, wind_10m_mps: float
+) -> dict[str, Any]:
+    """Return what was found as values for JSON; `known` is what was released, if anybody knows."""
     return {
-        'releases': [_release(release, frame) for release in found.releases],
+        'releases': [
+            _release(release, frame) | near_field(release.rate_g_s, known, wind_10m_mps)
+            for release in found.releases
+        ],
         'another': {
             'rate_g_s': found.hidden.smallest_g_s,
             'ground_share': round(found.hidden.share, 4),
@@ -210,12 +226,10 @@ def document_of(found: LocatedReleases, frame: LocalFrame | None) -> dict[str, A
 
 
 def _located(gas: GasFile, area: SearchArea, options: argparse.Namespace) -> LocatedReleases:
-    speed = usual_speed_mps(gas.survey)
-    layer = layer_of_class(options.stability, speed, options.anemometer, options.roughness)
     return locate_releases(
         gas.survey,
         area,
-        layer,
+        _layer(gas, options),
         anemometer_m=options.anemometer,
         options=LocateOptions(most_releases=options.most),
     )
@@ -235,6 +249,11 @@ def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
     }
 
 
+def _layer(gas: GasFile, options: argparse.Namespace) -> SurfaceLayer:
+    speed = usual_speed_mps(gas.survey)
+    return layer_of_class(options.stability, speed, options.anemometer, options.roughness)
+
+
 def _text(document: dict[str, Any]) -> str:
     hidden = document['another']
     share = 100.0 * hidden['ground_share']
@@ -248,6 +267,8 @@ def _text(document: dict[str, Any]) -> str:
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
         rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
+        if 'dense_gas' in release:
+            lines.append(near_field_line(release['dense_gas']))
     where = f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground'
     if where not in document['verdict']:
         lines.append(where)

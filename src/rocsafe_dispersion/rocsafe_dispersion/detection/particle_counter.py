@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from rocsafe_geo.limits import require_between, require_count, require_positive
 from rocsafe_geo.wind.gusts import correlated_noise
@@ -154,4 +154,4 @@ class CountingWindows:
         if plain + plain_before == 0:
             return math.nan
         share = plain / (plain + plain_before)
-        return float(stats.binom.sf(fluorescent - 1, fluorescent + before, share))
+        return float(special.bdtrc(fluorescent - 1, fluorescent + before, share))

@@ -4,7 +4,8 @@
 Columns: a place (``latitude_deg`` and ``longitude_deg``, or ``east_m`` and ``north_m``),
 ``height_m`` above the ground, a concentration (``value_g_m3``, ``value_mg_m3``, or ``value_ppm``
 of a named agent), and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or
-``wind_speed_mps`` and ``wind_from_deg``). If given: ``time_s``, the noise in the unit of the
+``wind_speed_mps`` and ``wind_from_deg``). Rows without a value or a wind, and those in calm air
+where most are not, are left out. If given: ``time_s``, the noise in the unit of the
 values (``std_g_m3``, ``std_mg_m3`` or ``std_ppm``), ``limit`` (``below`` or ``above``: the value
 is only a bound; without this column, values that pile up at an end of the scale are) and
 ``instrument``, whose readings share a background. Readings that are means
@@ -19,13 +20,14 @@ from pathlib import Path
 
 import numpy as np
 
+from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.gas_survey import LARGEST_READINGS, GasSurvey, usual_noise
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.csv_rows import Row, column, read_table
-from rocsafe_geo.wind.anemometer_file import is_vector_record, wind_of
+from rocsafe_geo.storage.csv_rows import Row, column, has_all, read_table
+from rocsafe_geo.wind.anemometer_file import WIND, is_vector_record, wind_of
 from rocsafe_hazard.value_runs import are_again, are_at_top
 
 GEODETIC, LOCAL = ('latitude_deg', 'longitude_deg'), ('east_m', 'north_m')
@@ -38,6 +40,7 @@ LIMITS = ('', 'below', 'above')
 UNITS = {'g_m3': 1.0, 'mg_m3': 1e-3, 'ppm': math.nan}
 LARGEST_EXTENT_M = 20_000.0
 LONGEST_BEAM_M = 500.0
+MOST_NAMED = 5
 # Readings and their noise, in the unit of the file: beyond, they are no concentrations.
 LEAST_NOISE, LARGEST_VALUE = 1e-15, 1e9
 
@@ -82,6 +85,7 @@ def read_gas(path: Path, g_m3_of_ppm: Callable[[float], float] | None = None) ->
 def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None) -> GasFile:
     names = set(rows[0])
     unit, factor = _unit(names, g_m3_of_ppm)
+    rows, notes = _with_all(rows, names, f'value_{unit}')
     places, weights, frame = _places(rows, names)
     limits = [_limit(row) for row in rows]
     values = factor * _numbers(rows, f'value_{unit}', LARGEST_VALUE)
@@ -98,16 +102,42 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
         ),
         instruments=_instruments(rows, names),
     )
-    notes: list[str] = []
     if 'limit' not in names:
-        survey, notes = _with_ends(survey)
+        survey, ends = _with_ends(survey)
+        notes += ends
     again = _of_each_instrument(survey, are_again)
     if again.any():
         # Values that repeat the one before hide the noise.
         survey = replace(survey, std_g_m3=_stds(rows, names, unit, factor, values[~again]))
         survey = survey.only(~again)
         notes.append(f'{again.sum()} readings left out: as before, read too often or stuck')
+    calm = survey.speeds_mps < LEAST_SPEED_MPS
+    if calm.any() and calm.mean() < 0.5:
+        survey = survey.only(~calm)
+        notes.append(f'{calm.sum()} readings left out: the wind is below {LEAST_SPEED_MPS:g} m/s')
     return GasFile(survey=survey, frame=frame, notes=tuple(notes))
+
+
+def _with_all(rows: Sequence[Row], names: set[str], value: str) -> tuple[Sequence[Row], list[str]]:
+    """Return the rows that have a value and a wind, and notes of the others.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    notes: list[str] = []
+    for what, columns in (('value', (value,)), ('wind', WIND[is_vector_record(names)])):
+        kept = [row for row in rows if has_all(row, columns)]
+        if not kept:
+            raise ValueError(f'no row has a {what} ({" and ".join(columns)}): one must')
+        if len(kept) < len(rows):
+            lines = [row.line for row in rows if not has_all(row, columns)]
+            named = ', '.join(map(str, lines[:MOST_NAMED]))
+            more = ' and more' if len(lines) > MOST_NAMED else ''
+            notes.append(f'{len(lines)} readings left out: no {what} (lines {named}{more})')
+        rows = kept
+    return rows, notes
 
 
 def _with_ends(survey: GasSurvey) -> tuple[GasSurvey, list[str]]:

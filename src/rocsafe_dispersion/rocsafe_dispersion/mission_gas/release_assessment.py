@@ -69,6 +69,8 @@ class ReleaseAssessment:
         Where releases were looked for.
     air
         The mean air.
+    wind_10m_mps
+        Speed of its wind at 10 m, m/s.
     found
         What was found.
     rule, verdict
@@ -80,6 +82,7 @@ class ReleaseAssessment:
     flight: FlightSurvey
     area: SearchArea
     air: MeanAir
+    wind_10m_mps: float
     found: LocatedReleases
     rule: ReleaseRule
     verdict: ReleaseVerdict
@@ -120,6 +123,7 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         flight=flight,
         area=area,
         air=air,
+        wind_10m_mps=float(layer.speed_mps(10.0)),
         found=found,
         rule=options.rule,
         verdict=options.rule.verdict(found),

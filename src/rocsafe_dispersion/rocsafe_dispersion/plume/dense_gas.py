@@ -10,10 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rocsafe_dispersion.agents.agent_table import (
+    GAS_CONSTANT,
+    ROOM_TEMPERATURE_K,
+    STANDARD_PRESSURE_PA,
+    Agent,
+)
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.limits import require_positive
 
-GRAVITY_MPS2 = 9.80616
+GRAVITY_MPS2, ZERO_K = 9.80616, 273.15
 LABEL = 'dense gas, screening by Britter and McQuaid'
 # For each share of the concentration at the release: upper ends of alpha, and slope and intercept
 # of log10 of the distance in units of sqrt(volume flow / wind), of which the last holds above.
@@ -127,6 +133,29 @@ class DenseRelease:
             shares = np.concatenate([[start], shares])
             rows = np.concatenate([[math.log10(_NEAR_ROWS)], rows])
         return shares, rows
+
+
+def dense_release(agent: Agent, rate_g_s: float, wind_10m_mps: float) -> DenseRelease | None:
+    """Return a steady release at the ground that is dense, None if it is none or nobody can tell.
+
+    It is a vapour at the boiling point of the agent, or as warm as the air.
+    """
+    if agent.molar_mass_g_mol is None:
+        return None
+    boiling_k = math.inf if agent.boiling_c is None else agent.boiling_c + ZERO_K
+    temperature_k = min(boiling_k, ROOM_TEMPERATURE_K)
+    molar_m3 = GAS_CONSTANT * temperature_k / STANDARD_PRESSURE_PA
+    try:
+        found = DenseRelease(
+            volume_flow_m3_s=rate_g_s / agent.molar_mass_g_mol * molar_m3,
+            density_kg_m3=1e-3 * agent.molar_mass_g_mol / molar_m3,
+            temperature_k=temperature_k,
+            wind_10m_mps=wind_10m_mps,
+            air_temperature_k=ROOM_TEMPERATURE_K,
+        )
+    except ValueError:
+        return None
+    return found if found.is_dense else None
 
 
 def _value(ends: tuple[float, ...], lines: tuple[tuple[float, float], ...], alpha: float) -> float:

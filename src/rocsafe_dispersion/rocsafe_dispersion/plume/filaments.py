@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from rocsafe_dispersion.plume.carriers import Carriers, Parcels
 from rocsafe_dispersion.plume.release import Release
@@ -183,4 +182,7 @@ class FilamentCloud:
 def _correlated(white: FloatArray, step: float) -> FloatArray:
     """Return noise of variance 1 with the correlation exp(-|difference|), from white noise."""
     rho = math.exp(-step)
-    return np.asarray(lfilter([math.sqrt(1.0 - rho * rho)], [1.0, -rho], white, axis=0))
+    found: FloatArray = math.sqrt(1.0 - rho * rho) * white
+    for row in range(1, len(found)):
+        found[row] += rho * found[row - 1]
+    return found

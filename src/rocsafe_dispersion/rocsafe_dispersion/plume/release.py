@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_geo.limits import require_finite, require_not_negative, require_positive
+from rocsafe_geo.limits import require_finite, require_not_negative
 
 # East and north, metres.
 Place = tuple[float, float]
@@ -74,68 +74,3 @@ class Release:
         if self.burst_g:
             return np.where(since > 0.0, self.burst_g, 0.0)
         return np.asarray(self.rate_g_s * np.clip(since, 0.0, self.duration_s))
-
-
-def area_release(release: Release, corners_m: FloatArray, count: int = 16) -> list[Release]:
-    """Return releases at places spread evenly over a polygon, which add up to `release`.
-
-    Parameters
-    ----------
-    release
-        Its rate or burst is that of the whole area.
-    corners_m : (n, 2)
-        Corners of the polygon, metres.
-    count
-        Number of places.
-
-    Raises
-    ------
-    ValueError
-        If the polygon has no area.
-    """
-    places = _spread(np.asarray(corners_m, float), require_positive('count', count))
-    if not len(places):
-        raise ValueError('the area of a release must be a polygon with an area')
-    share = 1.0 / len(places)
-    cell = math.sqrt(_area_m2(np.asarray(corners_m, float)) * share)
-    return [
-        Release(
-            place_m=(east, north),
-            height_m=release.height_m,
-            rate_g_s=release.rate_g_s * share,
-            burst_g=release.burst_g * share,
-            start_s=release.start_s,
-            duration_s=release.duration_s,
-            # The disc of the same area as its part of the polygon.
-            radius_m=cell / math.sqrt(math.pi),
-        )
-        for east, north in places.tolist()
-    ]
-
-
-def _area_m2(corners: FloatArray) -> float:
-    x, y = corners.T
-    return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2.0)
-
-
-def _spread(corners: FloatArray, count: float) -> FloatArray:
-    """Return about `count` points of a square lattice within a polygon, (n, 2)."""
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    area = _area_m2(corners)
-    if area <= 0.0:
-        return np.zeros((0, 2))
-    step = math.sqrt(area / count)
-    axes = [
-        first + (np.arange(math.ceil((last - first) / step)) + 0.5) * step
-        for first, last in zip(low, high, strict=True)
-    ]
-    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    inside = np.zeros(len(points), bool)
-    for first, second in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        # Even-odd rule: count the edges to the east of each point.
-        crosses = (first[1] > points[:, 1]) != (second[1] > points[:, 1])
-        rise = second[1] - first[1] or 1.0
-        at = first[0] + (points[:, 1] - first[1]) / rise * (second[0] - first[0])
-        inside ^= crosses & (points[:, 0] < at)
-    found = points[inside]
-    return found if len(found) else corners.mean(axis=0, keepdims=True)

@@ -15,6 +15,8 @@ from rocsafe_geo.storage.named_file import require_file
 T = TypeVar('T')
 # A longer line is no row of a table: it is not read to its end.
 LONGEST_LINE = 10_000
+# What loggers write where there is no number.
+NOTHING = {'', '-', '--', 'nan', 'na', 'n/a', 'none', 'null'}
 UTF_16_MARKS = (b'\xff\xfe', b'\xfe\xff')
 
 
@@ -122,6 +124,11 @@ def column(rows: Sequence[Row], name: str) -> FloatArray:
     if name not in rows[0]:
         raise ValueError(f'column {name} is missing')
     return np.array([number_in(row, name) for row in rows])
+
+
+def has_all(row: Row, names: Sequence[str]) -> bool:
+    """Return whether a row has something in all columns of `names` that the file has."""
+    return all(row[name].strip().lower() not in NOTHING for name in names if name in row)
 
 
 def number_in(row: Row, name: str) -> float:

@@ -3,8 +3,8 @@
 
 Columns: ``time_s`` and either ``wind_towards_east_mps`` and ``wind_towards_north_mps``, or
 ``wind_speed_mps`` and ``wind_from_deg`` (where it comes from, clockwise from north). Other
-columns are not read; a column ``direction`` or ``wind_direction`` is refused, as nobody knows
-whether it is where the wind comes from or goes to.
+columns are not read, nor rows without a time or a wind; a column ``direction`` or
+``wind_direction`` is refused, as nobody knows whether it is where the wind comes from or goes to.
 """
 
 from collections.abc import Sequence
@@ -14,13 +14,14 @@ from pathlib import Path
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_geo.storage.csv_rows import Row, column, number_in, read_table
+from rocsafe_geo.storage.csv_rows import Row, column, has_all, number_in, read_table
 from rocsafe_geo.wind.similarity import SurfaceLayer
 from rocsafe_geo.wind.wind_field import towards
 from rocsafe_geo.wind.wind_vector import WindVector, wind_from
 
 VECTOR = ('wind_towards_east_mps', 'wind_towards_north_mps')
 FROM = ('wind_speed_mps', 'wind_from_deg')
+WIND = {True: VECTOR, False: FROM}
 AMBIGUOUS = {'direction', 'wind_direction', 'wind_direction_deg', 'wind_dir', 'wd'}
 LARGEST_ROWS = 2_000_000
 
@@ -88,8 +89,10 @@ def read_wind(
 
 
 def _recorded(rows: Sequence[Row], layer: SurfaceLayer | None, height_m: float) -> RecordedWind:
-    times_s = column(rows, 'time_s')
     is_vector = is_vector_record(set(rows[0]))
+    # Where no row has a wind, the first one says what is wrong with it.
+    rows = [row for row in rows if has_all(row, ('time_s', *WIND[is_vector]))] or rows
+    times_s = column(rows, 'time_s')
     winds = [wind_of(row, is_vector=is_vector) for row in rows]
     return RecordedWind(
         times_s=times_s,
@@ -130,7 +133,7 @@ def wind_of(row: Row, *, is_vector: bool) -> WindVector:
     ValueError
         If a value is not a number or out of range, with its line.
     """
-    first, second = (number_in(row, name) for name in (VECTOR if is_vector else FROM))
+    first, second = (number_in(row, name) for name in WIND[is_vector])
     try:
         if not is_vector:
             return wind_from(first, second)

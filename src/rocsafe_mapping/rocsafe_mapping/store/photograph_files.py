@@ -85,6 +85,10 @@ def photographs_of(folder: Path, notice: Notice) -> tuple[StoredShot, ...]:
         except ValueError as error:
             notice(f'{path}: {error}')
             continue
+        for tag in HEMISPHERES:
+            if not _is_on_a_side(tags, tag):
+                sides = ' nor '.join(HEMISPHERES[tag])
+                notice(f'{path}: {GPS(tag).name} is neither {sides}: its own place is not used')
         shots.append(StoredShot(record=record, path=path))
     return tuple(shots)
 
@@ -153,23 +157,33 @@ def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> Shot
 
 
 def _fix_deg(tags: Tags) -> tuple[float, float]:
-    """Return latitude and longitude; NaN for 0/0, which cameras write that have no fix."""
+    """Return latitude and longitude; NaN if not known.
+
+    Cameras that have no fix write 0/0; without a hemisphere a place is one of two.
+    """
     fix = _degrees(tags, GPS.GPSLatitude), _degrees(tags, GPS.GPSLongitude)
-    return fix if any(fix) else (math.nan, math.nan)
+    is_known = any(fix) and all(_is_on_a_side(tags, tag) for tag in HEMISPHERES)
+    return fix if is_known else (math.nan, math.nan)
 
 
 def _degrees(tags: Tags, tag: int) -> float:
-    """Return latitude or longitude; raise ValueError if its hemisphere is not known."""
+    """Return latitude or longitude, NaN if there is none."""
     try:
         degrees, minutes, seconds = map(number_of, tags.gps[tag])
     except (KeyError, TypeError, ValueError):
         return math.nan
     angle = degrees + minutes / 60.0 + seconds / 3600.0
-    named = str(tags.gps.get(tag - 1, '')).strip('\x00 ')
-    positive, negative = HEMISPHERES[GPS(tag)]
-    if angle and named[:1].upper() not in (positive, negative):
-        raise ValueError(f'{GPS(tag).name}Ref = {named!r} must be {positive} or {negative}')
-    return -angle if named[:1].upper() == negative else angle
+    return -angle if _side(tags, tag) == HEMISPHERES[GPS(tag)][1] else angle
+
+
+def _side(tags: Tags, tag: int) -> str:
+    return str(tags.gps.get(tag - 1, '')).strip('\x00 ')[:1].upper()
+
+
+def _is_on_a_side(tags: Tags, tag: int) -> bool:
+    """Return whether the hemisphere is known, where there is a latitude or longitude but 0."""
+    angle = _degrees(tags, tag)
+    return not angle or math.isnan(angle) or _side(tags, tag) in HEMISPHERES[GPS(tag)]
 
 
 def _altitude(tags: Tags) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.solids.ground_heights import ShiftedHeights, read_heights, shift_to_m
+from rocsafe_radiation.readings.detector_agreement import unlike_detectors
 from rocsafe_radiation.readings.ground import Ground, GroundError, ground_over
 from rocsafe_radiation.readings.readings_file import (
     AGAIN,
@@ -62,7 +63,8 @@ def file_survey(readings: ReadingsFile, options: argparse.Namespace) -> Radiatio
     if options.terrain:
         survey = replace(survey, ground=_ground(readings, survey, options))
     _require_above_ground(survey)
-    survey = replace(survey, caveats=tuple(_caveats(readings, survey, is_guessed)))
+    caveats = [*_caveats(readings, survey, is_guessed), *_unlike(readings, survey, options)]
+    survey = replace(survey, caveats=tuple(caveats))
     reference = np.array(readings.reference_counts, np.float64)
     if not reference.sum() > 0.0:
         return survey
@@ -89,6 +91,31 @@ def _caveats(
             f'the mean dose rate, {level_usvh:.2g} uSv/h, is below that of nature: is the unit '
             'another?'
         )
+
+
+def _unlike(
+    readings: ReadingsFile, survey: RadiationSurvey, options: argparse.Namespace
+) -> Iterator[str]:
+    """Yield which detectors differ over the same ground.
+
+    Raises
+    ------
+    ReadingsFileError
+        In one line that names them, if one sensitivity is given for all.
+    """
+    vehicles = [one.vehicle for one in readings.observations]
+    places = np.column_stack([survey.positions_enu_m[:, :2], survey.heights_m])
+    found = unlike_detectors(vehicles, places, survey.net_counts, survey.exposures)
+    if found is None:
+        return
+    first, second, factor = found
+    what = f'at the same places {second!r} reads {factor:.2g} times what {first!r} reads'
+    if options.sensitivity > 0.0:
+        raise ReadingsFileError(
+            f'{options.file}: --sensitivity is that of one detector: {what}; give dose rates, or '
+            'a file for each'
+        )
+    yield f'the detectors differ: {what}'
 
 
 def _ground(

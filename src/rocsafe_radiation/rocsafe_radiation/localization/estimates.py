@@ -93,6 +93,10 @@ class Localization:
         Whether something beside the sources may take part of their dose rate on one side.
     caveats
         Why the readings prove nothing, in words.
+    smoothing_s
+        Time constant of the running means that the readings are; 0: they are none.
+    allowed_for
+        What clock and detectors do that the fit allows for, in words.
     method
         Method by which they were found, one of `METHODS`.
     """
@@ -110,6 +114,8 @@ class Localization:
     is_understood: bool = True
     is_lopsided: bool = False
     caveats: tuple[str, ...] = ()
+    smoothing_s: float = 0.0
+    allowed_for: tuple[str, ...] = ()
     method: str = ML_METHOD
 
     @property
@@ -118,6 +124,11 @@ class Localization:
         found = [*self.caveats]
         if self.is_lopsided:
             found.append('something beside the sources may take part of their dose rate')
+        if self.smoothing_s:
+            found.append(
+                f'the readings are running means over about {self.smoothing_s:.2g} s: undone'
+            )
+        found += [f'{one}: allowed for' for one in self.allowed_for]
         if self.is_structured:
             found.append('the background is uneven')
         if self.rho > 0.0:

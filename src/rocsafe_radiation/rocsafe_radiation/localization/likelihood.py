@@ -18,6 +18,10 @@ enters as the weight w = m / (m + v) and as half of its logarithm (quasi-likelih
 Nelder 1989). A small share of readings are spikes that tell nothing: each reading is a mixture of
 both.
 
+Where the errors of fixes have something in common, parameters of these follow: east, north and up
+of each leg, a difference between the clocks of places and readings, which moves places along the
+flight, and the slope of the logarithm of each detector's gain with time.
+
 The evidence is Laplace's approximation of the integral over all parameters.
 """
 
@@ -48,6 +52,10 @@ GROUND_DECAY_M = 120.0
 HEAD_MEANS = np.array([math.log(0.1), 0.7, 0.0, 0.0])
 TREND_STDS = np.array([3.0, 0.5, 0.3, 0.3])
 HEAD_SIZE = len(HEAD_MEANS)
+# Prior standard deviation of the difference of the clocks of fixes and readings, seconds.
+CLOCK_STD_S = 1.0
+# That of the logarithm of the gain of a detector at the end of a flight over that at its start.
+GAIN_STD = 0.3
 # Standard deviation of what is fixed.
 FIXED_STD = 1e-4
 # Prior of the logarithm of the strength, uSv/h at 1 m: 10 MBq to 1 TBq of Cs-137 within two
@@ -93,9 +101,11 @@ class Likelihood:
         field = basis if setting.background_std > 0.0 else basis[:, :0]
         self.basis = np.column_stack([np.ones(survey.size), below, trend, field])
         self.background_size = self.head_size = self.basis.shape[1]
-        self._legs = survey.legs if setting.drift_std_m > 0.0 else None
-        if self._legs is not None:
-            self.head_size += 3 * (int(self._legs.max()) + 1)
+        self._flight = survey.flight if setting.drift_std_m > 0.0 else None
+        if self._flight is not None:
+            self._clock = self.head_size + 3 * (int(self._flight.legs.max()) + 1)
+            self.head_size = self._clock + 2 + int(self._flight.vehicles.max())
+            self._flown = self._flight.times_s / max(float(self._flight.times_s.max()), 1e-9)
         self.source_size = SOURCE_PARAMETERS
         if setting.has_shades:
             self.source_size += SHADE_PARAMETERS
@@ -143,8 +153,30 @@ class Likelihood:
                 shades = sources[:, SOURCE_PARAMETERS:]
                 values = values * left(paths(offsets, np.sqrt(squares), shades))
             rates = rates + np.exp(sources[:, STRENGTH]) @ values
-        counts = self.survey.exposures * rates + self.survey.dark_counts
+        counts = self._exposures(parameters) * rates + self.survey.dark_counts
         return np.asarray(np.maximum(counts, SMALLEST_COUNTS))
+
+    def _exposures(self, parameters: FloatArray) -> FloatArray:
+        """Return the exposures, shape (n,), with the gain that each detector has got by then."""
+        if self._flight is None:
+            return self.survey.exposures
+        changes = parameters[self._clock + 1 : self.head_size][self._flight.vehicles]
+        return np.asarray(self.survey.exposures * np.exp(changes * self._flown))
+
+    def clock_and_gains(self, fit: Fit) -> tuple[FloatArray, FloatArray]:
+        """Return what a fit tells of the clock, and the gain of each vehicle at the end of all.
+
+        Returns
+        -------
+        values : shape (0,) or (1 + vehicles,)
+            Seconds by which places are those before the readings, and logarithms of gains.
+        stds : of the same shape
+            Their standard deviations.
+        """
+        if self._flight is None:
+            return np.empty(0), np.empty(0)
+        own = slice(self._clock, self.head_size)
+        return fit.parameters[own], np.sqrt(np.diag(fit.covariance)[own])
 
     def weights(self, parameters: FloatArray) -> FloatArray:
         """Return the share of the variance of each reading that is that of its counts, (n,)."""
@@ -152,13 +184,13 @@ class Likelihood:
         sources = self.sources(parameters)
         if not len(sources) or (setting.position_std_m == 0.0 and setting.rho == 0.0):
             return np.ones(self.survey.size)
-        parts = self._source_slopes(parameters)
-        parts *= self.survey.exposures
+        exposures = self._exposures(parameters)
+        parts = self._source_slopes(parameters) * exposures
         slopes = parts[:, :3].sum(axis=0)
         added = parts[:, STRENGTH].sum(axis=0)
         extra = setting.position_std_m**2 * (slopes * slopes).sum(axis=0)
         extra += (setting.rho * added) ** 2
-        natural = self.survey.exposures * self.background_usvh(parameters)
+        natural = exposures * self.background_usvh(parameters)
         expected = np.maximum(natural + added + self.survey.dark_counts, SMALLEST_COUNTS)
         return np.asarray(expected / (expected + extra))
 
@@ -273,7 +305,7 @@ class Likelihood:
         slopes : shape (n, parameters)
         expected : shape (n,)
         """
-        exposures = self.survey.exposures
+        exposures = self._exposures(parameters)
         rates = self.background_usvh(parameters)
         slopes = np.empty((self.survey.size, len(parameters)))
         slopes[:, : self.background_size] = self.basis * rates[:, None]
@@ -282,13 +314,19 @@ class Likelihood:
         if len(sources):
             parts = self._source_slopes(parameters)
             rates = rates + parts[:, STRENGTH].sum(axis=0)
-            if self._legs is not None:
+            if self._flight is not None:
+                by_place = -parts[:, :3].sum(axis=0)
                 rows = np.arange(self.survey.size)[:, None]
                 for axis in range(3):
-                    columns = self.background_size + 3 * self._legs + axis
-                    slopes[rows, columns] = -parts[:, axis].sum(axis=0)[:, None]
+                    columns = self.background_size + 3 * self._flight.legs + axis
+                    slopes[rows, columns] = by_place[axis, :, None]
+                by_time = np.einsum('cn,nc->n', by_place, self._flight.velocities_mps)
+                slopes[:, self._clock] = by_time
             self.survey.ground.follow(parts, sources)
             slopes[:, self.head_size :] = parts.reshape(-1, self.survey.size).T
+        if self._flight is not None:
+            columns = self._clock + 1 + self._flight.vehicles
+            slopes[np.arange(self.survey.size), columns] = rates * self._flown
         expected = np.maximum(exposures * rates + self.survey.dark_counts, SMALLEST_COUNTS)
         return slopes * exposures[:, None], expected
 
@@ -317,12 +355,15 @@ class Likelihood:
     def offsets(self, sources: FloatArray, parameters: FloatArray | None = None) -> FloatArray:
         """Return the vector from each source to each reading, shape (sources, 3, n).
 
-        With `parameters`, errors of the fixes that are common to a leg are taken off.
+        With `parameters`, errors of the fixes that are common to a leg, and that of the clock, are
+        taken off.
         """
         columns = self._columns
-        if self._legs is not None and parameters is not None:
-            drifts = parameters[self.background_size : self.head_size].reshape(-1, 3)
-            columns = columns + drifts[self._legs].sum(axis=1).T
+        if self._flight is not None and parameters is not None:
+            drifts = parameters[self.background_size : self._clock].reshape(-1, 3)
+            late_s = parameters[self._clock]
+            columns = columns + drifts[self._flight.legs].sum(axis=1).T
+            columns = columns + late_s * self._flight.velocities_mps.T
         return columns[None, :, :] - self.survey.ground.raised(sources[:, :3])[:, :, None]
 
     @staticmethod
@@ -355,11 +396,11 @@ class Likelihood:
         precisions[:HEAD_SIZE] = TREND_STDS**-2.0
         if self.background_size > HEAD_SIZE:
             precisions[HEAD_SIZE : self.background_size] = self.setting.background_std**-2
-        if self._legs is not None:
-            scales = self._legs.shape[1]
-            precisions[self.background_size : self.head_size] = (
-                scales * self.setting.drift_std_m**-2
-            )
+        if self._flight is not None:
+            scales = self._flight.legs.shape[1]
+            precisions[self.background_size : self._clock] = scales * self.setting.drift_std_m**-2
+            precisions[self._clock] = CLOCK_STD_S**-2
+            precisions[self._clock + 1 : self.head_size] = GAIN_STD**-2
         own_means, own = self.sources(means), self.sources(precisions)
         own_means[:, UP] = self.setting.source_up_m
         own[:, UP] = max(self.setting.source_up_std_m, FIXED_STD) ** -2.0

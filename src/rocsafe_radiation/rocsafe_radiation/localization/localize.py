@@ -2,8 +2,8 @@
 """Sources from readings: places, strengths, uncertainties."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,10 +14,12 @@ from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, STRENGTH, UP
 from rocsafe_radiation.localization.mirror_image import covariance_with_images
 from rocsafe_radiation.localization.search_options import SearchOptions
+from rocsafe_radiation.localization.smoothing import as_counted
 from rocsafe_radiation.localization.source_count import (
     LARGEST_ORDER,
     OrderSearch,
     Weighed,
+    first_fit,
     search,
 )
 from rocsafe_radiation.physics.kernel import Kernel
@@ -30,6 +32,8 @@ LEAST_CHANCE = 1e-3
 MOST_SPIKES_SHARE = 0.01
 # With a wall more likely than this, an ellipse of 95 % cannot be trusted.
 LARGEST_WALL_CHANCE = 0.05
+# Clocks and gains that differ by more standard deviations are told.
+SURE_STDS = 3.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,18 +109,31 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     """
     options = options or LocalizationOptions()
     require_enough(survey)
+    merged, setting = _prepared(survey, options)
+    require_enough(merged)
+    counted, smoothing_s = as_counted(
+        survey,
+        lambda one, has_clock, start: first_fit(*_prepared(one, options), has_clock, start),
+    )
+    if counted is not survey:
+        merged, setting = _prepared(counted, options)
+    found = search(merged, setting, options.largest_order)
+    return replace(_described(found, survey, options.response_std), smoothing_s=smoothing_s)
+
+
+def _prepared(
+    survey: RadiationSurvey, options: LocalizationOptions
+) -> tuple[RadiationSurvey, Setting]:
+    """Return the survey in cells, and what is known before."""
     cell_m = options.search.cell_heights * survey.height_m(options.source_up_m)
     merged = survey.merged(cell_m, options.search.most_readings)
-    require_enough(merged)
-    setting = Setting(
+    return merged, Setting(
         kernel=options.kernel.at_heights(merged.heights_m - options.source_up_m),
         source_up_m=options.source_up_m,
         source_up_std_m=options.source_up_std_m,
         position_std_m=options.position_std_m,
         search=options.search,
     )
-    found = search(merged, setting, options.largest_order)
-    return _described(found, survey, options.response_std)
 
 
 def require_enough(survey: RadiationSurvey) -> None:
@@ -168,7 +185,23 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         is_lopsided=found.wall_chance > LARGEST_WALL_CHANCE,
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
+        allowed_for=tuple(_allowed_for(best)),
     )
+
+
+def _allowed_for(best: Weighed) -> Iterator[str]:
+    """Yield in words what a fit allows for in clock and detectors."""
+    values, stds = best.likelihood.clock_and_gains(best.fit)
+    for index, (value, std) in enumerate(zip(values.tolist(), stds.tolist(), strict=True)):
+        if abs(value) < SURE_STDS * std:
+            continue
+        if index == 0:
+            side = 'before' if value > 0.0 else 'after'
+            yield f'the places are those of about {abs(value):.1f} s {side} the readings'
+        else:
+            more = 'more' if value > 0.0 else 'less'
+            share = abs(math.expm1(value))
+            yield f'a detector shows about {share:.0%} {more} at the end than at the start'
 
 
 def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:

@@ -124,6 +124,36 @@ def search(
     return OrderSearch(settings=tuple(found))
 
 
+def first_fit(
+    survey: RadiationSurvey, setting: Setting, has_clock: bool, start: Fit | None
+) -> tuple[Likelihood, Fit]:
+    """Return the fit with as many sources as are worth it in one setting.
+
+    Parameters
+    ----------
+    survey, setting
+        As for `search`.
+    has_clock
+        Whether errors that the fixes have in common, and that of their clock, are fitted.
+    start
+        A fit to begin at, with the same clock and number of sources; None: sources are looked for.
+    """
+    settings = _Settings(survey, setting)
+    likelihood = settings.likelihood(settings.with_clock if has_clock else settings.first)
+    if start is not None:
+        return likelihood, likelihood.fit(start.parameters)
+    grid = candidate_grid(survey, setting)
+    kernel = grid_kernel(survey, setting, grid)
+    fit = without_sources(likelihood)
+    for _ in range(LARGEST_ORDER):
+        more = with_one_more(likelihood, fit, grid, kernel)
+        gain = -math.inf if more is None else likelihood.evidence(more) - likelihood.evidence(fit)
+        if more is None or gain + setting.search.log_odds_of_source < 0.0:
+            break
+        fit = more
+    return likelihood, fit
+
+
 def _is_placed(likelihood: Likelihood, fit: Fit) -> bool:
     """Return whether the place of each source is known to a part of the survey.
 
@@ -163,13 +193,14 @@ class _Settings:
             tuple(stds_m),
             options.rhos,
             (False, True)[: 1 + options.are_shades_tried],
-            tuple(drifts_m) if survey.legs is not None else (0.0,),
+            tuple(drifts_m) if survey.flight is not None else (0.0,),
         )
         height = survey.height_m(known.source_up_m)
         self._bases = [
             smooth_basis(survey.positions_enu_m, height, spacing) for spacing in self._axes[1]
         ]
         self.first: Index = (*FIRST[:2], stds_m.index(known.position_std_m), *FIRST[3:])
+        self.with_clock: Index = (*self.first[:5], min(1, len(self._axes[5]) - 1))
 
     def likelihood(self, index: Index) -> Likelihood:
         """Return the likelihood in the setting at `index`."""

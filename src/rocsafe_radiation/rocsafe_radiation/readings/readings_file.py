@@ -48,6 +48,8 @@ NUMBER, PLACE, SATURATED, REPEATED = (
     'saturated: the dose rate is only a lower limit',
     'the same stamp of the same vehicle again',
 )
+# What tells the detectors of a file apart.
+OWNERS = ('vehicle', 'instrument', 'detector')
 HEADER, FIELDS, FAR, DEAD, UNIT, TOP, AGAIN = (
     'the names of the columns again',
     'more fields than columns: decimal commas need another separator, ; or a tabulator, or quotes',
@@ -122,11 +124,12 @@ def read_readings(
     Columns: ``latitude_deg``, ``longitude_deg``, ``altitude_m`` or ``east_m``, ``north_m``,
     ``up_m``; one of ``dose_rate_usvh``, ``_nsvh``, ``_msvh``, ``_svh``, ``_usvps``, or ``counts``
     and ``live_time_s``, or both; optional ``dose_rate_std_usvh``, ``time_ns``, ``vehicle``,
-    ``model``, ``saturated`` (1: only a lower limit, left out), and ``reference_counts`` of a
-    window of the spectrum above the lines of the source, which predict the background. Others are
-    ignored. Rows without a valid place and value are left out, and their lines are kept by reason.
-    Columns may be separated by semicolons or tabulators, with decimal commas; the text may be
-    UTF-8, UTF-16 with its mark, or that of Windows.
+    ``instrument`` or ``detector`` (each has a sensitivity of its own), ``model``, ``saturated``
+    (1: only a lower limit, left out), and ``reference_counts`` of a window of the spectrum above
+    the lines of the source, which predict the background. Others are ignored. Rows without a valid
+    place and value are left out, and their lines are kept by reason. Columns may be separated by
+    semicolons or tabulators, with decimal commas; the text may be UTF-8, UTF-16 with its mark, or
+    that of Windows.
 
     Parameters
     ----------
@@ -236,7 +239,8 @@ class _Rows:
 
     def add(self, row: Row, line: int) -> None:
         """Keep a row or its reason to be left out."""
-        stamp, vehicle = (row.get('time_ns') or '').strip(), (row.get('vehicle') or '').strip()
+        stamp = (row.get('time_ns') or '').strip()
+        vehicle = ' '.join(filter(None, ((row.get(one) or '').strip() for one in OWNERS)))
         values = _values(row, self.columns, self._height_m)
         reason = values if isinstance(values, str) else ''
         seen = self._seen[vehicle]

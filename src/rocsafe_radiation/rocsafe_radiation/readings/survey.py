@@ -9,6 +9,7 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_radiation.readings.calibration import calibration_of
+from rocsafe_radiation.readings.flight import Flight, flight_of
 from rocsafe_radiation.readings.ground import LEVEL, Ground
 from rocsafe_radiation.readings.row_checks import rows_by_vehicle
 
@@ -18,9 +19,6 @@ NOMINAL_COUNTS_PER_USVH = 550.0 * 0.2
 SMALLEST_STD_SHARE = 0.002
 # Cells of too many readings grow by this factor.
 CELL_GROWTH = 1.25
-LEG_S, LEG_GROWTH, LEG_SCALES, MOST_LEGS = 20.0, 4.0, 3, 60
-# Times that are further apart, 30 years, are no times of one survey.
-LONGEST_S = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,16 +71,19 @@ class RadiationSurvey:
         Ground below the readings.
     caveats
         Why these readings prove nothing, in words: a ground that nobody gave, a dead detector.
-    legs
-        Stretches of flight of each reading, over which errors of the fixes are alike, of several
-        lengths, numbered from 0, shape (n, scales); None: not known.
+    flight
+        When and how the readings were flown past; None: not known.
+    is_nominal
+        Whether all readings are dose rates alone, whose noise is not told: counts and exposures
+        are then right up to a common factor.
     """
 
     positions_enu_m: FloatArray
     counts: FloatArray
     exposures: FloatArray
     dark_counts: FloatArray = field(default_factory=lambda: np.zeros(1))
-    legs: IndexArray | None = None
+    flight: Flight | None = None
+    is_nominal: bool = False
     background_shape: FloatArray | None = None
     ground: Ground = LEVEL
     caveats: tuple[str, ...] = ()
@@ -123,17 +124,30 @@ class RadiationSurvey:
         """Return the median height of the readings above sources, at least 1 m."""
         return max(1.0, float(np.median(self.heights_m)) - source_height_m)
 
+    def only(self, rows: IndexArray) -> 'RadiationSurvey':
+        """Return the survey of some readings, by their numbers."""
+        shape, dark, flight = self.background_shape, self.dark_counts, self.flight
+        return replace(
+            self,
+            positions_enu_m=self.positions_enu_m[rows],
+            counts=self.counts[rows],
+            exposures=self.exposures[rows],
+            dark_counts=dark if len(dark) == 1 else dark[rows],
+            background_shape=None if shape is None else shape[rows],
+            flight=None if flight is None else flight.only(rows),
+        )
+
     def merged(self, cell_m: float, most: int) -> 'RadiationSurvey':
         """Return a survey with one reading for each cube of `cell_m`, at the mean place within.
 
         Counts and exposures add up. With cells much smaller than the height above the source, the
         result of a fit is the same. Each leg has cells of its own. Where there are more than
-        `most` cells, legs are forgotten: of so many readings, errors average out; then cells are
-        larger.
+        `most` cells, the flight is forgotten: of so many readings, errors average out; then cells
+        are larger.
         """
         found = self._merged(cell_m)
-        if found.size > most and self.legs is not None:
-            return replace(self, legs=None).merged(cell_m, most)
+        if found.size > most and self.flight is not None:
+            return replace(self, flight=None).merged(cell_m, most)
         while found.size > most:
             cell_m *= CELL_GROWTH
             found = found._merged(cell_m)
@@ -144,9 +158,9 @@ class RadiationSurvey:
         cells -= cells.min(axis=0)
         _, rows, levels = (cells.max(axis=0) + 1).tolist()
         numbers = (cells[:, 0] * rows + cells[:, 1]) * levels + cells[:, 2]
-        legs = self.legs
-        if legs is not None:
-            numbers = numbers * (int(legs.max()) + 1) + legs[:, 0]
+        flight = self.flight
+        if flight is not None:
+            numbers = numbers * (int(flight.legs.max()) + 1) + flight.legs[:, 0]
         _, first, owner = np.unique(numbers, return_index=True, return_inverse=True)
         exposures = np.asarray(np.bincount(owner, self.exposures), np.float64)
         places = [
@@ -161,39 +175,13 @@ class RadiationSurvey:
             background_shape=shape,
             ground=self.ground,
             caveats=self.caveats,
+            is_nominal=self.is_nominal,
             positions_enu_m=np.stack(places, axis=1),
             counts=np.asarray(np.bincount(owner, self.counts), np.float64),
             dark_counts=np.asarray(np.bincount(owner, dark), np.float64),
             exposures=exposures,
-            legs=None if legs is None else legs[first],
+            flight=None if flight is None else flight.merged(owner, first, self.exposures),
         )
-
-
-def _legs(vehicles: Sequence[str], times_s: FloatArray) -> IndexArray | None:
-    """Return the legs of each reading, shape (n, scales); None if the times are not known.
-
-    Those of the first scale are `LEG_S` long, or longer if there were more than `MOST_LEGS`, those
-    of each further scale `LEG_GROWTH` times as long. All have numbers of their own.
-    """
-    if not len(times_s) or not np.ptp(times_s) < LONGEST_S:
-        return None
-    names = np.unique(np.asarray(vehicles), return_inverse=True)[1]
-    length_s, since_s = LEG_S, times_s - times_s.min()
-    while _numbered(names, since_s, length_s).max() >= MOST_LEGS:
-        length_s *= CELL_GROWTH
-    scales, count = [], 0
-    for scale in range(LEG_SCALES):
-        scales.append(count + _numbered(names, since_s, length_s * LEG_GROWTH**scale))
-        count = int(scales[-1].max()) + 1
-    return np.stack(scales, axis=1)
-
-
-def _numbered(names: IndexArray, since_s: FloatArray, length_s: float) -> IndexArray:
-    """Return the number, from 0, of the stretch of time and the vehicle of each reading."""
-    steps = np.floor(since_s / length_s).astype(np.intp)
-    return np.asarray(
-        np.unique(names * (steps.max() + 1) + steps, return_inverse=True)[1], np.intp
-    )
 
 
 def survey_of(
@@ -224,7 +212,8 @@ def survey_of(
         counts=values[0],
         exposures=values[1],
         dark_counts=values[2],
-        legs=_legs(vehicles, times_s),
+        is_nominal=bool((values[1] == NOMINAL_COUNTS_PER_USVH).all()),
+        flight=flight_of(vehicles, times_s, places),
     )
 
 
