@@ -137,7 +137,7 @@ class Schedule:
             return None
         work = ladder[self.rung]
         is_due = self.made >= self.tuning.crosses * work * self.customers
-        return work if is_due or len(self.members) < 2 else None
+        return work if is_due or self.rung == 0 else None
 
     def _founder(self, work: float) -> Cycle:
         """Return a cycle that begins with the construction."""

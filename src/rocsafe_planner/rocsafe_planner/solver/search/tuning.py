@@ -20,8 +20,7 @@ class CycleTuning:
         Work of the cycles that begin with a construction: proposals a customer, where one that
         ruins and recreates counts for as many others as it takes the time of.
     crosses
-        Multiple of its own work that a search has done before such a cycle begins, once there are
-        plans to cross.
+        Multiple of its own work that a search has done before such a cycle begins.
     crossed
         Work of the first cycles that begin with a cross, proposals a customer.
     longer
@@ -64,8 +63,8 @@ class CycleTuning:
     """
 
     chunk: int = 16384
-    ladder: tuple[int, ...] = (500, 2_000, 8_000)
-    crosses: float = 2.0
+    ladder: tuple[int, ...] = (500, 8_000)
+    crosses: float = 0.5
     crossed: int = 1_000
     longer: float = 2.0
     patience: int = 3
