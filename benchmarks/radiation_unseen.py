@@ -54,13 +54,13 @@ class Ablation:
 ABLATIONS = {
     'nothing': Ablation({}),
     'other spacings': Ablation(
-        {'background_spacings': (2.0,)}, ((source_count, 'FIRST', (2, 0, 0, 0, 0)),)
+        {'background_spacings': (2.0,)}, ((source_count, 'FIRST', (2, 0, 0, 0, 0, 0)),)
     ),
     'other stds of the field': Ablation(
-        {'background_slopes': (0.0, 0.05)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0)),)
+        {'background_slopes': (0.0, 0.05)}, ((source_count, 'FIRST', (1, 1, 0, 0, 0, 0)),)
     ),
     'other errors of fixes': Ablation(
-        {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0)),)
+        {'position_factors': (1.0,)}, ((source_count, 'FIRST', (2, 1, 0, 0, 0, 0)),)
     ),
     'rareness of steep fields': Ablation({'background_slope_std': 1e9}),
     'rho': Ablation({'rhos': (0.0,)}),
