@@ -38,6 +38,8 @@ MOST_TRIED = 1500
 # is below this share of that of counts; where the noise is not known, if their correlation with
 # the next is above the other number.
 LARGEST_SCATTER, LEAST_BEND, KEPT_SHARE, FEWEST_READINGS = 0.4, -0.72, 0.95, 16
+# Readings with less noise, in proportion, are those of no detector: nothing can be told.
+LEAST_NOISE = 1e-3
 THIRD_DIFFERENCE = np.array([1.0, -3.0, 3.0, -1.0])
 LARGEST_MISS, NOISE_ROUNDS = 3.0, 3
 
@@ -145,6 +147,8 @@ def _is_smooth(survey: RadiationSurvey) -> bool:
     is_one = same[3:] == same[:-3]
     bends = np.diff(rates, 3) / np.sqrt(variances)
     squares = np.sort(bends[is_one] ** 2)
+    if not np.median(np.abs(np.diff(rates, 3)) / np.maximum(usual, 1e-12)) > LEAST_NOISE:
+        return False
     if not survey.is_nominal:
         return bool(squares[: math.ceil(KEPT_SHARE * len(squares))].mean() < LARGEST_SCATTER)
     clipped = np.clip(
