@@ -146,3 +146,12 @@ def test_legs_out_of_a_door_do_not_enter_a_zone_that_lies_across_it():
     straight = float(np.hypot(15.0, 30.0))
     assert airspace.detours(sites, doors).length_m[0, 1] == pytest.approx(straight)
     assert airspace.detours(sites, doors, [own, other]).length_m[0, 1] > straight + 0.01
+
+
+def test_a_site_in_two_own_zones_leaves_either():
+    """As a home that lies within the column over the vehicle's end."""
+    zones = shapely.box(-10.0, -10.0, 10.0, 10.0), shapely.box(-6.0, -12.0, 14.0, 8.0)
+    doors = [Door(site=0, zone=zone) for zone in zones]
+    sites = np.array([[0.0, 0.0], [30.0, 0.0], [-30.0, 0.0], [0.0, -30.0], [0.0, 30.0]])
+    detours = Airspace([*zones], 0.0).detours(sites, doors, zones)
+    assert detours.length_m[0] == pytest.approx([0.0, 30.0, 30.0, 30.0, 30.0])

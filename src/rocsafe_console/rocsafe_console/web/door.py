@@ -21,14 +21,14 @@ from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError
 
-# Until the head of a request, or the end of the TLS handshake, has come; and between two requests.
+# Limit for the head of a request, for the TLS handshake, and for the pause between two requests.
 HEAD_S = 10.0
 # A page needs about ten; most machines let a process open 1024 files.
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 400, 100
 QUEUE = 100
-# Of the bits of an IPv6 address, those that name a house: within it, whoever has one has many.
-HOUSE_BITS = 64
-# After the machine has given no further file.
+# Bits of an IPv6 address that name a network: one machine may have all addresses within it.
+NETWORK_BITS = 64
+# Pause after the machine refused to open another connection.
 PAUSE_S = 0.1
 Peer = Any
 
@@ -120,7 +120,7 @@ class Door:
         if count[address] < MOST_OF_ADDRESS:
             if sum(count.values()) < MOST_CONNECTIONS:
                 return True
-            # Who has most makes room.
+            # The address with the most connections loses one.
             address = next((name for name, _ in count.most_common() if name in waiting), address)
         if address not in waiting:
             return False
@@ -169,14 +169,14 @@ async def listening_at(host: str, port: int) -> list[socket.socket]:
 
 
 @lru_cache(maxsize=4096)
-def _house(name: str) -> str:
+def _network(name: str) -> str:
     with suppress(ValueError):
         address = ipaddress.ip_address(name.partition('%')[0])
         if address.version == 6 and not address.ipv4_mapped:
-            return str(ipaddress.ip_network((address, HOUSE_BITS), strict=False))
+            return str(ipaddress.ip_network((address, NETWORK_BITS), strict=False))
     return name
 
 
 def address_of(peer: Peer) -> str:
     """Return the address whose connections are counted together, empty if it is not known."""
-    return _house(str(peer[0])) if isinstance(peer, tuple) and peer else ''
+    return _network(str(peer[0])) if isinstance(peer, tuple) and peer else ''

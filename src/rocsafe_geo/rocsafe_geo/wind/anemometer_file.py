@@ -90,7 +90,7 @@ def read_wind(
 
 def _recorded(rows: Sequence[Row], layer: SurfaceLayer | None, height_m: float) -> RecordedWind:
     is_vector = is_vector_record(set(rows[0]))
-    # Where no row has a wind, the first one says what is wrong with it.
+    # If no row has a wind, all stay, so that reading them names the fault of the first.
     rows = [row for row in rows if has_all(row, ('time_s', *WIND[is_vector]))] or rows
     times_s = column(rows, 'time_s')
     winds = [wind_of(row, is_vector=is_vector) for row in rows]

@@ -144,7 +144,7 @@ class Detours:
         reach = _distances(sites, corners)
         passed = np.zeros((len(sites), len(edges)), dtype=bool)
         for door in doors:
-            passed[door.site] = door.passes(edges)
+            passed[door.site] |= door.passes(edges)
         reach[_blocked(sites, corners, edges, passed)] = np.inf
         self.length_m: FloatArray = _distances(sites, sites)
         self.first: NDArray[np.int32] = np.full(self.length_m.shape, -1, dtype=np.int32)
