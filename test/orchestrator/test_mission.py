@@ -439,7 +439,7 @@ def test_a_further_round_that_cannot_be_planned_is_no_failure() -> None:
 
 def test_a_localizer_that_never_answers_does_not_hold_the_mission_up() -> None:
     """What was flown is handed over."""
-    rehearsal = Rehearsal(Deadlines(plan_s=5.0), extra_rounds=1).to_airborne()
+    rehearsal = Rehearsal(Deadlines(plan_s=5.0, plan_vehicle_s=0.1), extra_rounds=1).to_airborne()
     for vehicle in ('rav1', 'rav2'):
         rehearsal.mission.flown(vehicle, 3)
     rehearsal.advance(0.1)

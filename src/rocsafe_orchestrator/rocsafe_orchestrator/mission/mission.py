@@ -71,7 +71,8 @@ class Mission(PhaseRecord):
         self._first = first
         self._crew = crew
         self._deadlines = deadlines
-        self._plan_timeout_s = deadlines.plan_s + planning_budget_s
+        vehicles_s = deadlines.plan_vehicle_s * len(crew.vehicle_processes)
+        self._plan_timeout_s = deadlines.plan_s + planning_budget_s + vehicles_s
         self._stall_timeout_s = deadlines.stall_timeout_s + slowest_beat_s
         self._requests = RequestBook(deadlines.repeat_s)
         self.fleet = Losses(
@@ -120,10 +121,14 @@ class Mission(PhaseRecord):
 
     # Reports of the caller.
 
-    def accepted(self, order: Order) -> None:
-        """Note that the server has accepted `order`; its answer comes later."""
-        if (request := self._requests.of(order)) is not None:
-            request.accept()
+    def accepted(self, order: Order) -> bool:
+        """Note that the server has accepted `order`; its answer comes later.
+
+        Returns whether the mission waited for that: not if the order was sent twice and the
+        acceptance came before.
+        """
+        request = self._requests.of(order)
+        return request is not None and request.accept()
 
     def answered(self, order: Order) -> None:
         """Note that `order` was carried out."""
