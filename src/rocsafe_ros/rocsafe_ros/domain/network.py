@@ -108,6 +108,10 @@ def bind_interfaces(environment: MutableMapping[str, str]) -> None:
         if named and not profile.name.startswith(OURS):
             raise ParameterError(f'{INTERFACES} and {PROFILES[0]} are both set: set one of them')
         return
+    if not _is_ours(LOOPBACK):
+        raise ParameterError(
+            f'{LOOPBACK}: this machine has no such address: bring up interface lo'
+        )
     leave_shared_memory(environment)
     if not named and environment.get(RANGE) != LOOPBACK_RANGE:
         return
