@@ -121,14 +121,16 @@ def test_wrong_interface_is_refused(named, words):
 def test_a_machine_without_loopback_is_told():
     """Nodes of a mission would wait for each other in vain."""
     words = [sys.executable, '-c', 'from rocsafe_ros.run import run; raise SystemExit(run(None))']
-    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
+    environment = {name: value for name, value in os.environ.items() if name not in PROFILES} | {
+        'PYTHONPATH': os.pathsep.join(filter(None, sys.path))
+    }
     ended = subprocess.run(
         ['unshare', '-n', *words],
         env=environment, capture_output=True, text=True, check=False, timeout=DEADLINE_S,
     )  # fmt: skip
     assert ended.returncode == 2
     told = ended.stderr.strip().splitlines()[-1]
-    assert told == 'error: 127.0.0.1: no address of this machine: bring up interface lo'
+    assert told == 'error: 127.0.0.1 cannot be reached: bring up interface lo'
 
 
 def test_another_middleware_is_not_trusted_with_it(monkeypatch):
