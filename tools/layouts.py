@@ -98,18 +98,21 @@ def panel_layout() -> dict[str, Any]:
         'configById': {
             '3D!scene': {
                 'followTf': 'map', 'topics': shown,
+                # Its axes lie under the ground, and a line leads there from each frame above.
+                'transforms': {'frame:earth': {'visible': False}},
                 'cameraState': {'distance': VIEW_DISTANCE_M, 'phi': 35, 'thetaOffset': 0},
             },
-            'map!fixes': {'layer': 'map', 'zoomLevel': 17,
+            'map!fixes': {'layer': 'map', 'zoomLevel': 16,
                           'topicColors': dict(zip(fixes, colours.values(), strict=True)),
                           'disabledTopics': [], 'followTopic': fixes[0]},
             'Plot!dose': {
                 # One key of each program; a key that it does not know, it leaves alone.
                 'foxglovePanelTitle': DOSE_TITLE, 'lichtblickPanelTitle': DOSE_TITLE,
-                'paths': [{'value': rate, 'enabled': True, 'timestampMethod': 'receiveTime',
-                           'color': colour}
-                          for rate, colour in zip(rates, colours.values(), strict=True)],
-                'showLegend': True, 'xAxisVal': 'timestamp',
+                'paths': [{'value': rate, 'label': name, 'color': colours[f'/{name}'],
+                           'enabled': True, 'timestampMethod': 'receiveTime'}
+                          for rate, name in zip(rates, VEHICLES, strict=True)],
+                # A floating legend lies over the curves.
+                'showLegend': True, 'legendDisplay': 'top', 'xAxisVal': 'timestamp',
             },
             'RosOut!log': {'minLogLevel': 2, 'searchTerms': [], 'topicToRender': '/rosout'},
         },
