@@ -53,7 +53,7 @@ def rviz_layout() -> dict[str, Any]:
     frames = {'Class': 'rviz_default_plugins/TF', 'Name': 'frames', 'Enabled': True,
               'Marker Scale': 20}  # fmt: skip
     return {
-        'Panels': [{'Class': f'rviz_common/{name}', 'Name': name} for name in ('Displays', 'Time')],
+        'Panels': [{'Class': f'rviz_common/{one}', 'Name': one} for one in ('Displays', 'Time')],
         'Visualization Manager': {
             'Displays': [*grids, *markers, *vehicles, frames],
             'Global Options': {'Fixed Frame': 'map', 'Background Color': '48; 48; 48'},

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write README.md of each package: what it is for, its executables, launch files, topics and documents.
+"""Write README.md of each package: its use, executables, launch files, topics and documents.
 
     python tools/package_readmes.py
 
