@@ -3,8 +3,10 @@
 
 import asyncio
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 
+DOCS = Path(__file__).resolve().parents[2] / 'docs'
 FRAME = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
 # Simulated seconds a look at the vehicle: the waits of the methods end at once.
 STEP_NS = 200_000_000
@@ -311,6 +314,17 @@ def test_another_order_ends_the_wait_for_the_first(world):
 
     assert asyncio.run(both()) is False
     assert world.vehicles['rav1'].core.mode is Mode.HOLDING
+
+
+def test_documents_list_every_method_and_no_other(world):
+    """And the comparison counts them."""
+    served = Api(world, print).served
+    table = (
+        (DOCS / 'airsim.md').read_text().partition('## Methods')[2].partition('\nEvery other')[0]
+    )
+    listed = set(re.findall(r'`(\w+)`', table))
+    assert served <= listed
+    assert f'{len(served)} methods of it' in (DOCS / 'comparison.md').read_text()
 
 
 def test_control_that_was_taken_over_is_told(world):
