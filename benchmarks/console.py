@@ -99,7 +99,7 @@ async def _listen(address: str, cookie: str, count: int, seconds: float) -> int:
     url = f'{address.replace("http", "ws", 1)}api/live'
     end_s = time.monotonic() + seconds
 
-    async def read(socket: aiohttp.ClientWebSocketResponse) -> int:
+    async def read(socket: Any) -> int:
         size = 0
         while time.monotonic() < end_s:
             size += len((await socket.receive()).data)
