@@ -19,14 +19,16 @@ from rocsafe_geo.arrays import FloatArray, IndexArray
 
 # A fall begins so many noises above the background, and must end so many above it.
 FALL_FROM, FALL_TO = 10.0, 3.0
-# So many falls tell the response: a tenth of them may be quicker, and as many of them as the next
-# two numbers say, a share of all, must be alike to so much in their logarithm.
-FEWEST_FALLS, QUICK_PARTS = 5, 10
-FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 3, 0.3, 0.15
+# A tenth of the falls may be quicker than the response, and so many of them, and this share of all,
+# must be alike to so much in their logarithm. Fewer are alike by chance where a steady plume is
+# crossed again and again.
+QUICK_PARTS = 10
+FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 8, 0.3, 0.15
 # Sensors that keep less of a reading until the next one are fast enough.
 LEAST_KEPT = 0.15
 # Falls are taken over so many readings; those that keep more than this are lost in the noise.
 STEPS, MOST_KEPT = (1, 2, 4, 8, 16, 32), 0.8
+# This share of the readings may be too low, by accident, to be of clean air.
 CLEAN_QUANTILE = 0.02
 
 
@@ -58,7 +60,7 @@ def _in_order(survey: GasSurvey, instrument: int) -> IndexArray:
 def _response_s(survey: GasSurvey, own: IndexArray) -> float:
     """Return the time constant of readings that follow each other; 0: fast."""
     shown = survey.values_g_m3[own]
-    if len(own) <= FEWEST_FALLS:
+    if len(own) <= FEWEST_ALIKE:
         return 0.0
     # What readings that follow each other differ by: what is stated may be that of the gas.
     bends = float(np.median(np.abs(np.diff(shown, 2)))) / (PROBABLE_ERROR * math.sqrt(6.0))
@@ -76,7 +78,7 @@ def _from_falls(times_s: FloatArray, above: FloatArray, steps: int) -> float:
     spans_s = times_s[steps:] - times_s[:-steps]
     is_fall = (above[:-steps] > FALL_FROM) & (above[steps:] < above[:-steps]) & (spans_s > 0.0)
     falls = np.flatnonzero(is_fall)
-    if len(falls) < FEWEST_FALLS:
+    if len(falls) < FEWEST_ALIKE:
         return 0.0
     shares = np.maximum(above[falls + steps], 1.0) / above[falls]
     rates = -np.log(shares) / spans_s[falls]

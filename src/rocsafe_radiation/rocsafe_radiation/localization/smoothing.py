@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
+from rocsafe_hazard.value_runs import are_computed
 from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 from rocsafe_radiation.readings.flight import Flight
 from rocsafe_radiation.readings.survey import RadiationSurvey
@@ -38,8 +39,6 @@ MOST_TRIED = 1500
 # is below this share of that of counts; where the noise is not known, if their correlation with
 # the next is above the other number.
 LARGEST_SCATTER, LEAST_BEND, KEPT_SHARE, FEWEST_READINGS = 0.4, -0.72, 0.95, 16
-# Readings with less noise, in proportion, are those of no detector: nothing can be told.
-LEAST_NOISE = 1e-3
 THIRD_DIFFERENCE = np.array([1.0, -3.0, 3.0, -1.0])
 LARGEST_MISS, NOISE_ROUNDS = 3.0, 3
 
@@ -139,6 +138,8 @@ def _is_smooth(survey: RadiationSurvey) -> bool:
         return False
     order = np.lexsort((flight.times_s, flight.vehicles))
     rates = (survey.net_counts / survey.exposures)[order]
+    if are_computed(rates):
+        return False
     usual = np.lib.stride_tricks.sliding_window_view(rates, 4).mean(axis=1)
     mean = float(rates.mean())
     exposures = np.lib.stride_tricks.sliding_window_view(survey.exposures[order], 4)
@@ -147,8 +148,6 @@ def _is_smooth(survey: RadiationSurvey) -> bool:
     is_one = same[3:] == same[:-3]
     bends = np.diff(rates, 3) / np.sqrt(variances)
     squares = np.sort(bends[is_one] ** 2)
-    if not np.median(np.abs(np.diff(rates, 3)) / np.maximum(usual, 1e-12)) > LEAST_NOISE:
-        return False
     if not survey.is_nominal:
         return bool(squares[: math.ceil(KEPT_SHARE * len(squares))].mean() < LARGEST_SCATTER)
     clipped = np.clip(
