@@ -19,9 +19,9 @@ from rocsafe_geo.arrays import FloatArray, IndexArray
 
 # A fall begins so many noises above the background, and must end so many above it.
 FALL_FROM, FALL_TO = 10.0, 3.0
-# A tenth of the falls may be quicker than the response, and so many of them, and this share of all,
-# must be alike to so much in their logarithm. Fewer are alike by chance where a steady plume is
-# crossed again and again.
+# A tenth of the falls may be quicker than the response; so many of them, and this share of all, must
+# be alike to so much in their logarithm. Fewer are alike by chance where a steady plume is crossed
+# again and again.
 QUICK_PARTS = 10
 FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 8, 0.3, 0.15
 # Sensors that keep less of a reading until the next one are fast enough.
