@@ -9,9 +9,9 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.errors import TooFewReadingsError
+from rocsafe_radiation.localization.counts_model import SOURCE_PARAMETERS, STRENGTH, UP
 from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, STRENGTH, UP
 from rocsafe_radiation.localization.mirror_image import covariance_with_images
 from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.localization.smoothing import as_counted
@@ -191,7 +191,7 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
 
 def _allowed_for(best: Weighed) -> Iterator[str]:
     """Yield in words what a fit allows for in clock and detectors."""
-    values, stds = best.likelihood.clock_and_gains(best.fit)
+    values, stds = best.likelihood.clock_and_gains(best.fit.parameters, best.fit.covariance)
     for index, (value, std) in enumerate(zip(values.tolist(), stds.tolist(), strict=True)):
         if abs(value) < SURE_STDS * std:
             continue

@@ -20,9 +20,10 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
+from rocsafe_radiation.localization.counts_model import HEAD_SIZE
 from rocsafe_radiation.localization.estimates import ELLIPSE_95
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import HEAD_SIZE, Fit, Likelihood
+from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 from rocsafe_radiation.localization.starts import with_one_more, with_shades, without_sources
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
