@@ -158,6 +158,20 @@ def test_what_the_others_explain_alone_is_no_evidence_for_a_further_source():
     assert settings.without_one(right[2], right[1]) is right[1]
 
 
+def test_a_source_that_is_spread_out_is_never_enough_as_several():
+    """All were stated within 4 m, as if decided: a line 60 m long, from 32 m above."""
+    line = [(120.0 + 2.0 * k, 150.0, 9250.0 / 30.0) for k in range(31)]
+    found = localize(survey(line), LOSSLESS)
+    sure = SequentialEvidence(log_ratio=9, log_ratio_smallest=9)
+    assert len(found.sources) > 1
+    assert found.may_be_spread
+    assert any('spread out' in doubt for doubt in found.doubts)
+    assert 'spread out' in StoppingRule().verdict(found, sure).reason
+    apart = localize(survey([(90.0, 150.0, 9250.0), (210.0, 150.0, 9250.0)]), LOSSLESS)
+    assert not apart.may_be_spread
+    assert StoppingRule().verdict(apart, sure).is_enough
+
+
 def test_a_misfit_widens_ellipses_is_told_and_is_never_enough():
     """Gains of a fifth from reading to reading, where settings know of none."""
     readings = survey([(140.0, 150.0, 9250.0)])
