@@ -20,10 +20,9 @@ from rocsafe_geo.arrays import FloatArray, IndexArray
 # A fall begins so many noises above the background, and must end so many above it.
 FALL_FROM, FALL_TO = 10.0, 3.0
 # A tenth of the falls may be quicker than the response; so many of them, and this share of all, must
-# be alike to so much in their logarithm. Fewer are alike by chance where a steady plume is crossed
-# again and again.
+# be alike to so much in their logarithm.
 QUICK_PARTS = 10
-FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 8, 0.3, 0.15
+FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 5, 0.3, 0.15
 # Sensors that keep less of a reading until the next one are fast enough.
 LEAST_KEPT = 0.15
 # Falls are taken over so many readings; those that keep more than this are lost in the noise.
@@ -77,6 +76,12 @@ def _from_falls(times_s: FloatArray, above: FloatArray, steps: int) -> float:
     """Return the time constant of falls over so many steps; 0: fast, or too few falls."""
     spans_s = times_s[steps:] - times_s[:-steps]
     is_fall = (above[:-steps] > FALL_FROM) & (above[steps:] < above[:-steps]) & (spans_s > 0.0)
+    if steps > 1:
+        # Half of the way down after half of the time, in logarithms: from one crossing of a steady
+        # plume to the next it is not.
+        logs = np.log(np.maximum(above, 1.0))
+        bends = 2.0 * logs[steps // 2 : -(steps // 2)] - logs[:-steps] - logs[steps:]
+        is_fall &= np.abs(bends) < 2.0 * ALIKE
     falls = np.flatnonzero(is_fall)
     if len(falls) < FEWEST_ALIKE:
         return 0.0
