@@ -26,6 +26,9 @@ from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Fit of a survey in one setting: with the clock of the fixes or not, begun at another or at none.
 FirstFit = Callable[[RadiationSurvey, bool, Fit | None], tuple[Likelihood, Fit]]
+# Misses of readings that follow each other are alike by less than this where they are counts: four
+# standard deviations of 400 readings. Lines that begin anew on the same side look like noise.
+LARGEST_ALIKENESS = 0.2
 # Time constants looked for, seconds, and how well the logarithm of one is found.
 RANGE_S, RANGE_LOG = (0.7, 20.0), 0.5
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
@@ -44,7 +47,10 @@ def as_counted(survey: RadiationSurvey, first_fit: FirstFit) -> tuple[RadiationS
     """Return the survey as counted, and the time over which readings are means, s, 0: none."""
     flight, found = survey.flight, running_mean(survey)
     smoothing_s = 0.0
-    if flight is not None and found is not None:
+    is_smooth = found is not None and (
+        _alikeness(*first_fit(_begin(survey), False, None)) > LARGEST_ALIKENESS
+    )
+    if flight is not None and found is not None and is_smooth:
         before, after = _neighbours(flight)
         step_s = float(np.median(flight.times_s[after] - flight.times_s[before]))
         smoothing_s = found.readings * step_s
@@ -52,10 +58,16 @@ def as_counted(survey: RadiationSurvey, first_fit: FirstFit) -> tuple[RadiationS
             survey = unaveraged(survey, round(found.readings))
         else:
             if survey.is_nominal:
-                begin = np.argsort(flight.times_s, kind='stable')[:MOST_TRIED]
-                smoothing_s = _smoothing_s(survey.only(begin), step_s, first_fit)
+                smoothing_s = _smoothing_s(_begin(survey), step_s, first_fit)
             survey = unsmoothed(survey, smoothing_s)
     return _with_noise(survey, first_fit) if survey.is_nominal else survey, smoothing_s
+
+
+def _begin(survey: RadiationSurvey) -> RadiationSurvey:
+    """Return the survey of the first readings."""
+    if survey.flight is None:
+        return survey
+    return survey.only(np.argsort(survey.flight.times_s, kind='stable')[:MOST_TRIED])
 
 
 def unsmoothed(survey: RadiationSurvey, smoothing_s: float) -> RadiationSurvey:
@@ -138,11 +150,27 @@ def _neighbours(flight: Flight) -> tuple[IndexArray, IndexArray]:
     return order[:-1][same], order[1:][same]
 
 
-def _left(likelihood: Likelihood, fit: Fit) -> float:
-    """Return the standard deviation of what a fit leaves unexplained, 1 for counts."""
-    survey = likelihood.survey
+def _misses(likelihood: Likelihood, fit: Fit) -> FloatArray:
+    """Return what a fit leaves unexplained, with a standard deviation of 1 for counts."""
     expected, weights = likelihood.expected(fit.parameters), likelihood.weights(fit.parameters)
-    return max(_std((survey.counts - expected) * np.sqrt(weights / expected)), 1e-12)
+    return np.asarray((likelihood.survey.counts - expected) * np.sqrt(weights / expected))
+
+
+def _left(likelihood: Likelihood, fit: Fit) -> float:
+    """Return the standard deviation of what a fit leaves unexplained."""
+    return max(_std(_misses(likelihood, fit)), 1e-12)
+
+
+def _alikeness(likelihood: Likelihood, fit: Fit) -> float:
+    """Return the correlation of what is left of readings that follow each other."""
+    flight, misses = likelihood.survey.flight, _misses(likelihood, fit)
+    if flight is None:
+        return 0.0
+    before, after = _neighbours(flight)
+    limit = LARGEST_MISS * max(_std(misses), 1e-12)
+    clipped = np.clip(misses, -limit, limit)
+    squares = float((clipped**2).sum())
+    return float((clipped[before] * clipped[after]).sum()) / max(squares, 1e-12)
 
 
 def _std(misses: FloatArray) -> float:
