@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write README.md of each package: what it is for, its executables, its topics and documents.
+"""Write README.md of each package: its use, executables, launch files, topics and documents.
 
     python tools/package_readmes.py
 
@@ -46,6 +46,10 @@ def _readme(manifest: Path) -> str:
     if programs:
         names = ', '.join(f'`{name}`' for name in programs)
         text += f'\nExecutables of `ros2 run {package.name}`: {names}.\n'
+    launches = sorted(package.glob('launch/*.py'))
+    if launches:
+        rows = ''.join(f'| `{path.name}` | {_first_line(path)} |\n' for path in launches)
+        text += f'\nFiles of `ros2 launch {package.name}`:\n\n| file | starts |\n|---|---|\n{rows}'
     used = _topics(package)
     if used:
         rows = ''.join(f'| `{name}` | {note} |\n' for name, note in used)
@@ -64,6 +68,10 @@ def _executables(setup: Path) -> list[str]:
     ]
     points = [text for text in texts if isinstance(text, str) and ' = rocsafe_' in text]
     return sorted(point.partition(' = ')[0] for point in points)
+
+
+def _first_line(module: Path) -> str:
+    return str(ast.get_docstring(ast.parse(module.read_text()))).partition('\n')[0].rstrip('.')
 
 
 def _topics(package: Path) -> list[tuple[str, str]]:

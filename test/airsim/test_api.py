@@ -3,8 +3,10 @@
 
 import asyncio
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +23,7 @@ from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.segment import Mode
 from rocsafe_sim.vehicle.free_vehicle import FreeVehicle
 
+DOCS = Path(__file__).resolve().parents[2] / 'docs'
 FRAME = LocalFrame(GeoPosition(53.28, -9.06, 60.0))
 # Simulated seconds a look at the vehicle: the waits of the methods end at once.
 STEP_NS = 200_000_000
@@ -109,6 +112,11 @@ class Vehicle:
             attitude=(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2)),
             position=self.world.to_geodetic(place), std_m=(1.0, 2.0),
         )  # fmt: skip
+
+    @property
+    def is_led(self):
+        """Return whether the lease is held."""
+        return self.leads
 
     async def take(self):
         """Lead it."""
@@ -308,10 +316,76 @@ def test_another_order_ends_the_wait_for_the_first(world):
     assert world.vehicles['rav1'].core.mode is Mode.HOLDING
 
 
+def test_documents_list_every_method_and_no_other(world):
+    """And the comparison counts them."""
+    served = Api(world, print).served
+    table = (
+        (DOCS / 'airsim.md').read_text().partition('## Methods')[2].partition('\nEvery other')[0]
+    )
+    listed = set(re.findall(r'`(\w+)`', table))
+    assert served <= listed
+    assert f'{len(served)} methods of it' in (DOCS / 'comparison.md').read_text()
+
+
+def test_control_that_was_taken_over_is_told(world):
+    """By an operator's console, for example."""
+    api = Api(world, print)
+
+    async def is_enabled():
+        return await api.handle(Call(call_id=1, method='isApiControlEnabled', arguments=('',)))
+
+    async def all_three():
+        before = await is_enabled()
+        await api.handle(Call(call_id=1, method='enableApiControl', arguments=(True, '')))
+        during = await is_enabled()
+        world.vehicles['rav1'].leads = False
+        return before, during, await is_enabled()
+
+    assert asyncio.run(all_three()) == (False, True, False)
+
+
+ODD_VALUES = (
+    None, True, -1, 2**63, math.nan, math.inf, -1e308, '', 'x' * 5000, '[', b'\xff', [], [[]],
+    ['a'] * 3, [math.nan] * 3, {}, {'x_val': math.nan, 'y_val': 0, 'z_val': 0}, {'position': 1},
+    {'is_rate': True, 'yaw_or_rate': math.nan}, [{'camera_name': [], 'image_type': {}}],
+    [{'camera_name': '0', 'image_type': 0}] * 20_000, list(range(20_000)),
+)  # fmt: skip
+
+
+@pytest.mark.slow
+def test_parameters_of_any_kind_and_number_are_carried_out_or_refused_by_name(world):
+    """Each refusal is ours, short, and none is the interpreter's."""
+    api, rng = Api(world, print), np.random.default_rng(5)
+    refusals = []
+
+    async def all_of_them():
+        for name in sorted(api.served) * 30:
+            world.paused = False
+            number = rng.integers(0, 10)
+            given = tuple(ODD_VALUES[one] for one in rng.integers(0, len(ODD_VALUES), number))
+            call = Call(call_id=1, method=name, arguments=given)
+            try:
+                await asyncio.wait_for(api.handle(call), 20.0)
+            except AirsimError as error:
+                refusals.append(f'{name}: {error}')
+            await api.handle(Call(call_id=1, method='enableApiControl', arguments=(True, '')))
+
+    asyncio.run(all_of_them())
+    assert len(refusals) > 500
+    assert [one for one in refusals if len(one) > 300] == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ('calls', 'words'),
     [
+        ([('ping', 1)], '1 parameters: must be 0'),
+        ([('getMultirotorState', ['rav1'])], 'vehicle_name is .*rav1.*: must be a text'),
+        ([('simGetImages', [{'image_type': 0}] * 65)], '65 images: must be 64 at most'),
+        ([('simContinueForTime', 3e38)], 'must be within 0 and 3600'),
+        ([('simSetWind', 3)], 'a Vector3r is 3: must be a map'),
+        ([('simPlotPoints', [], [1.0], 1.0, 1.0, True)], 'color_rgba has 1 numbers: must have 4'),
+        ([*LED, ('rotateToYaw', math.nan, 9.0, 5.0, '')], 'yaw is nan: must be a finite number'),
         ([('takeoff', 20, '')], 'enableApiControl first'),
         ([('moveByMotorPWMs', 1, 1, 1, 1, 1, '')], 'not served here'),
         ([('getMultirotorState', 'rav9')], 'there are rav1, rav2'),

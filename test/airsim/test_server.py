@@ -82,6 +82,40 @@ def test_a_client_that_reads_nothing_fills_no_memory_and_is_let_go(monkeypatch):
     assert len(drawn) <= 2 * MOST_PENDING
 
 
+def test_a_connection_without_a_call_keeps_no_place(monkeypatch):
+    """Also one that sends a byte now and then; one that has called may be silent."""
+    monkeypatch.setattr(server, 'READ_S', 0.5)
+    monkeypatch.setattr(server, 'MOST_CLIENTS', 3)
+
+    async def pong(_call):
+        return True
+
+    async def asked():
+        airsim = AirsimServer(pong, print)
+        port = await airsim.start('127.0.0.1', 0)
+        caller = await asyncio.open_connection('127.0.0.1', port)
+        caller[1].write(msgpack.packb([0, 1, 'ping', []]))
+        await caller[0].readexactly(5)
+        silent = await asyncio.open_connection('127.0.0.1', port)
+        slow = await asyncio.open_connection('127.0.0.1', port)
+        sent = msgpack.packb([0, 1, 'x' * 90, []])
+        for byte in sent[:20]:
+            if not slow[0].at_eof():
+                slow[1].write(bytes([byte]))
+                await asyncio.sleep(0.1)
+        ends = [await silent[0].read(), await slow[0].read()]
+        caller[1].write(msgpack.packb([0, 2, 'ping', []]))
+        still = await caller[0].readexactly(5)
+        for _, writer in (caller, silent, slow):
+            writer.close()
+        await airsim.stop()
+        return ends, still, airsim.clients
+
+    ends, still, _ = asyncio.run(asyncio.wait_for(asked(), DEADLINE_S))
+    assert ends == [b'', b'']
+    assert msgpack.unpackb(still) == [1, 2, None, True]
+
+
 def test_a_call_that_fails_closes_its_connection():
     """Nobody foresaw its error; its client would wait for ever."""
     told = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Launch files start what a mission starts, and layouts show topics that exist."""
+"""Launch files start what a mission starts, and layouts are current."""
 
 import json
 import runpy

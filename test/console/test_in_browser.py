@@ -110,6 +110,17 @@ def flight(tmp_path) -> Iterator[tuple[Stage, Pilot, str]]:
         pilot.stop()
 
 
+def test_what_nobody_knows_the_age_of_is_marked_as_old(browser, flight):
+    """The stage tells zones without a time: the word alone looked like a part of the sentence."""
+    *_, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelector(".fact-zones .note .age") !== null')
+    mark = view.page.locator('.fact-zones .note .age')
+    assert mark.inner_text() == 'stale'
+    assert mark.get_attribute('class') == 'age old'
+    view.page.close()
+
+
 def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
     """Vehicles move and are not grey; after three seconds of silence all of them are."""
     _, pilot, address = flight

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
+from rocsafe_console.picture import track as track_module
 from rocsafe_console.picture.alarms import ERROR, MOST_KEPT, WARN, Alarms
 from rocsafe_console.picture.coordinates import coordinates_of, position_of_ecef, zone_of
 from rocsafe_console.picture.estimates import BatteryDrain, Trend, way_home_s
@@ -314,6 +315,22 @@ def test_a_track_is_thinned_but_keeps_its_peak():
         track.note(53.0 + step * 2e-5, -9.0, 500.0 if step == 3001 else 1.0)
     assert len(track.points) <= MOST_POINTS + 1
     assert max(point[2] for point in track.points) == 500.0
+
+
+def test_a_track_is_encoded_once_for_all_pages(monkeypatch):
+    """Also when it was thinned meanwhile; 300 tracks for each page held up all others."""
+    encoded = []
+    text_of = track_module._text_of
+    monkeypatch.setattr(track_module, '_text_of', lambda p: encoded.append(p) or text_of(p))
+    track = Track()
+    for step in range(MOST_POINTS + 10):
+        track.note(53.0 + step * 2e-5, -9.0, math.nan if step % 2 else 0.25)
+        if step % 100 == 0 or step > MOST_POINTS - 2:
+            told = json.loads(track.text)
+            assert told == json.loads(track.text)
+            assert told == [[round(p[0], 7), p[1], None if p[2] != p[2] else p[2]]
+                            for p in track.points]  # fmt: skip
+    assert len(encoded) == MOST_POINTS + len(track.points)
 
 
 def test_estimates_of_a_vehicle():

@@ -3,6 +3,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import textwrap
@@ -98,6 +99,26 @@ def test_functions_of_users_are_on_the_reference_pages(site):
     page = (site / 'reference/python/planning.html').read_text()
     assert 'id="rocsafe_planner.region_plan.plan_region"' in page
     assert 'Height of the camera above the ground' in page
+
+
+@pytest.mark.all
+def test_no_table_is_cut_off_on_paper(site):
+    """Paper does not scroll: each table of each page is as narrow as a page of A4."""
+    playwright = pytest.importorskip('playwright.sync_api', reason='playwright is not installed')
+    chromium = shutil.which('chromium') or pytest.skip('no chromium on this machine')
+    wide = """[...document.querySelectorAll('article table')]
+        .filter(one => one.getBoundingClientRect().right > document.documentElement.clientWidth)
+        .map(one => one.innerText.slice(0, 40))"""
+    with playwright.sync_playwright() as play:
+        browser = play.chromium.launch(executable_path=chromium, args=['--no-sandbox'])
+        page = browser.new_page(viewport={'width': 794, 'height': 1123})
+        page.emulate_media(media='print')
+        cut = {}
+        for path in site.rglob('*.html'):
+            page.goto(path.as_uri())
+            cut[path.name] = page.evaluate(wide)
+        browser.close()
+    assert {name: tables for name, tables in cut.items() if tables} == {}
 
 
 def test_every_key_of_a_scenario_is_in_the_reference():

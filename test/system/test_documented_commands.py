@@ -34,7 +34,7 @@ _MEANT = {
     r'\bSCENARIO\b': 'my.yaml',
     r'\bPHOTOS\b|\bphotographs/': 'photographs',
     r'\bSTORE\b': 'store',
-    r'\bBEFORE AFTER\b': 'flown flown_again',
+    r'\bBEFORE AFTER\b': 'flown/images flown_again/images',
     r'\bDIR\b': 'products',
 }
 _SERVES = re.compile(
@@ -139,8 +139,8 @@ def _run(command: str, folder: Path) -> None:
     try:
         output, _ = process.communicate(PASSWORD, timeout=SERVING_S if serves else LIMIT_S)
     except subprocess.TimeoutExpired:
-        assert serves, f'{command} has not ended'
         output = _interrupted(process)
+        assert serves, f'{command} has not ended:\n{output[-2000:]}'
     _judge(command, process.returncode, output)
 
 
@@ -153,7 +153,7 @@ def _interrupted(process: subprocess.Popen[str]) -> str:
 def _judge(command: str, code: int, output: str) -> None:
     allowed = {0, 130, -signal.SIGINT} if _SERVES.match(command) else {0}
     # `ros2`, the real one, too, answers an interruption with its number.
-    allowed |= {signal.SIGINT} if command.startswith('ros2 topic echo') else set()
+    allowed |= {signal.SIGINT} if command.startswith('ros2 topic') else set()
     allowed |= {1} if _TOO_LITTLE.search(command) else set()
     assert code in allowed, f'{command}: {code}\n{output[-2000:]}'
     assert 'Traceback' not in output, f'{command}:\n{output[-2000:]}'

@@ -40,9 +40,9 @@ def image_type(value: Any) -> int:
     AirsimError
         If there are no such images here.
     """
-    if value not in TYPES:
+    if not isinstance(value, int) or value not in TYPES:
         known = ', '.join(f'{number} {name}' for number, name in TYPES.items())
-        raise AirsimError(f'image_type is {value!r}: must be one of {known}')
+        raise AirsimError(f'image_type is {value!r:.80}: must be one of {known}')
     return int(value)
 
 

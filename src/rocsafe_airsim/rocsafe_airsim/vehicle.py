@@ -134,6 +134,10 @@ class Vehicle(Protocol):
     def smells(self) -> bool:
         """Whether it carries a gas sensor."""
 
+    @property
+    def is_led(self) -> bool:
+        """Whether the lease that was taken is still the one that its orders need."""
+
     def now(self) -> VehicleNow:
         """Return what was last heard; raises `AirsimError` before anything was."""
 

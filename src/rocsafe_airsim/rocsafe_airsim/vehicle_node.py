@@ -63,7 +63,7 @@ class RosVehicle:
         self._lease = ''
         own = (topics.STATE, topics.ODOM, topics.FIX, topics.GROUND_TRUTH_FIX)
         sensors = (topics.IMU, topics.BAROMETER, topics.MAGNETOMETER, topics.RANGE)
-        for spec in (*own, topics.RADIATION, topics.GAS, *sensors):
+        for spec in (*own, topics.CONTROL, topics.RADIATION, topics.GAS, *sensors):
             topics.create_subscription(node, spec, partial(self._on_message, spec.name), name)
         topics.create_subscription(node, topics.HOME, self._on_home, name)
         moves = (calls.MOVE, calls.GO_TO, calls.SET_HOME, calls.SET_WIND, calls.SET_LIGHT)
@@ -90,6 +90,11 @@ class RosVehicle:
     def smells(self) -> bool:
         """Whether it has told of gas."""
         return 'gas' in self._heard
+
+    @property
+    def is_led(self) -> bool:
+        """Whether the lease that was taken is still the one that its orders need."""
+        return bool(self._lease) and self._heard['control'].lease == self._lease
 
     def now(self) -> VehicleNow:
         """Return what was last heard; raises `AirsimError` before anything was."""
@@ -137,7 +142,9 @@ class RosVehicle:
         """Take the control lease, or renew it."""
         request = Lease.Request(request=Lease.Request.TAKE, holder=HOLDER, duration_s=LEASE_S)
         answer = await self._order('lease', request)
-        self._lease = answer.control.lease
+        with self._lock:
+            self._heard['control'] = answer.control
+            self._lease = answer.control.lease
 
     async def release(self) -> None:
         """Give the control lease back."""

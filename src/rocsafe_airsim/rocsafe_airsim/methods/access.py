@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.methods.given import number, sequence, shown, text
 from rocsafe_airsim.methods.moving import Mover
 from rocsafe_airsim.ned import Vector
 from rocsafe_airsim.vehicle import Vehicle, World
@@ -77,12 +78,12 @@ class Access:
             raise AirsimError('no vehicle is heard')
         if not name:
             return next(iter(vehicles.values()))
-        if name in vehicles:
+        if text(name, 'vehicle_name') in vehicles:
             return vehicles[name]
-        numbered = _NUMBERED.match(str(name))
+        numbered = _NUMBERED.match(name)
         if numbered and 1 <= int(numbered[1]) <= len(vehicles):
             return list(vehicles.values())[int(numbered[1]) - 1]
-        raise AirsimError(f'vehicle {name!r}: there are {", ".join(vehicles)}')
+        raise AirsimError(f'vehicle {shown(name)}: there are {", ".join(vehicles)}')
 
     def simulated(self, name: Any) -> Vehicle:
         """Return a simulated vehicle."""
@@ -112,7 +113,7 @@ class Access:
         if str(name) in FIRST_CAMERA_NAMES and vehicle.cameras:
             return vehicle.cameras[0]
         known = ', '.join(vehicle.cameras) or 'none'
-        raise AirsimError(f'camera {name!r} of {vehicle.name}: has {known}')
+        raise AirsimError(f'camera {shown(name)} of {vehicle.name}: has {known}')
 
     def instances(self) -> Sequence[Mapping[str, Any]]:
         """Return number, name, class and colour of each thing of the scene."""
@@ -122,9 +123,10 @@ class Access:
                     return table
         return ()
 
-    def instance(self, name: str) -> Mapping[str, Any] | None:
+    def instance(self, name: Any) -> Mapping[str, Any] | None:
         """Return the thing of a name, whatever its case; None if there is none."""
-        same = (row for row in self.instances() if str(row['name']).lower() == name.lower())
+        wanted = text(name, 'object_name').lower()
+        same = (row for row in self.instances() if str(row['name']).lower() == wanted)
         return next(same, None)
 
     def draw(
@@ -156,34 +158,37 @@ class Access:
             (str(text)[:LONGEST_TEXT], origin.to_enu(place))
             for text, place in zip(texts, places_ned, strict=True)
         ]
-        size_m = max(float(scale) * _LETTER_M, 0.05)
+        size_m = max(number(scale, 'scale') * _LETTER_M, 0.05)
         self.world.write(placed, pen(rgba, 0.0)[0], size_m, shown_s(duration_s))
 
 
 def shown_s(duration_s: Any) -> float:
     """Return how long a drawing is shown, seconds; 0 is for ever."""
-    return min(max(float(duration_s), 0.0), LONGEST_SHOWN_S)
+    return min(max(number(duration_s, 'duration'), 0.0), LONGEST_SHOWN_S)
 
 
 def pen(rgba: Any, size: Any) -> tuple[tuple[float, ...], float]:
     """Return colour and width, metres, of a drawing."""
     # AirSim's sizes are pixels or centimetres of its engine.
-    return tuple(map(float, rgba or _WHITE)), max(float(size) / 100.0, 0.05)
+    colour = tuple(number(each, 'color_rgba') for each in sequence(rgba or _WHITE, 'color_rgba'))
+    if len(colour) != len(_WHITE):
+        raise AirsimError(f'color_rgba has {len(colour)} numbers: must have {len(_WHITE)}')
+    return colour, max(number(size, 'size') / 100.0, 0.05)
 
 
 def parameters(call: tuple[Any, ...], least: int) -> tuple[Any, ...]:
     """Return the parameters of a call, of which there must be `least`."""
     if len(call) < least:
-        raise AirsimError(f'{len(call)} parameters: must be {least} at least')
+        raise AirsimError(f'{len(call)} parameters: must be {least} or more')
     return call
 
 
 def at_least(timeout_s: Any, default_s: float) -> float:
     """Return a time limit that a vehicle of this suite can keep."""
-    return max(float(timeout_s), default_s)
+    return max(number(timeout_s, 'timeout_sec', is_finite=False), default_s)
 
 
-def matches(pattern: str, row: Mapping[str, Any]) -> bool:
+def matches(pattern: Any, row: Mapping[str, Any]) -> bool:
     """Return whether the name of an instance matches a regular expression.
 
     Raises
@@ -191,7 +196,7 @@ def matches(pattern: str, row: Mapping[str, Any]) -> bool:
     AirsimError
         If it is none, or one for which a search could take hours, in which nobody else is served.
     """
-    plain = _ESCAPED.sub('', pattern)
+    plain = _ESCAPED.sub('', text(pattern, 'the name'))
     repeats = sum(map(plain.count, '*+{'))
     if repeats > MOST_REPEATS or _REPEATED_GROUP.search(plain):
         raise AirsimError(

@@ -8,6 +8,7 @@ from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, methods_of
 from rocsafe_airsim.methods.control_methods import ControlMethods
 from rocsafe_airsim.methods.detection_methods import DetectionMethods
+from rocsafe_airsim.methods.given import call_with
 from rocsafe_airsim.methods.sensing_methods import SensingMethods
 from rocsafe_airsim.methods.weather_methods import WeatherMethods
 from rocsafe_airsim.methods.world_methods import WorldMethods
@@ -37,9 +38,14 @@ class Api:
         )
         self._methods = {name: f for part in parts for name, f in methods_of(part).items()}
 
+    @property
+    def served(self) -> frozenset[str]:
+        """Names of the methods."""
+        return frozenset(self._methods)
+
     async def handle(self, call: Call) -> Any:
         """Carry out a call; raises `AirsimError` to refuse it."""
         method = self._methods.get(call.method)
         if method is None:
             raise AirsimError('not served here: docs/airsim.md lists the methods that are')
-        return await method(*call.arguments)
+        return await call_with(method, call.arguments)

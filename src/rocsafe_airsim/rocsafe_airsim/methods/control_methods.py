@@ -8,7 +8,8 @@ from typing import Any
 
 from rocsafe_airsim import values
 from rocsafe_airsim.methods.access import Access, at_least, parameters, served
-from rocsafe_airsim.methods.moving import LONGEST_S, vector_of
+from rocsafe_airsim.methods.given import number, sequence
+from rocsafe_airsim.methods.moving import LONGEST_S, possible, vector_of
 from rocsafe_airsim.ned import yaw_of
 from rocsafe_airsim.vehicle import AIRBORNE, Vehicle
 
@@ -47,7 +48,9 @@ class ControlMethods:
 
     @served('isApiControlEnabled')
     async def _is_api_control_enabled(self, name: str = '') -> bool:
-        return self._at.vehicle(name).name in self._at.controlled
+        vehicle = self._at.vehicle(name)
+        # Somebody else may have taken the lease over.
+        return vehicle.name in self._at.controlled and vehicle.is_led
 
     @served('armDisarm')
     async def _arm_disarm(self, arm: bool, name: str = '') -> bool:
@@ -118,7 +121,7 @@ class ControlMethods:
     async def _move_on_path(self, *call: Any) -> bool:
         path, velocity, timeout_s, drivetrain, yaw_mode, *_ = parameters(call, 6)
         aim = {'drivetrain': drivetrain, 'yaw_mode': yaw_mode}
-        places = [vector_of(each) for each in path]
+        places = [vector_of(each) for each in sequence(path, 'path')]
         return await self._at.mover.along(self._at.led(call[-1]), places, velocity, timeout_s, aim)
 
     @served('moveToZ')
@@ -135,7 +138,8 @@ class ControlMethods:
             call, 8
         )
         vehicle = self._at.led(call[-1])
-        place = self._at.world.to_enu((float(latitude), float(longitude), float(altitude)))
+        north_deg, east_deg = number(latitude, 'latitude'), number(longitude, 'longitude')
+        place = self._at.world.to_enu((north_deg, east_deg, number(altitude, 'altitude')))
         aim = {'drivetrain': drivetrain, 'yaw_mode': yaw_mode}
         goal = vehicle.origin.to_ned(place)
         return await self._at.mover.along(vehicle, [goal], velocity, timeout_s, aim)
@@ -143,7 +147,7 @@ class ControlMethods:
     @served('moveByVelocity')
     async def _move_by_velocity(self, *call: Any) -> bool:
         vx, vy, vz, duration_s, _drive, yaw_mode, *_ = parameters(call, 7)
-        velocity = (float(vx), float(vy), float(vz))
+        velocity = possible((vx, vy, vz))
         return await self._at.mover.at_velocity(
             self._at.led(call[-1]), velocity, duration_s, yaw_mode
         )
@@ -151,24 +155,26 @@ class ControlMethods:
     @served('moveByVelocityZ')
     async def _move_by_velocity_z(self, *call: Any) -> bool:
         vx, vy, z, duration_s, _drive, yaw_mode, *_ = parameters(call, 7)
-        level = (float(vx), float(vy))
+        north_mps, east_mps, down_m = possible((vx, vy, z))
         return await self._at.mover.at_height(
-            self._at.led(call[-1]), level, float(z), duration_s, yaw_mode
+            self._at.led(call[-1]), (north_mps, east_mps), down_m, duration_s, yaw_mode
         )
 
     @served('moveByVelocityBodyFrame')
     async def _move_by_velocity_body_frame(self, *call: Any) -> bool:
         vx, vy, vz, duration_s, _drive, yaw_mode, *_ = parameters(call, 7)
         vehicle = self._at.led(call[-1])
-        velocity = (*_turned(vehicle, float(vx), float(vy)), float(vz))
+        ahead_mps, right_mps, down_mps = possible((vx, vy, vz))
+        velocity = (*_turned(vehicle, ahead_mps, right_mps), down_mps)
         return await self._at.mover.at_velocity(vehicle, velocity, duration_s, yaw_mode)
 
     @served('moveByVelocityZBodyFrame')
     async def _move_by_velocity_z_body_frame(self, *call: Any) -> bool:
         vx, vy, z, duration_s, _drive, yaw_mode, *_ = parameters(call, 7)
         vehicle = self._at.led(call[-1])
-        level = _turned(vehicle, float(vx), float(vy))
-        return await self._at.mover.at_height(vehicle, level, float(z), duration_s, yaw_mode)
+        ahead_mps, right_mps, down_m = possible((vx, vy, z))
+        level = _turned(vehicle, ahead_mps, right_mps)
+        return await self._at.mover.at_height(vehicle, level, down_m, duration_s, yaw_mode)
 
     @served('rotateToYaw')
     async def _rotate_to_yaw(

@@ -11,6 +11,7 @@ from rocsafe_airsim import images, values
 from rocsafe_airsim.detections import Detection, detections
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, parameters, served
+from rocsafe_airsim.methods.given import number
 from rocsafe_airsim.vehicle import Vehicle
 
 # AirSim's own.
@@ -57,7 +58,7 @@ class DetectionMethods:
     @served('simSetDetectionFilterRadius')
     async def _sim_set_detection_filter_radius(self, *call: Any) -> None:
         camera, kind, radius_cm, name, *_ = (*parameters(call, 3), '')
-        radius_m = float(radius_cm) / 100.0
+        radius_m = number(radius_cm, 'radius_cm', is_finite=False) / 100.0
         if not (math.isfinite(radius_m) and radius_m > 0.0):
             raise AirsimError(f'radius_cm is {100.0 * radius_m:g}: must be positive')
         self._filter(self._at.simulated(name), camera, kind).radius_m = radius_m

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from rocsafe_airsim.errors import AirsimError
+from rocsafe_airsim.methods.given import number, table
 from rocsafe_airsim.ned import Vector, swapped, yaw_ned, yaw_of
 from rocsafe_airsim.values import vector
 from rocsafe_airsim.vehicle import (
@@ -174,14 +175,14 @@ class Mover:
 
     async def turn(self, vehicle: Vehicle, yaw_deg: float, timeout_s: float) -> bool:
         """Turn to a yaw, degrees clockwise from north."""
-        yaw = yaw_ned(math.radians(float(yaw_deg)))
+        yaw = yaw_ned(math.radians(number(yaw_deg, 'yaw')))
         with self._led(vehicle) as task:
             given = self._give(vehicle, task, lambda: vehicle.turn(yaw))
             return await given and await self._until(vehicle, task, _faces(yaw), timeout_s)
 
     async def spin(self, vehicle: Vehicle, rate_deg_s: float, duration_s: float) -> bool:
         """Turn at a yaw rate, degrees per second clockwise."""
-        turn = Turn(rate_radps=-math.radians(float(rate_deg_s)))
+        turn = Turn(rate_radps=-math.radians(number(rate_deg_s, 'yaw_rate')))
         return await self._fly_at(vehicle, (0.0, 0.0, 0.0), _duration(duration_s), turn)
 
     def _begin(self, vehicle: Vehicle) -> int:
@@ -237,7 +238,7 @@ class Mover:
 
         Also if the flight has ended otherwise: a failsafe landed the vehicle, or it crashed.
         """
-        limit_s = float(timeout_s)
+        limit_s = number(timeout_s, 'timeout_sec', is_finite=False)
         end_ns = math.inf
         if math.isfinite(limit_s) and limit_s < 1e9:
             end_ns = self._world.time_ns() + max(limit_s, 0.0) * NS_PER_S
@@ -279,12 +280,13 @@ async def _held(vehicle: Vehicle) -> None:
 
 def vector_of(value: Any) -> Vector:
     """Return the numbers of a Vector3r."""
-    return possible([value[key] for key in vector((0.0, 0.0, 0.0))])
+    given = table(value, 'a Vector3r')
+    return possible([given.get(key) for key in vector((0.0, 0.0, 0.0))])
 
 
 def possible(numbers: Sequence[Any]) -> Vector:
     """Return a place or velocity; raises `AirsimError` unless it is on this earth."""
-    x, y, z = map(float, numbers)
+    x, y, z = (number(each, 'a coordinate', is_finite=False) for each in numbers)
     if not max(abs(x), abs(y), abs(z)) <= FARTHEST_M or math.isnan(x + y + z):
         raise AirsimError(f'{x:g}, {y:g}, {z:g}: must be within {FARTHEST_M:g}')
     return x, y, z
@@ -308,8 +310,9 @@ def _faces(yaw_enu_rad: float) -> Callable[[VehicleNow], bool]:
 
 
 def _asked_yaw(now: VehicleNow, goal: Vector, aim: Mapping[str, Any]) -> float | None:
-    mode = aim.get('yaw_mode') or {}
-    offset_deg = 0.0 if mode.get('is_rate', True) else float(mode.get('yaw_or_rate', 0.0))
+    mode = table(aim.get('yaw_mode') or {}, 'yaw_mode')
+    given = 0.0 if mode.get('is_rate', True) else mode.get('yaw_or_rate', 0.0)
+    offset_deg = number(given, 'yaw_or_rate')
     if aim.get('drivetrain') == FORWARD_ONLY:
         east, north = goal[0] - now.true_enu[0], goal[1] - now.true_enu[1]
         if math.hypot(east, north) < 1.0:
@@ -319,22 +322,22 @@ def _asked_yaw(now: VehicleNow, goal: Vector, aim: Mapping[str, Any]) -> float |
 
 
 def _turn(yaw_mode: Any) -> Turn:
-    mode = yaw_mode or {}
-    value = math.radians(float(mode.get('yaw_or_rate', 0.0)))
+    mode = table(yaw_mode or {}, 'yaw_mode')
+    value = math.radians(number(mode.get('yaw_or_rate', 0.0), 'yaw_or_rate'))
     if mode.get('is_rate', True):
         return Turn(rate_radps=-value)
     return Turn(yaw_enu_rad=yaw_ned(value))
 
 
 def _speed(value: Any) -> float:
-    speed = float(value)
+    speed = number(value, 'velocity', is_finite=False)
     if not (math.isfinite(speed) and speed > 0.0):
         raise AirsimError(f'velocity is {speed:g} m/s: must be positive')
     return speed
 
 
 def _duration(value: Any) -> float:
-    seconds = float(value)
+    seconds = number(value, 'duration', is_finite=False)
     if not 0.0 <= seconds <= LONGEST_S:
         raise AirsimError(f'duration is {seconds:g} s: must be within 0 and {LONGEST_S:g} s')
     return seconds

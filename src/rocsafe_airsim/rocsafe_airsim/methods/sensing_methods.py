@@ -9,12 +9,15 @@ from typing import Any
 from rocsafe_airsim import images, values
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, matches, served
+from rocsafe_airsim.methods.given import number, sequence, shown, table, text
 from rocsafe_airsim.methods.moving import vector_of
 from rocsafe_airsim.ned import Quaternion, attitude_ned, heading, product
 from rocsafe_airsim.vehicle import DISARMED, Picture
 
 # A camera that is rolled by no more counts as level.
 LEVEL_RAD = math.radians(1.0)
+# All images of a call are in memory at once.
+MOST_IMAGES = 64
 
 
 class SensingMethods:
@@ -45,7 +48,7 @@ class SensingMethods:
         vehicle = self._at.led(self._at.simulated(name).name)
         if vehicle.now().state != DISARMED:
             raise AirsimError(f'{vehicle.name} has flown: can be placed before its first flight')
-        place = vehicle.origin.to_enu(vector_of(pose['position']))
+        place = vehicle.origin.to_enu(vector_of(table(pose, 'pose').get('position')))
         await vehicle.set_home(self._at.world.to_geodetic(place))
 
     @served('simGetGroundTruthKinematics')
@@ -92,6 +95,9 @@ class SensingMethods:
         self, requests: Sequence[Mapping[str, Any]], name: str = '', *_external: Any
     ) -> list[values.Plain]:
         vehicle = self._at.simulated(name)
+        requests = [table(one, 'a request') for one in sequence(requests, 'requests')]
+        if len(requests) > MOST_IMAGES:
+            raise AirsimError(f'{len(requests)} images: must be {MOST_IMAGES} at most in a call')
         kinds = [images.image_type(one.get('image_type', 0)) for one in requests]
         looks: dict[str, Picture] = {}
         for one in requests:
@@ -138,9 +144,9 @@ class SensingMethods:
     ) -> None:
         vehicle = self._at.simulated(name)
         own = self._at.camera(vehicle, camera)
-        if any(vector_of(pose['position'])):
+        if any(vector_of(table(pose, 'pose').get('position'))):
             raise AirsimError('position must be 0, 0, 0: cameras stay where they are mounted')
-        roll, pitch, yaw = _roll_pitch_yaw(pose['orientation'])
+        roll, pitch, yaw = _roll_pitch_yaw(table(pose.get('orientation'), 'orientation'))
         if abs(roll) > LEVEL_RAD:
             raise AirsimError(
                 f'roll is {math.degrees(roll):.1f} deg: must be 0, gimbals keep level'
@@ -156,9 +162,9 @@ class SensingMethods:
     async def _sim_get_object_pose(self, mesh: str, *_is_ned: Any) -> values.Plain:
         row = self._at.instance(mesh)
         if row is None:
-            raise AirsimError(f'{mesh!r}: no such thing, see simListSceneObjects')
+            raise AirsimError(f'{shown(mesh)}: no such thing, see simListSceneObjects')
         if 'place' not in row:
-            raise AirsimError(f'{mesh}: has no place of its own, or moves')
+            raise AirsimError(f'{shown(mesh)}: has no place of its own, or moves')
         return values.pose(
             self._at.vehicle('').origin.to_ned(row['place']), heading(float(row['yaw']))
         )
@@ -175,11 +181,11 @@ class SensingMethods:
     async def _sim_set_segmentation_object_id(
         self, mesh: str, object_id: int, is_regex: bool = False
     ) -> bool:
-        if not 0 <= int(object_id) < images.MOST_IDS:
+        if not 0 <= (chosen := int(number(object_id, 'object_id'))) < images.MOST_IDS:
             raise AirsimError(f'object_id is {object_id}: must be within 0 and 255')
-        pattern = mesh if is_regex else re.escape(mesh)
+        pattern = mesh if is_regex else re.escape(text(mesh, 'mesh_name'))
         found = [row for row in self._at.instances() if matches(pattern, row)]
-        self._at.ids |= {int(row['number']): int(object_id) for row in found}
+        self._at.ids |= {int(row['number']): chosen for row in found}
         return bool(found)
 
 
@@ -191,7 +197,7 @@ def _body_of_optical(attitude: Quaternion) -> Quaternion:
 
 def _roll_pitch_yaw(orientation: Mapping[str, Any]) -> tuple[float, float, float]:
     """Return the angles of a Quaternionr, rad: pitch is positive for up, yaw for clockwise."""
-    w, x, y, z = (float(orientation[f'{axis}_val']) for axis in 'wxyz')
+    w, x, y, z = (number(orientation.get(f'{axis}_val'), f'{axis}_val') for axis in 'wxyz')
     size = math.sqrt(w * w + x * x + y * y + z * z)
     if not (math.isfinite(size) and size > 0.0):
         raise AirsimError('orientation must be a quaternion that is not zero')

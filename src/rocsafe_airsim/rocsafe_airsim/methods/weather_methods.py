@@ -7,6 +7,7 @@ from typing import Any
 
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, parameters, served
+from rocsafe_airsim.methods.given import number, shown
 from rocsafe_airsim.methods.moving import NS_PER_S, vector_of
 from rocsafe_airsim.ned import swapped
 from rocsafe_airsim.vehicle import Light
@@ -42,15 +43,15 @@ class WeatherMethods:
 
     @served('simSetWeatherParameter')
     async def _sim_set_weather_parameter(self, parameter: int, value: float) -> None:
-        share, number = float(value), int(parameter)
-        if not 0 <= number < len(_NAMES):
-            raise AirsimError(f'parameter is {number}: must be within 0 and {len(_NAMES) - 1}')
-        name = _NAMES[number]
+        share, index = number(value, 'value', is_finite=False), int(number(parameter, 'parameter'))
+        if not 0 <= index < len(_NAMES):
+            raise AirsimError(f'parameter is {index}: must be within 0 and {len(_NAMES) - 1}')
+        name = _NAMES[index]
         if not (math.isfinite(share) and 0.0 <= share <= 1.0):
             raise AirsimError(f'{name} is {share:g}: must be within 0 and 1')
-        if number == _FOG:
+        if index == _FOG:
             await self._show(self._light.changed(fog=share), is_enabled=self._is_enabled)
-        elif number == _WETNESS:
+        elif index == _WETNESS:
             await self._show(self._light.changed(wetness=share), is_enabled=self._is_enabled)
         elif share:
             raise AirsimError(f'{name} is not drawn here: there are Roadwetness and Fog')
@@ -63,8 +64,8 @@ class WeatherMethods:
             sun_ns = self._at.world.time_ns() if not start else _ns_of(start, is_summer_time)
         light = self._light.changed(
             sun_ns=sun_ns,
-            sun_speed=float(speed) if moves else 0.0,
-            sun_step_s=max(1.0, float(step_s)),
+            sun_speed=number(speed, 'celestial_clock_speed') if moves else 0.0,
+            sun_step_s=max(1.0, number(step_s, 'update_interval_secs')),
         )
         await self._show(light, is_enabled=self._is_enabled)
 
@@ -81,6 +82,8 @@ def _ns_of(text: Any, is_summer_time: Any) -> int:
     try:
         time = datetime.strptime(str(text), _TIME_FORM).replace(tzinfo=timezone.utc)
     except ValueError as error:
-        raise AirsimError(f'start_datetime is {text!r}: must be as 2025-06-01 10:00:00') from error
+        raise AirsimError(
+            f'start_datetime is {shown(text)}: must be as 2025-06-01 10:00:00'
+        ) from error
     time -= timedelta(hours=1 if is_summer_time else 0)
     return round(time.timestamp()) * NS_PER_S

@@ -13,7 +13,7 @@ PORT = 41451
 MOST_CLIENTS = 64
 # Calls of one client that wait for their end, such as movements; no more are read meanwhile.
 MOST_PENDING = 64
-# A client that reads nothing for so long has gone, or is stuck.
+# A client that reads nothing, or makes no call at all, for so long has gone, or is stuck.
 READ_S = 30.0
 CHUNK = 65_536
 # So many different refusals are told, each once and cut to a length.
@@ -65,7 +65,7 @@ class AirsimServer:
             await self._read(reader, writer, pending)
         except ProtocolError as error:
             self._tell(f'a connection is closed: {error}')
-        except (ConnectionError, TimeoutError):
+        except (ConnectionError, asyncio.TimeoutError):
             pass
         finally:
             self.clients -= 1
@@ -80,8 +80,11 @@ class AirsimServer:
         pending: set[asyncio.Task[None]],
     ) -> None:
         calls, sending = CallReader(), asyncio.Lock()
-        while data := await reader.read(CHUNK):
+        # A connection without a call holds the place of a client.
+        first_by_s: float | None = asyncio.get_running_loop().time() + READ_S
+        while data := await _read_by(reader, first_by_s):
             for call in calls.feed(data):
+                first_by_s = None
                 if len(pending) >= MOST_PENDING:
                     # Scripts send orders in a loop: what comes faster than it is done waits in
                     # the connection.
@@ -136,3 +139,11 @@ class AirsimServer:
             self._refusals.add(line)
             self._tell(f'refused: {line}')
         return refusal(call.call_id or 0, text)
+
+
+async def _read_by(reader: asyncio.StreamReader, time_s: float | None) -> bytes:
+    """Return what comes next; raises `TimeoutError` if that is not by a time of the loop."""
+    if time_s is None:
+        return await reader.read(CHUNK)
+    left_s = time_s - asyncio.get_running_loop().time()
+    return await asyncio.wait_for(reader.read(CHUNK), max(left_s, 0.0))

@@ -4,6 +4,7 @@
 Times `now_s` are of the wall, seconds since 1970; stamps are of the mission's clock.
 """
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -212,6 +213,11 @@ class Picture:
     def tracks(self) -> dict[str, list[tuple[float, float, float]]]:
         """Return the flown track of each vehicle."""
         return {name: vehicle.track.points for name, vehicle in self.vehicles.items()}
+
+    def tracks_text(self) -> str:
+        """Return the flown tracks as a JSON object, each point of which is encoded once."""
+        texts = (f'{json.dumps(name)}:{one.track.text}' for name, one in self.vehicles.items())
+        return f'{{{",".join(texts)}}}'
 
     def refresh(self) -> None:
         """Renew the sections that change by the second."""

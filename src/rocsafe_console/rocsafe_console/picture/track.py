@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The flown track of a vehicle, thinned so that its size has a limit."""
 
+import json
 import math
 
 MOST_POINTS = 2000
@@ -20,6 +21,15 @@ class Track:
         self.points: list[TrackPoint] = []
         self._step_m = _LEAST_STEP_M
         self._highest = math.nan
+        self._text, self._told = '', 0
+
+    @property
+    def text(self) -> str:
+        """The points as a JSON array; each is encoded once, however many pages are opened."""
+        new = ','.join(map(_text_of, self.points[self._told :]))
+        self._text += f',{new}' if self._text and new else new
+        self._told = len(self.points)
+        return f'[{self._text}]'
 
     def note(self, latitude_deg: float, longitude_deg: float, dose_rate_usvh: float) -> None:
         """Add a place unless it is too near to the last one."""
@@ -42,6 +52,13 @@ class Track:
         kept = [(a[0], a[1], _greater(a[2], b[2])) for a, b in pairs]
         self.points = [*kept, self.points[-1]]
         self._step_m *= 2.0
+        self._text, self._told = '', 0
+
+
+def _text_of(point: TrackPoint) -> str:
+    latitude, longitude, rate = point
+    shown = None if math.isnan(rate) else rate
+    return json.dumps([round(latitude, 7), round(longitude, 7), shown])
 
 
 def _greater(a: float, b: float) -> float:

@@ -75,7 +75,7 @@ export class Facts {
   // Age by the clock of the server; what is old is grey, and says so.
   ageMark(heard, limit = STALE_S) {
     const seconds = isNumber(heard) ? this.link.now - heard : Infinity;
-    const isOld = !this.link.isLive || !(seconds <= limit);
+    const isOld = !this.link.isLive || !(Number.isFinite(seconds) && seconds <= limit);
     const text = isNumber(seconds) && seconds < 1e9 ? t('ago', { age: age(Math.max(seconds, 0)) }) : t('stale');
     return [make('span', { class: isOld ? 'age old' : 'age', text }), isOld];
   }

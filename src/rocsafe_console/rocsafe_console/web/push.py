@@ -122,10 +122,7 @@ class Pusher:
             picture.refresh()
             client.change = picture.sections.newest
             texts = dict(picture.sections.after(0))
-            tracks = picture.tracks()
-            texts['tracks'] = json.dumps(
-                {name: [_point(p) for p in points] for name, points in tracks.items()}
-            )
+            texts['tracks'] = picture.tracks_text()
         base = self._context.base_map
         texts['base_map'] = json.dumps(
             base and {'zooms': base.zooms, 'attribution': base.attribution, 'bounds': base.bounds}
@@ -224,11 +221,6 @@ def _call_soon(loop: asyncio.AbstractEventLoop, task: Callable[[], object]) -> N
     # The loop may have been closed meanwhile.
     with contextlib.suppress(RuntimeError):
         loop.call_soon_threadsafe(task)
-
-
-def _point(point: tuple[float, float, float]) -> list[float | None]:
-    latitude, longitude, rate = point
-    return [round(latitude, 7), round(longitude, 7), rate if rate == rate else None]
 
 
 def _is_same(before: bytes, data: bytes) -> bool:
