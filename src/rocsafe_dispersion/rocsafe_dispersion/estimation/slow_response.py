@@ -19,8 +19,8 @@ from rocsafe_geo.arrays import FloatArray, IndexArray
 
 # A fall begins so many noises above the background, and must end so many above it.
 FALL_FROM, FALL_TO = 10.0, 3.0
-# A tenth of the falls may be quicker than the response; so many of them, and this share of all, must
-# be alike to so much in their logarithm.
+# A tenth of the falls may be quicker than the response; so many of them, and this share of all,
+# must be alike to so much in their logarithm.
 QUICK_PARTS = 10
 FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 5, 0.3, 0.15
 # Sensors that keep less of a reading until the next one are fast enough.
