@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_radiation.localization.counts_model import SOURCE_PARAMETERS
 from rocsafe_radiation.localization.estimates import Localization
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, Likelihood
+from rocsafe_radiation.localization.likelihood import Likelihood
 from rocsafe_radiation.localization.localize import LocalizationOptions, localize
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.physics.nuclide import nuclide

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from rocsafe_hazard.value_runs import are_again, are_at_top
+from rocsafe_hazard.value_runs import are_again, are_at_top, are_computed
 
 
 def noisy(seed=0, count=90):
@@ -26,6 +26,17 @@ def test_a_stuck_detector_counts_once():
     values = noisy()
     values[40:] = 0.0
     assert are_again(values).nonzero()[0].tolist() == list(range(41, 90))
+
+
+def test_computed_readings_may_be_alike():
+    """Where a vehicle stands, as those of the default mission, which were told as stuck."""
+    passed = 9000.0 / ((np.linspace(-60.0, 60.0, 90)) ** 2 + 400.0)
+    standing = np.concatenate([np.full(20, passed[0]), passed])
+    assert are_computed(standing)
+    assert not are_again(standing).any()
+    noise = np.random.default_rng(1).normal(1.0, 0.01, 90)
+    assert not are_computed(passed * noise)
+    assert are_again(np.repeat(passed * noise, 2)).sum() == 90
 
 
 @pytest.mark.parametrize('seed', range(20))

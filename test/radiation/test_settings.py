@@ -9,6 +9,7 @@ import pytest
 
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
 from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.localization import source_count
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.fit_setting import Setting
 from rocsafe_radiation.localization.likelihood import Likelihood
@@ -132,6 +133,43 @@ def test_probabilities_are_sums_over_settings():
     assert len(found.found) > 3
     assert found.evidences[1] + 2.0 > found.found[0].evidence
     assert sum(found.probabilities()) == pytest.approx(1.0)
+
+
+def test_what_the_others_explain_alone_is_no_evidence_for_a_further_source():
+    """A fit with one source that ended beside it, as behind steel, is mended by that with two."""
+    readings = survey([(80.0, 90.0, 2000.0), (220.0, 200.0, 925.0)]).merged(4.0, 2500)
+    known = SearchOptions(are_shades_tried=False, rhos=(0.0,), position_factors=(1.0,))
+    setting = Setting(kernel=LOSSLESS.kernel, position_std_m=1.5, search=known)
+    settings = source_count._Settings(readings, setting)
+    right = search(readings, setting, 2).settings
+    index, likelihood, fit = right[2][0].index, right[2][0].likelihood, right[2][0].fit
+    parameters = np.delete(fit.parameters, likelihood.source_rows(len(fit.parameters))[1])
+    likelihood.sources(parameters)[0, 0] += 40.0
+    value = likelihood.objective(parameters)
+    beside = dataclasses.replace(
+        likelihood.fit(parameters), parameters=parameters, log_likelihood=value
+    )
+    wrong = (settings._weighed(index, likelihood, beside),)
+    mended = settings.without_one(right[2], wrong)
+    assert mended[0].evidence > wrong[0].evidence + 100.0
+    (source,) = mended[0].likelihood.sources(mended[0].fit.parameters)
+    assert math.dist(source[:2], (80.0, 90.0)) < 10.0
+    # As they are where nothing is better.
+    assert settings.without_one(right[2], right[1]) is right[1]
+
+
+def test_a_source_that_is_spread_out_is_never_enough_as_several():
+    """All were stated within 4 m, as if decided: a line 60 m long, from 32 m above."""
+    line = [(120.0 + 2.0 * k, 150.0, 9250.0 / 30.0) for k in range(31)]
+    found = localize(survey(line), LOSSLESS)
+    sure = SequentialEvidence(log_ratio=9, log_ratio_smallest=9)
+    assert len(found.sources) > 1
+    assert found.may_be_spread
+    assert any('spread out' in doubt for doubt in found.doubts)
+    assert 'spread out' in StoppingRule().verdict(found, sure).reason
+    apart = localize(survey([(90.0, 150.0, 9250.0), (210.0, 150.0, 9250.0)]), LOSSLESS)
+    assert not apart.may_be_spread
+    assert 'spread out' not in StoppingRule().verdict(apart, sure).reason
 
 
 def test_a_misfit_widens_ellipses_is_told_and_is_never_enough():

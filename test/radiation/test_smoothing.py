@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rocsafe_radiation.localization.localize import LocalizationOptions, localize
-from rocsafe_radiation.localization.smoothing import unsmoothed
+from rocsafe_radiation.localization.noise_spectrum import running_mean
+from rocsafe_radiation.localization.smoothing import unaveraged, unsmoothed
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.flight import flight_of
 from rocsafe_radiation.readings.survey import LocalReading, survey_of
@@ -18,7 +19,9 @@ STRENGTH_USVH, SENSITIVITY_CPS, SPEED_MPS, HEIGHT_M = 2000.0, 550.0, 6.0, 25.0
 LOSSLESS = LocalizationOptions(kernel=Kernel(is_lossy=False))
 
 
-def flown(*, smoothing_s=0.0, late_s=0.0, fall=0.0, sensitivity=SENSITIVITY_CPS, is_dose=False):
+def flown(
+    *, smoothing_s=0.0, last=1, late_s=0.0, fall=0.0, sensitivity=SENSITIVITY_CPS, is_dose=False
+):
     """Return readings of lines of 130 m flown to and fro, one a second."""
     rng = np.random.default_rng(5)
     corners = np.array([[130.0 * (((k + 1) // 2) % 2), 20.0 * (k // 2)] for k in range(12)])
@@ -35,6 +38,9 @@ def flown(*, smoothing_s=0.0, late_s=0.0, fall=0.0, sensitivity=SENSITIVITY_CPS,
     for index in range(1, len(counts) if smoothing_s else 0):
         kept = math.exp(-1.0 / smoothing_s)
         counts[index] = kept * counts[index - 1] + (1.0 - kept) * counts[index]
+    counts = np.convolve(
+        np.append(np.full(last - 1, counts[0]), counts), np.ones(last) / last, 'valid'
+    )
     stated = places(times + late_s) + rng.normal(0.0, 1.0, (len(times), 3))
     return [
         LocalReading(
@@ -77,6 +83,40 @@ def test_a_running_mean_is_undone(is_dose):
     assert 3.5 < found.smoothing_s < 7.0
     assert is_right(found)
     assert any('running means' in doubt for doubt in found.doubts)
+
+
+@pytest.mark.parametrize('is_dose', [False, True])
+def test_a_mean_of_the_last_readings_is_undone(is_dose):
+    """All of them count alike; it was taken for one that forgets little by little."""
+    readings = flown(last=7, is_dose=is_dose)
+    found = localize(survey_of(readings, 0.0 if is_dose else SENSITIVITY_CPS), LOSSLESS)
+    assert found.smoothing_s == 7.0
+    assert is_right(found)
+
+
+@pytest.mark.parametrize(('kind', 'is_even'), [('smoothing_s', False), ('last', True)])
+@pytest.mark.parametrize('readings', [3, 10])
+def test_counts_tell_the_running_mean_by_their_noise_alone(kind, is_even, readings):
+    """No fit is needed: how much lower it is, and at which frequencies."""
+    found = running_mean(survey_of(flown(**{kind: readings}), SENSITIVITY_CPS))
+    assert found.is_even is is_even
+    assert found.readings == pytest.approx(readings, rel=0.25)
+
+
+def test_what_was_counted_follows_from_means_of_the_last_readings():
+    """But for what each seventh has in common, a small part of their noise; gaps included."""
+    means, counted = (survey_of(flown(last=last), SENSITIVITY_CPS) for last in (7, 1))
+    undone = unaveraged(means, 7)
+    noise = np.sqrt(np.maximum(means.counts, 1.0))
+    assert np.std(((undone.counts - counted.counts) / noise)[7:]) < 0.5
+    assert np.std(((means.counts - counted.counts) / noise)[7:]) > 0.9
+    unknown = dataclasses.replace(means, flight=None)
+    assert unaveraged(unknown, 7) is unknown
+    assert running_mean(unknown) is None
+    shown = flown(last=7)
+    late = [dataclasses.replace(one, time_s=one.time_s + 99.0) for one in shown[70:]]
+    halves = unaveraged(survey_of([*shown[:70], *late], SENSITIVITY_CPS), 7)
+    assert np.std(((halves.counts - counted.counts) / noise)[77:]) < 0.7
 
 
 @pytest.mark.parametrize(('late_s', 'side'), [(1.5, 'after'), (-1.5, 'before')])

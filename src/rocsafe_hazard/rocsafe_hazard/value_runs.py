@@ -11,6 +11,9 @@ from rocsafe_geo.arrays import BoolArray, FloatArray
 LEAST_UNLIKE, FEWEST_UNLIKE = 0.9, 10
 # A smaller share of equal neighbours is an accident of rounding.
 LEAST_AGAIN = 0.05
+# Readings whose third differences are a smaller share of them are of no detector, but computed:
+# neither sources nor uneven ground change so quickly, and the noise of detectors is above 1 %.
+LEAST_NOISE = 1e-3
 # So many times as many equal values at the top as there are of each other one are no accident, on
 # a scale of so many steps, where few of the others repeat the one before.
 TIMES_AT_TOP, LEAST_STEPS, MOST_REPEATS = 3.0, 20.0, 0.1
@@ -29,7 +32,26 @@ def are_again(values: FloatArray) -> BoolArray:
     again = np.concatenate([np.zeros(min(len(values), 1), dtype=bool), np.diff(values) == 0.0])
     kept = values[~again]
     is_fine = len(np.unique(kept)) >= max(LEAST_UNLIKE * len(kept), FEWEST_UNLIKE)
-    return again & (is_fine and again.sum() >= LEAST_AGAIN * len(values))
+    # Computed readings are alike wherever a vehicle stands.
+    is_often = again.sum() >= LEAST_AGAIN * len(values) and not are_computed(kept)
+    return again & (is_fine and is_often)
+
+
+def are_computed(values: FloatArray) -> bool:
+    """Return whether values, in their order, have no noise.
+
+    Examples
+    --------
+    >>> are_computed(np.exp(np.linspace(0.0, 3.0, 100)))
+    True
+    >>> are_computed(np.random.default_rng(1).poisson(1000.0, 100))
+    False
+    """
+    if len(values) < 4:
+        return False
+    usual = np.abs(np.lib.stride_tricks.sliding_window_view(values, 4).mean(axis=1))
+    shares = np.abs(np.diff(values, 3)) / np.maximum(usual, 1e-12)
+    return not float(np.median(shares)) > LEAST_NOISE
 
 
 def are_at_top(values: FloatArray) -> BoolArray:

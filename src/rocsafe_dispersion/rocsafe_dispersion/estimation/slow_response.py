@@ -19,14 +19,15 @@ from rocsafe_geo.arrays import FloatArray, IndexArray
 
 # A fall begins so many noises above the background, and must end so many above it.
 FALL_FROM, FALL_TO = 10.0, 3.0
-# So many falls tell the response: a tenth of them may be quicker, and as many of them as the next
-# two numbers say, a share of all, must be alike to so much in their logarithm.
-FEWEST_FALLS, QUICK_PARTS = 5, 10
-FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 3, 0.3, 0.15
+# A tenth of the falls may be quicker than the response; so many of them, and this share of all,
+# must be alike to so much in their logarithm.
+QUICK_PARTS = 10
+FEWEST_ALIKE, ALIKE_SHARE, ALIKE = 5, 0.3, 0.15
 # Sensors that keep less of a reading until the next one are fast enough.
 LEAST_KEPT = 0.15
 # Falls are taken over so many readings; those that keep more than this are lost in the noise.
 STEPS, MOST_KEPT = (1, 2, 4, 8, 16, 32), 0.8
+# This share of the readings may be too low, by accident, to be of clean air.
 CLEAN_QUANTILE = 0.02
 
 
@@ -58,7 +59,7 @@ def _in_order(survey: GasSurvey, instrument: int) -> IndexArray:
 def _response_s(survey: GasSurvey, own: IndexArray) -> float:
     """Return the time constant of readings that follow each other; 0: fast."""
     shown = survey.values_g_m3[own]
-    if len(own) <= FEWEST_FALLS:
+    if len(own) <= FEWEST_ALIKE:
         return 0.0
     # What readings that follow each other differ by: what is stated may be that of the gas.
     bends = float(np.median(np.abs(np.diff(shown, 2)))) / (PROBABLE_ERROR * math.sqrt(6.0))
@@ -75,8 +76,14 @@ def _from_falls(times_s: FloatArray, above: FloatArray, steps: int) -> float:
     """Return the time constant of falls over so many steps; 0: fast, or too few falls."""
     spans_s = times_s[steps:] - times_s[:-steps]
     is_fall = (above[:-steps] > FALL_FROM) & (above[steps:] < above[:-steps]) & (spans_s > 0.0)
+    if steps > 1:
+        # Half of the way down after half of the time, in logarithms: from one crossing of a steady
+        # plume to the next it is not.
+        logs = np.log(np.maximum(above, 1.0))
+        bends = 2.0 * logs[steps // 2 : -(steps // 2)] - logs[:-steps] - logs[steps:]
+        is_fall &= np.abs(bends) < 2.0 * ALIKE
     falls = np.flatnonzero(is_fall)
-    if len(falls) < FEWEST_FALLS:
+    if len(falls) < FEWEST_ALIKE:
         return 0.0
     shares = np.maximum(above[falls + steps], 1.0) / above[falls]
     rates = -np.log(shares) / spans_s[falls]

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
-from rocsafe_radiation.localization.estimates import Localization
+from rocsafe_radiation.localization.estimates import SPREAD, Localization
 
 CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
 
@@ -72,6 +72,8 @@ class StoppingRule:
                 is_enough=False,
                 reason='something beside the sources may take part of their dose rate',
             )
+        if found.may_be_spread:
+            return StoppingVerdict(is_enough=False, reason=SPREAD)
         if not found.sources:
             return self._verdict_of_none(evidence)
         ratio = _log_ratio_to_rival(found.order_probabilities)

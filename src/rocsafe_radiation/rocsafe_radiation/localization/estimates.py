@@ -10,6 +10,7 @@ from rocsafe_geo.arrays import FloatArray
 
 ML_METHOD, BELIEF_METHOD = 'poisson-ml', 'belief-grid'
 METHODS = (ML_METHOD, BELIEF_METHOD)
+SPREAD = 'sources less than two heights apart may be one that is spread out'
 NORMAL_95 = 1.96
 # Quantile 0.95 of chi-square with two degrees of freedom.
 ELLIPSE_95 = 5.991
@@ -91,6 +92,8 @@ class Localization:
         Whether sources and background explain the readings, but for few spikes.
     is_lopsided
         Whether something beside the sources may take part of their dose rate on one side.
+    may_be_spread
+        Whether two sources are so near to each other that they may be one that is spread out.
     caveats
         Why the readings prove nothing, in words.
     smoothing_s
@@ -113,6 +116,7 @@ class Localization:
     spike_count: int = 0
     is_understood: bool = True
     is_lopsided: bool = False
+    may_be_spread: bool = False
     caveats: tuple[str, ...] = ()
     smoothing_s: float = 0.0
     allowed_for: tuple[str, ...] = ()
@@ -124,6 +128,8 @@ class Localization:
         found = [*self.caveats]
         if self.is_lopsided:
             found.append('something beside the sources may take part of their dose rate')
+        if self.may_be_spread:
+            found.append(SPREAD)
         if self.smoothing_s:
             found.append(
                 f'the readings are running means over about {self.smoothing_s:.2g} s: undone'

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sources from readings: places, strengths, uncertainties."""
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -9,9 +10,9 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.errors import TooFewReadingsError
+from rocsafe_radiation.localization.counts_model import SOURCE_PARAMETERS, STRENGTH, UP
 from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import SOURCE_PARAMETERS, STRENGTH, UP
 from rocsafe_radiation.localization.mirror_image import covariance_with_images
 from rocsafe_radiation.localization.search_options import SearchOptions
 from rocsafe_radiation.localization.smoothing import as_counted
@@ -32,6 +33,8 @@ LEAST_CHANCE = 1e-3
 MOST_SPIKES_SHARE = 0.01
 # With a wall more likely than this, an ellipse of 95 % cannot be trusted.
 LARGEST_WALL_CHANCE = 0.05
+# One source that is spread along 1.2 to 3.3 heights reads as two, 0.8 to 1.9 heights apart.
+LEAST_APART_HEIGHTS = 2.0
 # Clocks and gains that differ by more standard deviations are told.
 SURE_STDS = 3.0
 
@@ -183,15 +186,23 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         is_structured=likelihood.setting.background_std > 0.0,
         is_misfit=is_misfit,
         is_lopsided=found.wall_chance > LARGEST_WALL_CHANCE,
+        may_be_spread=_least_apart_m(means)
+        < LEAST_APART_HEIGHTS * survey.height_m(likelihood.setting.source_up_m),
         spike_count=spikes,
         is_understood=are_few and not is_misfit,
         allowed_for=tuple(_allowed_for(best)),
     )
 
 
+def _least_apart_m(sources: FloatArray) -> float:
+    """Return the least distance of two of the places, inf if there are no two."""
+    pairs = itertools.combinations(sources[:, :UP].tolist(), 2)
+    return min(itertools.starmap(math.dist, pairs), default=math.inf)
+
+
 def _allowed_for(best: Weighed) -> Iterator[str]:
     """Yield in words what a fit allows for in clock and detectors."""
-    values, stds = best.likelihood.clock_and_gains(best.fit)
+    values, stds = best.likelihood.clock_and_gains(best.fit.parameters, best.fit.covariance)
     for index, (value, std) in enumerate(zip(values.tolist(), stds.tolist(), strict=True)):
         if abs(value) < SURE_STDS * std:
             continue

@@ -20,9 +20,10 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.background_basis import smooth_basis
 from rocsafe_radiation.localization.candidates import candidate_grid, grid_kernel
+from rocsafe_radiation.localization.counts_model import HEAD_SIZE
 from rocsafe_radiation.localization.estimates import ELLIPSE_95
 from rocsafe_radiation.localization.fit_setting import Setting
-from rocsafe_radiation.localization.likelihood import HEAD_SIZE, Fit, Likelihood
+from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 from rocsafe_radiation.localization.starts import with_one_more, with_shades, without_sources
 from rocsafe_radiation.readings.survey import RadiationSurvey
 
@@ -36,8 +37,9 @@ FIRST: Index = (2, 1, 0, 0, 0, 0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Weighed:
-    """A fit in one setting, and its evidence."""
+    """A fit in the setting at `index`, and its evidence."""
 
+    index: Index
     likelihood: Likelihood
     fit: Fit
     evidence: float
@@ -106,7 +108,7 @@ def search(
     kernel = grid_kernel(survey, setting, grid)
     first = settings.likelihood(settings.first)
     fit = without_sources(first)
-    found = [settings.around(fit, first, -math.inf)]
+    found = [settings.around(settings.first, fit, -math.inf)]
     while len(found) <= largest_order:
         more = with_one_more(first, fit, grid, kernel)
         if more is None:
@@ -115,7 +117,8 @@ def search(
         fit = more
         best = max(fits[0].evidence + odds * k for k, fits in enumerate(found) if fits)
         floor = best - odds * len(found) - 2.0 * near
-        found.append(settings.around(fit, first, floor))
+        found.append(settings.around(settings.first, fit, floor))
+        found[-2] = settings.without_one(found[-1], found[-2])
         evidences = OrderSearch(settings=tuple(found)).evidences
         # A background that is steep enough explains any source: one source more may be worse than
         # that, and all of them better. In the first setting it is not as steep.
@@ -218,16 +221,17 @@ class _Settings:
         )
         return Likelihood(self._survey, setting, self._bases[index[1]])
 
-    def around(self, fit: Fit, likelihood: Likelihood, floor: float) -> tuple[Weighed, ...]:
+    def around(self, first: Index, fit: Fit, floor: float) -> tuple[Weighed, ...]:
         """Return fits in all settings that add to the evidence, the best first.
 
         From the best setting so far, its neighbours are tried, until none is left whose evidence
         is near to that of the best, or until none is better where the best is below `floor`. `fit`
-        is that in the first setting.
+        is that in the setting `first`.
         """
         near = self._known.search.near_evidence
-        found = {self.first: self._weighed(likelihood, fit)}
-        left = {self.first}
+        likelihood = self.likelihood(first)
+        found = {first: self._weighed(first, likelihood, fit)}
+        left = {first}
         while left:
             index = max(left, key=lambda one: found[one].evidence)
             best = max(one.evidence for one in found.values())
@@ -243,6 +247,26 @@ class _Settings:
                         left.add(neighbour)
         placed = (one for one in found.values() if one.evidence > -math.inf)
         return tuple(sorted(placed, key=lambda one: one.evidence, reverse=True))
+
+    def without_one(
+        self, fits: tuple[Weighed, ...], fewer: tuple[Weighed, ...]
+    ) -> tuple[Weighed, ...]:
+        """Return fits with a source fewer than `fits`: `fewer`, or better ones.
+
+        A further source leads the others to places and walls that explain more, too: what these
+        explain without it is no evidence for it.
+        """
+        best = _summed(fewer)
+        if not fits or fits[0].evidence + self._known.search.log_odds_of_source < best:
+            return fewer
+        index, likelihood = fits[0].index, fits[0].likelihood
+        parameters = fits[0].fit.parameters
+        left = [
+            self._weighed(index, likelihood, likelihood.fit(np.delete(parameters, rows)))
+            for rows in likelihood.source_rows(len(parameters))
+        ]
+        better = max(left, key=lambda one: one.evidence)
+        return fewer if better.evidence < best else self.around(index, better.fit, best)
 
     @staticmethod
     def _start(found: dict[Index, Weighed], index: Index, new: Index) -> Weighed:
@@ -267,7 +291,7 @@ class _Settings:
         """Return the fit at `index`, begun at that of a neighbour."""
         old, new = one.likelihood, self.likelihood(index)
         if new.setting.has_shades and not old.setting.has_shades:
-            return self._weighed(new, with_shades(old, one.fit, new))
+            return self._weighed(index, new, with_shades(old, one.fit, new))
         sources = old.sources(one.fit.parameters)
         start = np.zeros(new.head_size + new.source_size * len(sources))
         same = min(old.source_size, new.source_size)
@@ -275,12 +299,12 @@ class _Settings:
         is_alike = old.background_size == new.background_size
         kept = old.background_size if is_alike else HEAD_SIZE
         start[:kept] = one.fit.parameters[:kept]
-        return self._weighed(new, new.fit(start))
+        return self._weighed(index, new, new.fit(start))
 
-    def _weighed(self, likelihood: Likelihood, fit: Fit) -> Weighed:
+    def _weighed(self, index: Index, likelihood: Likelihood, fit: Fit) -> Weighed:
         """Return `fit` with its evidence, that of the setting included; -inf if not placed."""
         if not _is_placed(likelihood, fit):
-            return Weighed(likelihood=likelihood, fit=fit, evidence=-math.inf)
+            return Weighed(index=index, likelihood=likelihood, fit=fit, evidence=-math.inf)
         setting = likelihood.setting
         sizes = [len(axis) for axis in self._axes]
         equals = sizes[0] * (sizes[1] if setting.background_std > 0.0 else 1)
@@ -289,4 +313,4 @@ class _Settings:
         slope = setting.background_std / setting.background_spacing_heights
         rareness = 0.5 * (slope / setting.search.background_slope_std) ** 2
         evidence = likelihood.evidence(fit) - math.log(equals) - rareness
-        return Weighed(likelihood=likelihood, fit=fit, evidence=evidence)
+        return Weighed(index=index, likelihood=likelihood, fit=fit, evidence=evidence)

@@ -7,14 +7,13 @@ import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_radiation.localization.candidates import best_separated, score_candidates
-from rocsafe_radiation.localization.likelihood import (
+from rocsafe_radiation.localization.counts_model import (
     HEAD_MEANS,
     HEAD_SIZE,
     SOURCE_PARAMETERS,
     STRENGTH,
-    Fit,
-    Likelihood,
 )
+from rocsafe_radiation.localization.likelihood import Fit, Likelihood
 from rocsafe_radiation.localization.mirror_image import mirror_images
 from rocsafe_radiation.localization.shade import first_shades, left, paths
 
