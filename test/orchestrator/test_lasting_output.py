@@ -54,3 +54,11 @@ def test_streams_come_back(capsys: pytest.CaptureFixture[str]) -> None:
         sys.stderr.write('two\n')
     assert (sys.stdout, sys.stderr) == before
     assert capsys.readouterr() == ('one\n', 'two\n')
+
+
+def test_letters_that_a_terminal_does_not_have_are_escaped(tmp_path: Path) -> None:
+    """A path with an umlaut in an ASCII terminal is no traceback."""
+    path = tmp_path / 'terminal'
+    with path.open('w', encoding='ascii') as ascii_only:
+        LastingStream(ascii_only).write('run \xfc\u20ac\n')
+    assert path.read_text(encoding='ascii') == 'run \\xfc\\u20ac\n'

@@ -280,6 +280,35 @@ def test_a_newer_goal_takes_the_place(open_desk):
     assert [plan.plan_id for plan in desk.plans] == [newer.plan.plan_id]
 
 
+def test_a_goal_that_is_sent_twice_is_planned_once(open_desk):
+    """An orchestrator whose goal is accepted late sends it again: both get the one plan."""
+    desk = open_desk()
+    first, second = desk.send(goal(budget_s=1.0)), desk.send(goal(budget_s=1.0))
+    results = [desk.wait_for(each.get_result_async()).result for each in (first, second)]
+    assert [result.error_code for result in results] == [PlanSurvey.Result.NONE] * 2
+    assert results[0].plan.plan_id == results[1].plan.plan_id
+    desk.ros.spin_until(lambda: desk.plans, DEADLINE_S)
+    assert [plan.plan_id for plan in desk.plans] == [results[0].plan.plan_id]
+
+
+def test_one_of_two_that_wait_for_a_plan_may_leave(open_desk):
+    """Its cancellation does not stop the search of the other."""
+    desk = open_desk()
+    first, second = desk.send(goal(budget_s=1.0)), desk.send(goal(budget_s=1.0))
+    desk.wait_for(first.cancel_goal_async())
+    assert desk.wait_for(second.get_result_async()).result.error_code == PlanSurvey.Result.NONE
+    cancelled = desk.wait_for(first.get_result_async()).result
+    assert cancelled.error_code == PlanSurvey.Result.CANCELLED
+
+
+def test_a_wrong_goal_stops_no_search(open_desk):
+    """It is refused, and the one under way goes on."""
+    desk = open_desk()
+    older = desk.send(goal(budget_s=1.0))
+    assert desk.ask(goal(height_agl_m=-1.0)).error_code == PlanSurvey.Result.INVALID_REQUEST
+    assert desk.wait_for(older.get_result_async()).result.error_code == PlanSurvey.Result.NONE
+
+
 def test_legs_bend_around_exclusions(open_desk):
     """A zone between home and region: the ways around it are in the message, the zone too."""
     corners = [(53.279, -9.066), (53.281, -9.066), (53.281, -9.067), (53.279, -9.067)]

@@ -42,7 +42,12 @@ class Graph:
         self.publishers = ()
         self.subscriptions = [End(topic_name=f'/topic{k}') for k in range(count)]
         self.others = list(others)
+        self.nodes = [('recorder', '/')]
         self.asked = []
+
+    def get_node_names_and_namespaces(self):
+        """Return the nodes that are known."""
+        return list(self.nodes)
 
     def get_fully_qualified_name(self):
         """Return its name."""
@@ -86,10 +91,27 @@ def test_all_topics_are_compared_in_turn():
     graph = Graph(count=3 * TOPICS_A_LOOK)
     versions = InterfaceVersions(graph)
     versions.new_mismatches()
-    assert len(graph.asked) == TOPICS_A_LOOK
-    for _ in range(2):
+    assert 1 <= len(graph.asked) <= TOPICS_A_LOOK
+    for _ in range(3 * TOPICS_A_LOOK):
         versions.new_mismatches()
     assert len(set(graph.asked)) == 3 * TOPICS_A_LOOK
+
+
+def test_topics_are_compared_slowly_until_a_node_comes():
+    """A look costs time that grows with the fleet: all at once again only when somebody is new."""
+    graph = Graph(count=3 * TOPICS_A_LOOK)
+    versions = InterfaceVersions(graph)
+    for _ in range(3 * TOPICS_A_LOOK):
+        versions.new_mismatches()
+    graph.asked.clear()
+    versions.new_mismatches()
+    assert len(graph.asked) == 1
+    graph.nodes.append(('bridge', '/rav1'))
+    graph.asked.clear()
+    for _ in range(3 * TOPICS_A_LOOK):
+        versions.new_mismatches()
+    # At one topic a look there would be one question a look.
+    assert len(graph.asked) > 3 * TOPICS_A_LOOK + 1
 
 
 def test_vehicle_taken_by_its_pilot_is_a_warning():

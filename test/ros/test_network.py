@@ -3,6 +3,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -114,6 +115,22 @@ def test_wrong_interface_is_refused(named, words):
     """Never bound to something else instead."""
     with pytest.raises(ParameterError, match=words):
         bind_interfaces({INTERFACES: named})
+
+
+@pytest.mark.skipif(os.geteuid() != 0 or not shutil.which('unshare'), reason='needs root, unshare')
+def test_a_machine_without_loopback_is_told():
+    """Nodes of a mission would wait for each other in vain."""
+    words = [sys.executable, '-c', 'from rocsafe_ros.run import run; raise SystemExit(run(None))']
+    environment = {name: value for name, value in os.environ.items() if name not in PROFILES} | {
+        'PYTHONPATH': os.pathsep.join(filter(None, sys.path))
+    }
+    ended = subprocess.run(
+        ['unshare', '-n', *words],
+        env=environment, capture_output=True, text=True, check=False, timeout=DEADLINE_S,
+    )  # fmt: skip
+    assert ended.returncode == 2
+    told = ended.stderr.strip().splitlines()[-1]
+    assert told == 'error: 127.0.0.1 cannot be reached: bring up interface lo'
 
 
 def test_another_middleware_is_not_trusted_with_it(monkeypatch):

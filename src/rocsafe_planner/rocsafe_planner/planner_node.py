@@ -2,6 +2,7 @@
 """The planner as a ROS node: `ros2 run rocsafe_planner planner`."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from rclpy.action import ActionServer, CancelResponse
@@ -41,6 +42,29 @@ from rocsafe_ros.topics import PLAN, create_publisher
 WATCH_PERIOD_S = 0.1
 
 
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """A search under way, and the goals that wait for it: one that is sent twice is one search."""
+
+    asked: str
+    job: BackgroundJob[SurveyPlan, Figures]
+    goals: list[ServerGoalHandle]
+
+    def serves(self, asked: str) -> bool:
+        """Return whether its plan answers a request, too."""
+        return asked == self.asked and not self.job.is_done and not self.is_cancelled
+
+    @property
+    def first(self) -> ServerGoalHandle | None:
+        """The first goal that waits for it, None if all are cancelled."""
+        return next((goal for goal in self.goals if not goal.is_cancel_requested), None)
+
+    @property
+    def is_cancelled(self) -> bool:
+        """Whether no goal waits for it any more."""
+        return self.first is None
+
+
 def _load_solver(_report: Callable[[None], bool]) -> None:
     from rocsafe_planner.solver.precompile import load_kernels
 
@@ -52,7 +76,8 @@ class PlannerNode(Node):
 
     Actions: `plan_survey`. Publishes: `plan` (latched), the newest plan. Parameters: see
     `PlannerOptions`. A goal is planned in a thread of its own; a timer reports its progress. When
-    it is cancelled, or a newer goal takes its place, it ends with the best plan so far.
+    it is cancelled, or a newer goal takes its place, it ends with the best plan so far. A goal
+    that asks for what is being planned waits for the same plan.
     """
 
     def __init__(self, **kwargs: object) -> None:
@@ -60,7 +85,7 @@ class PlannerNode(Node):
         self._options = declare_options(self, PlannerOptions)
         self._plan_publisher = create_publisher(self, PLAN)
         self._plans: dict[str, PlanValue] = {}
-        self._newest: ServerGoalHandle | None = None
+        self._newest: _Search | None = None
         self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
         # While the other nodes start: the first goal need not wait for it.
         BackgroundJob(_load_solver, 'loading', None)
@@ -79,24 +104,26 @@ class PlannerNode(Node):
 
     async def _execute(self, goal: ServerGoalHandle) -> PlanSurvey.Result:
         """Plan in a thread, wait for it without blocking, publish the plan."""
-        self._newest = goal
+        search: _Search | None = None
         try:
-            request = self._request(goal.request)
-            message = await self._planned(goal, request)
+            search = self._search(goal)
+            await self._ended(search, goal)
+            message = search.job.result()
         except (PlannerError, ValueError) as error:
-            return self._refuse(goal, error)
+            return self._refuse(goal, error, is_replaced=search not in (None, self._newest))
         message.header.stamp = self.get_clock().now().to_msg()
         if goal.is_cancel_requested:
             goal.canceled()
             return result_of_stopped('cancelled', message)
-        if goal is not self._newest:
+        if search is not self._newest:
             goal.abort()
             return result_of_stopped('a newer goal took its place', message)
-        self._plan_publisher.publish(message)
-        self.get_logger().info(
-            f'plan {message.plan_id}: {message.makespan_s:.0f} s, '
-            f'no plan is below {message.lower_bound_s:.0f} s'
-        )
+        if goal is search.first:
+            self._plan_publisher.publish(message)
+            self.get_logger().info(
+                f'plan {message.plan_id}: {message.makespan_s:.0f} s, '
+                f'no plan is below {message.lower_bound_s:.0f} s'
+            )
         goal.succeed()
         return result_of_plan(message)
 
@@ -112,18 +139,25 @@ class PlannerNode(Node):
             situation,
         )
 
-    async def _planned(self, goal: ServerGoalHandle, request: SurveyRequest) -> SurveyPlan:
-        """Return the plan of a request; reports progress, and stops when the goal is cancelled."""
-        planning = BackgroundJob(partial(self._plan, request), 'planning', UNKNOWN)
+    def _search(self, goal: ServerGoalHandle) -> _Search:
+        """Return the search for a goal: a new one, or one under way for the same request."""
+        asked = repr(goal.request)
+        if self._newest is not None and self._newest.serves(asked):
+            self._newest.goals.append(goal)
+            return self._newest
+        request = self._request(goal.request)
+        job = BackgroundJob(partial(self._plan, request), 'planning', UNKNOWN)
+        self._newest = _Search(asked, job, [goal])
+        return self._newest
+
+    async def _ended(self, search: _Search, goal: ServerGoalHandle) -> None:
+        """Wait until a search has ended; tell a goal its progress."""
         done = Future()
         timer = self.create_timer(
-            WATCH_PERIOD_S,
-            partial(self._watch, planning, goal, done),
-            clock=self._wall_clock,
+            WATCH_PERIOD_S, partial(self._watch, search, goal, done), clock=self._wall_clock
         )
         await done
         self.destroy_timer(timer)
-        return planning.result()
 
     def _plan(self, request: SurveyRequest, report: Callable[[Figures], bool]) -> SurveyPlan:
         """Plan, check and export; runs in the thread of the job."""
@@ -141,30 +175,25 @@ class PlannerNode(Node):
             write_plan(plan, folder)
         return message_of_plan(plan)
 
-    def _watch(
-        self,
-        planning: BackgroundJob[SurveyPlan, Figures],
-        goal: ServerGoalHandle,
-        done: Future,
-    ) -> None:
-        """Report the progress of a goal; wake the goal when its planning has ended."""
+    def _watch(self, search: _Search, goal: ServerGoalHandle, done: Future) -> None:
+        """Report the progress of a goal; wake the goal when its search has ended."""
         if done.done():
             return
-        if goal.is_cancel_requested or goal is not self._newest:
-            planning.cancel()
-        goal.publish_feedback(feedback(planning.elapsed_s, *planning.progress))
-        if planning.is_done:
+        if search.is_cancelled or search is not self._newest:
+            search.job.cancel()
+        goal.publish_feedback(feedback(search.job.elapsed_s, *search.job.progress))
+        if search.job.is_done:
             done.set_result(None)
 
     def _refuse(
-        self, goal: ServerGoalHandle, error: PlannerError | ValueError
+        self, goal: ServerGoalHandle, error: PlannerError | ValueError, *, is_replaced: bool
     ) -> PlanSurvey.Result:
         """Say why there is no plan: a search that was stopped may not have had one yet."""
         if goal.is_cancel_requested:
             goal.canceled()
             return result_of_stopped('cancelled')
         goal.abort()
-        if goal is not self._newest:
+        if is_replaced:
             return result_of_stopped('a newer goal took its place')
         self.get_logger().error(str(error))
         return result_of_error(error)

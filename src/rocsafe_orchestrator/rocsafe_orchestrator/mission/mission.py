@@ -12,6 +12,7 @@ from rocsafe_orchestrator.mission.closing import MOSAIC, REPORT, Closing
 from rocsafe_orchestrator.mission.driving import DriveEnd, Driving
 from rocsafe_orchestrator.mission.landing import Landing
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
+from rocsafe_orchestrator.mission.lost_results import LostResults
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.rounds import Rounds
 from rocsafe_orchestrator.mission.takeover import AGENTS, Takeover
@@ -71,7 +72,8 @@ class Mission(PhaseRecord):
         self._first = first
         self._crew = crew
         self._deadlines = deadlines
-        self._plan_timeout_s = deadlines.plan_s + planning_budget_s
+        vehicles_s = deadlines.plan_vehicle_s * len(crew.vehicle_processes)
+        self._plan_timeout_s = deadlines.plan_s + planning_budget_s + vehicles_s
         self._stall_timeout_s = deadlines.stall_timeout_s + slowest_beat_s
         self._requests = RequestBook(deadlines.repeat_s)
         self.fleet = Losses(
@@ -90,6 +92,7 @@ class Mission(PhaseRecord):
         self.rounds = Rounds(self, self._requests, self._closing, self._time, extra_rounds)
         self._shots_before, self._has_images = 0, False
         self._agents_plan_s = 0.0
+        self._lost_results = LostResults(self._requests)
 
     @property
     def text(self) -> str:
@@ -120,10 +123,14 @@ class Mission(PhaseRecord):
 
     # Reports of the caller.
 
-    def accepted(self, order: Order) -> None:
-        """Note that the server has accepted `order`; its answer comes later."""
-        if (request := self._requests.of(order)) is not None:
-            request.accept()
+    def accepted(self, order: Order) -> bool:
+        """Note that the server has accepted `order`; its answer comes later.
+
+        Returns whether the mission waited for that: not if the order was sent twice and the
+        acceptance came before.
+        """
+        request = self._requests.of(order)
+        return request is not None and request.accept()
 
     def answered(self, order: Order) -> None:
         """Note that `order` was carried out."""
@@ -336,6 +343,9 @@ class Mission(PhaseRecord):
     def _fly(self, now_s: float, situation: Situation) -> None:
         if self.takeover.watch(situation):
             return
+        for name, seen in list(self._lost_results.found(now_s, situation)):
+            self.remarks.append(f'{name}: has landed, the result of its flight was lost')
+            self.flown(name, seen.visited or 0, seen.ending)
         routes = self._requests.of_kind(OrderKind.FLY)
         is_flying = bool(situation.aloft) or not self._requests.all_done(OrderKind.FLY)
         if is_flying and all(request.status is not Status.WAITING for request in routes):

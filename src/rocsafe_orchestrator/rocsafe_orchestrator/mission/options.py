@@ -61,7 +61,10 @@ class Deadlines(OrchestratorOptions):
     Attributes
     ----------
     plan_s
-        A plan must come within this time, added to the budget of the planner.
+        A plan must come within this time, added to the budget of the planner and to
+        `plan_vehicle_s`.
+    plan_vehicle_s
+        Further time to plan for each vehicle: 100 take 50 CPU-s, 300 take 130.
     accept_s
         A request must be accepted within this time.
     repeat_s
@@ -78,6 +81,7 @@ class Deadlines(OrchestratorOptions):
     """
 
     plan_s: float = 180.0
+    plan_vehicle_s: float = 3.0
     accept_s: float = 30.0
     repeat_s: float = 2.0
     homecoming_s: float = 600.0

@@ -40,6 +40,8 @@ if TYPE_CHECKING:  # the loop is tested without ROS
     from rocsafe_orchestrator.orchestrator_node import OrchestratorNode, Spinner
 
 TICK_S = 0.05
+# Pause between two looks at which processes are ready, as a multiple of the time of a look.
+LOOK_PAUSE = 4.0
 SHOW_PERIOD_S = 0.25
 PUBLISH_PERIOD_S = 0.5
 DISK_PERIOD_S = 1.0
@@ -108,6 +110,7 @@ class MissionLoop:
         self._started_s = started_s
         self._pace = Pace()
         self._ready: frozenset[str] = frozenset()
+        self._next_look_s = 0.0
         self._show_at_s = self._publish_at_s = self._look_at_disk_s = 0.0
         self._is_shortage_told = False
         self._lands_by_s: float | None = None
@@ -266,8 +269,10 @@ class MissionLoop:
 
     def _situation(self, now_s: float) -> Situation:
         parts = self._parts
-        if parts.mission.phase is Phase.STARTING:
+        if parts.mission.phase is Phase.STARTING and now_s >= self._next_look_s:
             self._ready = parts.node.ready(parts.table)
+            # A look at a hundred vehicles takes a second of the processor that they start on.
+            self._next_look_s = now_s + LOOK_PAUSE * (time.monotonic() - now_s)
         self._pace.note(now_s, parts.monitor.flight_time_s)
         waiting_for = parts.node.waiting_for(parts.participants)
         silences_s = parts.mission.fleet.silences_s(

@@ -87,10 +87,12 @@ class Request:
             return 0.0
         return now_s - self._first_sent_s
 
-    def accept(self) -> None:
-        """Note that the server has taken the order."""
-        if self.status is Status.WAITING:
+    def accept(self) -> bool:
+        """Note that the server has taken the order; return whether that was still open."""
+        was_open = self.status is Status.WAITING
+        if was_open:
             self.status = Status.ACCEPTED
+        return was_open
 
     def finish(self) -> None:
         """Note the answer."""

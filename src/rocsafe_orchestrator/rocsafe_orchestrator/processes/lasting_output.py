@@ -12,7 +12,7 @@ class LastingStream:
     """A text stream that ends in nothing once it cannot be written.
 
     A pipe without a reader (``| head``), a terminal that was closed and a full disk end what is
-    shown, not what is done.
+    shown, not what is done. Letters that its encoding does not have are shown as escapes.
     """
 
     def __init__(self, stream: TextIO) -> None:
@@ -24,7 +24,7 @@ class LastingStream:
     def write(self, text: str) -> int:
         """Write `text`, or nothing."""
         try:
-            return self._stream.write(text)
+            return self._stream.write(self._shown(text))
         except OSError:
             self._lose()
             return len(text)
@@ -35,6 +35,10 @@ class LastingStream:
             self._stream.flush()
         except OSError:
             self._lose()
+
+    def _shown(self, text: str) -> str:
+        encoding = self._stream.encoding or 'utf-8'
+        return text.encode(encoding, 'backslashreplace').decode(encoding)
 
     def _lose(self) -> None:
         """Discard all further output, also what is in the buffer."""

@@ -42,8 +42,9 @@ class GoalRequests:
         if not handle.accepted:
             self._refuse(order, f'{order.vehicle or self._server}: request was not accepted')
             return
-        self._mission.accepted(order)
-        handle.get_result_async().add_done_callback(partial(on_result, order))
+        # A goal that is not accepted in time is sent again: of two that were accepted one answers.
+        if self._mission.accepted(order):
+            handle.get_result_async().add_done_callback(partial(on_result, order))
 
     def _refuse(self, order: Order, text: str) -> None:
         if self._mission is not None:

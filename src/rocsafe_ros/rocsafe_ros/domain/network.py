@@ -108,6 +108,8 @@ def bind_interfaces(environment: MutableMapping[str, str]) -> None:
         if named and not profile.name.startswith(OURS):
             raise ParameterError(f'{INTERFACES} and {PROFILES[0]} are both set: set one of them')
         return
+    if not _has_way_to(LOOPBACK):
+        raise ParameterError(f'{LOOPBACK} cannot be reached: bring up interface lo')
     leave_shared_memory(environment)
     if not named and environment.get(RANGE) != LOOPBACK_RANGE:
         return
@@ -177,6 +179,15 @@ def _is_ours(address: str) -> bool:
         except OSError:
             return False
     return not ipaddress.ip_address(address).is_unspecified
+
+
+def _has_way_to(address: str) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((address, 9))  # nothing is sent
+        except OSError:
+            return False
+    return True
 
 
 def _written(profile: str) -> Path:
