@@ -258,10 +258,11 @@ def main() -> None:
     parser.add_argument('--split', choices=FIRST_SEEDS, default='develop')
     parser.add_argument('--families', choices=FAMILIES, nargs='+', default=list(FAMILIES))
     parser.add_argument('--count', type=int, default=16, help='surveys of each family')
+    parser.add_argument('--first', type=int, default=0, help='number of the first in its split')
     options = parser.parse_args()
     print('family       n   right  ellipse strength ratio axis m enough wrong  sure   CPU s')
     for family in options.families:
-        tally, first = Tally(), FIRST_SEEDS[options.split]
+        tally, first = Tally(), FIRST_SEEDS[options.split] + options.first
         for seed in range(first, first + options.count):
             tally.add(drawn(family, seed))
         print(tally.row(family), flush=True)

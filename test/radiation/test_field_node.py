@@ -212,7 +212,8 @@ def test_what_is_gone_or_not_there_is_refused_in_one_line(ros, values, words):
 def test_the_example_of_the_manual_is_a_field(ros, tmp_path):
     """The settings file of docs/radiation.md, as it stands there; the first source is seen."""
     manual = (Path(__file__).parents[2] / 'docs' / 'radiation.md').read_text()
-    example = manual.partition('```yaml\n# ground.yaml\n')[2].partition('```')[0]
+    example = manual.partition('here `ground.yaml`:\n\n```yaml\n')[2].partition('```')[0]
+    assert 'sources:' in example
     file = tmp_path / 'ground.yaml'
     file.write_text(example)
     bench = Bench(ros, field_file=str(file), model='shielded')

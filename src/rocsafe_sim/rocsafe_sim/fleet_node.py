@@ -6,7 +6,6 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
-from rclpy.parameter import Parameter
 
 from rocsafe_ros.conversions import diagnostic
 from rocsafe_ros.lockstep import Participant
@@ -40,7 +39,6 @@ class FleetNode(Node):
                 'rav',
                 namespace=f'{self.get_namespace().rstrip("/")}/{rav.parts.name}',
                 start_parameter_services=False,
-                parameter_overrides=[Parameter('start_type_description_service', value=False)],
                 enable_rosout=False,
                 use_global_arguments=False,
                 **node_options,
