@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Flights that have ended although no result came: the state of the vehicle tells it, too.
+"""Flights whose result was lost: the state of the vehicle tells that they have ended.
 
 A result is sent once. It is lost if the nodes did not know each other at that moment, for instance
 after a computer slept longer than the lease of its participants.

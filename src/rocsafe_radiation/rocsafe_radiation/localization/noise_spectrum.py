@@ -34,8 +34,8 @@ LONGEST_STEP = 1.5
 # scintillators and Geiger tubes are a factor of up to 1000 apart.
 NOISE_STD, UNTOLD_NOISE_STD = 0.3, 2.0
 LOG_NOISES = np.linspace(-7.0, 7.0, 71)
-# Readings over which running means forget, and of which the others are: longer ones look alike in
-# windows of 32.
+# Lengths in readings of the means that forget, and of the means of the last readings: longer ones
+# of these look alike in windows of 32.
 FORGETTING, LENGTHS = 0.5 * 1.25 ** np.arange(18), np.arange(2.0, 13.0)
 # One survey in 100 is of running means, all of these alike likely.
 RARENESS = math.log(100.0 * (len(FORGETTING) + len(LENGTHS)))
@@ -58,7 +58,7 @@ class RunningMean:
 
 
 def running_mean(survey: RadiationSurvey) -> RunningMean | None:
-    """Return that of which the readings are, None if they are counts or if it cannot be told."""
+    """Return the running mean that readings show; None if they show none, or it cannot be told."""
     if survey.flight is None:
         return None
     rates = survey.net_counts / survey.exposures
@@ -114,7 +114,7 @@ def _leaked(spectrum: FloatArray) -> FloatArray:
 
 
 def _responses(frequencies: FloatArray) -> FloatArray:
-    """Return those of no running mean, then of all, shape (1 + means, frequencies)."""
+    """Return squared responses, (1 + means, frequencies); the first row is without a mean."""
     kept = np.exp(-1.0 / FORGETTING)[:, None]
     forgetting = (1.0 - kept) ** 2 / (1.0 - 2.0 * kept * np.cos(frequencies) + kept**2)
     lengths, halves = LENGTHS[:, None], frequencies / 2.0
