@@ -70,9 +70,13 @@ def test_a_client_that_reads_nothing_fills_no_memory_and_is_let_go(monkeypatch):
         writer.write(b''.join(msgpack.packb([0, n, 'simGetImages', []]) for n in range(2000)))
         while not told:
             await asyncio.sleep(0.05)
+        # Of the calls that it has sent none is carried out any more.
+        left_over = len(drawn) + MOST_PENDING
         other, asking = await asyncio.open_connection('127.0.0.1', port)
         asking.write(msgpack.packb([0, 1, 'simGetImages', []]))
         assert await other.readexactly(1_000_000)
+        await asyncio.sleep(0.5)
+        assert len(drawn) <= left_over
         for one in (writer, asking):
             one.close()
         await airsim.stop()
@@ -114,6 +118,30 @@ def test_a_connection_without_a_call_keeps_no_place(monkeypatch):
     ends, still, _ = asyncio.run(asyncio.wait_for(asked(), DEADLINE_S))
     assert ends == [b'', b'']
     assert msgpack.unpackb(still) == [1, 2, None, True]
+
+
+def test_an_end_closes_all_connections_without_an_error(caplog):
+    """Also one whose call lasts; the library would report a task that ends cancelled."""
+
+    async def last(_call):
+        await asyncio.Event().wait()
+
+    async def asked():
+        airsim = AirsimServer(last, print)
+        port = await airsim.start('127.0.0.1', 0)
+        silent = await asyncio.open_connection('127.0.0.1', port)
+        waiting = await asyncio.open_connection('127.0.0.1', port)
+        waiting[1].write(msgpack.packb([0, 1, 'moveUp', []]))
+        while airsim.clients < 2:
+            await asyncio.sleep(0.01)
+        await airsim.stop()
+        ends = [await reader.read() for reader, _ in (silent, waiting)]
+        for _, writer in (silent, waiting):
+            writer.close()
+        return ends, airsim.clients
+
+    assert asyncio.run(asyncio.wait_for(asked(), DEADLINE_S)) == ([b'', b''], 0)
+    assert not caplog.records
 
 
 def test_a_call_that_fails_closes_its_connection():

@@ -43,6 +43,7 @@ class AirsimServer:
         self.clients = 0
         self._refusals: set[str] = set()
         self._server: asyncio.Server | None = None
+        self._serving: set[asyncio.Task[None]] = set()
 
     async def start(self, host: str, port: int) -> int:
         """Listen; return the port; raises `OSError` if it is taken."""
@@ -53,6 +54,10 @@ class AirsimServer:
         """Stop listening and close all connections."""
         if self._server is not None:
             self._server.close()
+        for task in self._serving:
+            task.cancel()
+        if self._serving:
+            await asyncio.wait(self._serving)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if self.clients >= MOST_CLIENTS:
@@ -61,14 +66,19 @@ class AirsimServer:
             return
         self.clients += 1
         pending: set[asyncio.Task[None]] = set()
+        serving = asyncio.current_task()
+        assert serving is not None
+        self._serving.add(serving)
         try:
             await self._read(reader, writer, pending)
         except ProtocolError as error:
             self._tell(f'a connection is closed: {error}')
-        except (ConnectionError, asyncio.TimeoutError):
+        except (ConnectionError, asyncio.TimeoutError, asyncio.CancelledError):
+            # The library reports a task that ends cancelled as an error.
             pass
         finally:
             self.clients -= 1
+            self._serving.discard(serving)
             for task in pending:
                 task.cancel()
             writer.close()
@@ -89,6 +99,9 @@ class AirsimServer:
                     # Scripts send orders in a loop: what comes faster than it is done waits in
                     # the connection.
                     await asyncio.wait(pending, return_when=asyncio.FIRST_COMPLETED)
+                if writer.is_closing():
+                    # Nobody reads the answers to the rest of its calls.
+                    return
                 task = asyncio.create_task(self._answer(call, writer, sending))
                 pending.add(task)
                 task.add_done_callback(pending.discard)
