@@ -31,23 +31,22 @@ class AirsimServer:
         Carries a call out; raises `AirsimError` to refuse it.
     tell
         Takes a line for people.
-
-    Attributes
-    ----------
-    clients
-        Connections that are open.
     """
 
     def __init__(self, handle: Handle, tell: Tell) -> None:
         self._handle, self._tell = handle, tell
-        self.clients = 0
         self._refusals: set[str] = set()
         self._server: asyncio.Server | None = None
         self._serving: set[asyncio.Task[None]] = set()
 
+    @property
+    def clients(self) -> int:
+        """Connections that are open."""
+        return len(self._serving)
+
     async def start(self, host: str, port: int) -> int:
         """Listen; return the port; raises `OSError` if it is taken."""
-        self._server = await asyncio.start_server(self._serve, host, port)
+        self._server = await asyncio.start_server(self._connected, host, port)
         return int(self._server.sockets[0].getsockname()[1])
 
     async def stop(self) -> None:
@@ -59,26 +58,24 @@ class AirsimServer:
         if self._serving:
             await asyncio.wait(self._serving)
 
-    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    def _connected(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         if self.clients >= MOST_CLIENTS:
             self._tell(f'a client is turned away: {MOST_CLIENTS} are connected')
             writer.close()
             return
-        self.clients += 1
-        pending: set[asyncio.Task[None]] = set()
-        serving = asyncio.current_task()
-        assert serving is not None
+        serving = asyncio.create_task(self._serve(reader, writer))
         self._serving.add(serving)
+        serving.add_done_callback(self._serving.discard)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        pending: set[asyncio.Task[None]] = set()
         try:
             await self._read(reader, writer, pending)
         except ProtocolError as error:
             self._tell(f'a connection is closed: {error}')
-        except (ConnectionError, asyncio.TimeoutError, asyncio.CancelledError):
-            # The library reports a task that ends cancelled as an error.
+        except (ConnectionError, asyncio.TimeoutError):
             pass
         finally:
-            self.clients -= 1
-            self._serving.discard(serving)
             for task in pending:
                 task.cancel()
             writer.close()
