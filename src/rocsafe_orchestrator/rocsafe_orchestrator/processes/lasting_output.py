@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any, TextIO
 
 
@@ -61,8 +62,7 @@ def lasting_output() -> Iterator[None]:
             continue
         os.open(os.devnull, os.O_RDWR)
     sys.stdout, sys.stderr = (
-        LastingStream(stream or open(os.devnull, 'w', encoding='utf-8'))  # noqa: SIM115
-        for stream in former
+        LastingStream(stream or Path(os.devnull).open('w', encoding='utf-8')) for stream in former
     )
     try:
         yield
