@@ -61,7 +61,8 @@ def lasting_output() -> Iterator[None]:
             os.fstat(number)
             continue
         os.open(os.devnull, os.O_RDWR)
-    sys.stdout, sys.stderr = LastingStream(stream or Path(os.devnull).open('w', encoding='utf-8'))  # noqa: SIM115 for stream in former
+    nowhere = Path(os.devnull).open('w', encoding='utf-8')  # noqa: SIM115 - stays open
+    sys.stdout, sys.stderr = (LastingStream(stream or nowhere) for stream in former)
     try:
         yield
     finally:
