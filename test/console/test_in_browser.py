@@ -121,6 +121,69 @@ def test_what_nobody_knows_the_age_of_is_marked_as_old(browser, flight):
     view.page.close()
 
 
+# Whether all words in an element that tell a fact have the grey of what is old.
+IS_GREY = """selector => {
+    const grey = document.createElement('p');
+    grey.className = 'grey';
+    document.body.append(grey);
+    const colour = getComputedStyle(grey).color;
+    grey.remove();
+    const all = [...document.querySelectorAll(selector)];
+    return all.length > 0 && all.every((one) => getComputedStyle(one).color === colour);
+}"""
+# By what falls silent: where a fact is told, and who else is still live.
+SILENT = {
+    'detector': ('.fact-worst .big, .fact-worst .line', '.fact-vehicles .vehicle'),
+    'mission': ('.fact-coverage .big, .fact-coverage .line, .badge', '.fact-worst .big'),
+    'fix': ('.vehicle [data-fact="way_home"]', '.fact-worst .big'),
+    'dose': ('.vehicle [data-fact="dose"]', '.fact-worst .big'),
+}
+OLD_SECTIONS = {
+    'sources': '.fact-sources .line:first-child',
+    'releases': '.fact-sources .line:last-child',
+    'cordons_heard_s': '.fact-zones ul',
+    'wind': '.fact-zones p.line',
+    'photograph': '.fact-picture p.line:nth-of-type(1)',
+    'mosaic': '.fact-picture p.line:nth-of-type(2)',
+}
+
+
+def test_each_fact_is_grey_when_it_is_old_and_no_other(browser, flight, monkeypatch):
+    """A receiver, a detector, the mission, or an estimate that falls silent alone."""
+    monkeypatch.setattr('rocsafe_console.picture.vehicle.DOSE_STALE_S', 3.0)
+    stage, _, address = flight
+    view = View(browser, address, 'wall')
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    grey = lambda selector: view.page.evaluate(IS_GREY, selector)  # noqa: E731
+    for what, (shown, other) in SILENT.items():
+        view.page.wait_for_timeout(600)
+        assert not grey(shown), what
+        stage.silent = {what}
+        view.wait(f'({IS_GREY})({shown!r})')
+        assert not grey(other), what
+        if what == 'fix':
+            assert 'its place is old' in view.page.inner_text('.vehicle-text >> nth=0')
+            assert view.page.evaluate(
+                '[...rocsafe.link.vehicles.values()].every((one) => rocsafe.map.isOld(one))'
+            )
+        stage.silent = set()
+        view.wait(f'!({IS_GREY})({shown!r})')
+    put, value = stage.context.live.picture.sections.put, stage.context.live.picture.sections.value
+    put('zones', [])
+    now_s = time.time()
+    put('photograph', {'shot_id': 'rav1-1', 'vehicle': 'rav1', 'heard_s': now_s})
+    for what in OLD_SECTIONS:
+        put(what, now_s if what.endswith('_s') else {**value(what), 'heard_s': now_s})
+    for what, shown in OLD_SECTIONS.items():
+        view.wait(f'!({IS_GREY})({shown!r})')
+        old_s = time.time() - 100.0
+        put(what, old_s if what.endswith('_s') else {**value(what), 'heard_s': old_s})
+        view.wait(f'({IS_GREY})({shown!r})')
+        assert not grey('.fact-worst .big'), what
+    assert view.page.locator('.fact-picture .old-picture').count() == 1
+    view.page.close()
+
+
 def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
     """Vehicles move and are not grey; after three seconds of silence all of them are."""
     _, pilot, address = flight

@@ -87,8 +87,8 @@ def events_of(picture: Picture, now_s: float) -> list[Event]:
 def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
     for vehicle in picture.vehicles.values():
         # Nothing old is sent: the receiver would take it for new.
-        if now_s - vehicle.heard_s <= STALE_S and math.isfinite(vehicle.latitude_deg):
-            rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_usvh))
+        if now_s - vehicle.placed_s <= STALE_S:
+            rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_now(now_s)))
             yield Event(
                 uid=f'{prefix}.{vehicle.name}',
                 kind=GROUND_VEHICLE if vehicle.report.is_ground else ROTARY_UAV,

@@ -7,6 +7,7 @@ from datetime import datetime, timezone
 from typing import Any
 from urllib.parse import urlencode
 
+from rocsafe_console.picture.freshness import STALE_S
 from rocsafe_console.picture.picture import Picture
 
 Feature = dict[str, Any]
@@ -186,18 +187,18 @@ def _vehicles(picture: Picture, now_s: float) -> Iterator[Feature]:
         if math.isfinite(vehicle.latitude_deg):
             place = [vehicle.longitude_deg, vehicle.latitude_deg]
             altitude = [vehicle.altitude_m] if math.isfinite(vehicle.altitude_m) else []
-            age_s = now_s - vehicle.heard_s
+            age_s = now_s - vehicle.placed_s
             yield _feature(
                 'Point',
                 [*place, *altitude],
                 vehicle=vehicle.name,
                 state=vehicle.report.state_name,
                 battery_fraction=vehicle.report.battery_fraction,
-                dose_rate_usvh=vehicle.dose_rate_usvh,
+                dose_rate_usvh=vehicle.dose_rate_now(now_s),
                 dose_usv=vehicle.dose_usv,
                 led_by=vehicle.holder.holder,
                 age_s=age_s,
-                is_stale=not age_s <= 3.0,
+                is_stale=not age_s <= STALE_S,
             )
 
 

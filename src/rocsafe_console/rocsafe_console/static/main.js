@@ -136,13 +136,18 @@ const { access } = link.sections;
 
 // Whether it is live, told by the word and the colour, twice a second.
 let wasOld = true;
+let seen = {};
 setInterval(() => {
   link.watch();
   const isLive = link.isLive;
   root.classList.toggle('not-live', !isLive);
-  const missionAge = link.now - (link.sections.mission_heard_s ?? -Infinity);
-  const isOver = ['complete', 'failed', 'cancelled'].includes(link.sections.mission?.phase);
-  const isMissionOld = isLive && link.sections.mission && !isOver && missionAge > MISSION_SILENT_S;
+  const { mission, mission_heard_s: heard } = link.sections;
+  if (mission?.id !== seen.id) seen = { id: mission?.id, at: link.now };
+  const missionAge = link.now - (heard ?? -Infinity);
+  const isOver = ['complete', 'failed', 'cancelled'].includes(mission?.phase);
+  // Its first word may have been kept: whether more follow is known some seconds later.
+  const isMissionOld = isLive && mission && !isOver && (isNumber(heard) ? missionAge : link.now - seen.at) > MISSION_SILENT_S;
+  root.classList.toggle('mission-old', !isOver && !(missionAge <= MISSION_SILENT_S));
   // Who does not look hears that what he would see is old.
   const isOld = !isLive || Boolean(isMissionOld);
   if (isOld && !wasOld) sound.play('critical');

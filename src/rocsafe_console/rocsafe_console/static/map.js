@@ -125,7 +125,7 @@ export class MissionMap {
   get sections() { return this.source?.sections ?? this.link.sections; }
   get vehicles() { return this.source?.vehicles ?? this.link.vehicles; }
   get tracks() { return this.source?.tracks ?? this.liveTracks; }
-  isStale(vehicle) { return this.source ? false : this.link.isStale(vehicle); }
+  isOld(vehicle) { return this.source ? false : this.link.isPlaceOld(vehicle); }
 
   switches() {
     return Object.keys(LAYERS).map((name) => {
@@ -434,7 +434,7 @@ export class MissionMap {
     for (const vehicle of this.vehicles.values()) {
       if (!vehicle.world) continue;
       const [x, y] = toPixel(vehicle.world);
-      const isStale = this.isStale(vehicle);
+      const isStale = this.isOld(vehicle);
       const isChosen = this.selected.has(vehicle.name);
       drawVehicle(context, x, y, vehicle.frame.state, isStale ? GREY : this.colourOf(vehicle), isStale, vehicle.facts?.is_ground);
       if (isChosen) { context.strokeStyle = '#ffd400'; context.lineWidth = 3; context.beginPath(); context.arc(x, y, 15, 0, 7); context.stroke(); }

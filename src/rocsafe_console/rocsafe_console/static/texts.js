@@ -4,7 +4,7 @@ export const TEXTS = {
   skip: 'To the facts', view_live: 'Live', view_runs: 'Runs', view_draft: 'New mission',
   sound_on: 'Sound on', sound_off: 'Sound off', sound_waiting: 'No sound', places: 'Places', places_decimal: 'Deg', places_dms: 'DMS', places_mgrs: 'MGRS', theme: 'Theme', theme_dark: 'Night', theme_light: 'Day',
   map: 'Map', layers: 'Layers', no_mission: 'No mission is heard',
-  live: 'live', not_live: 'not live', stale: 'stale', ago: '{age} ago', never: 'not heard yet',
+  live: 'live', not_live: 'not live', stale: 'stale', place_old: 'its place is old', ago: '{age} ago', never: 'not heard yet',
   banner_lost: 'Not live: no word from the server for {age}. What you see is old.',
   banner_mission: 'No word from the mission for {age}. Grey is old.',
   fact_worst: 'Worst reading', fact_now: 'Newest reading', fact_sources: 'Sources', fact_zones: 'Zones', fact_wind: 'Wind',
