@@ -645,6 +645,11 @@ def test_a_mission_is_drawn_planned_approved_and_launched_by_clicks(browser, tmp
         view.wait('document.querySelectorAll(".vehicle").length === 3')
         count = draw_and_launch(view)
         view.wait('document.documentElement.dataset.view === "live"')
+        assert view.page.evaluate('document.activeElement.dataset.view') == 'live'
+        # The name of a draft is checked by the browser, too.
+        view.page.click('[data-view="draft"]')
+        view.page.fill('#draft-name', 'no name')
+        assert not view.page.eval_on_selector('#draft-name', 'input => input.checkValidity()')
     assert count <= 12
     words = [line.split()[0] for line in told.read_text().splitlines()]
     assert words == ['check', 'plan', 'run']
@@ -708,16 +713,21 @@ def test_a_region_is_drawn_and_evidence_marked_by_keys_alone(browser, tmp_path):
         view.wait('document.querySelector("#draft-text")?.value.length > 100')
         page.focus('#draw-region')
         page.keyboard.press('Enter')
-        page.focus('#map')
+        # The focus goes to the map by itself, and on to the next step.
+        focus = 'document.activeElement.id'
+        assert page.evaluate(focus) == 'map'
         for key in ('ArrowUp', 'ArrowRight', 'ArrowDown'):
             page.keyboard.press('Enter')
             before = page.evaluate('rocsafe.map.map.getCenter().toString()')
             page.keyboard.press(key)
             view.wait(f'rocsafe.map.map.getCenter().toString() !== "{before}"')
         page.keyboard.press('Enter')
-        page.focus('#draw-done')
         page.keyboard.press('Enter')
+        assert '5 corners' in page.inner_text('#draft')
+        page.keyboard.press('Backspace')
+        page.keyboard.press('c')
         assert '4 corners' in page.inner_text('#draft')
+        assert page.evaluate(focus) == 'draft-plan'
         assert not view.faults
         page.close()
 

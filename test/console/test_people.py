@@ -34,7 +34,7 @@ def test_every_role_may_exactly_what_the_table_says(role, action):
     if action.value in EXPECTED[role.value]:
         require(role, action)
     else:
-        with pytest.raises(RefusedError, match=f'a {role.value} may not'):
+        with pytest.raises(RefusedError, match=f'the role {role.value} may not'):
             require(role, action)
 
 

@@ -9,7 +9,6 @@ export const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', '
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
 // The same states on wheels.
 const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
-const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
 // Rows that are made in one go: the page answers between them.
 const ROWS_AT_ONCE = 12;
 // A wind that was measured longer ago is not the wind now.
@@ -148,7 +147,7 @@ export class Facts {
       arrow.style.transform = `rotate(${wind.from_deg}deg)`;
       const from = `${Math.round(wind.from_deg)}`;
       const [windMark, isWindOld] = this.ageMark(wind.heard_s, WIND_OLD_S);
-      line = make('p', { class: lineOf(isWindOld) }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${COMPASS[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })} `, windMark);
+      line = make('p', { class: lineOf(isWindOld) }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${t('compass').split(' ')[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })} `, windMark);
     }
     fill(this.boxes.zones, list, make('h3', { text: t('fact_wind') }), line);
   }

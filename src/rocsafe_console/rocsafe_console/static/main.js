@@ -162,7 +162,8 @@ setInterval(() => {
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
     const both = utc.startsWith(local) ? utc : `${local} · ${utc}`;
-    $('#clock').textContent = `${both} · T+${missionClock(link.sections.progress?.mission_time_s)}`.replace(' · T+–', '');
+    const missionTime = link.sections.progress?.mission_time_s;
+    $('#clock').textContent = [both, isNumber(missionTime) ? t('mission_clock', { time: missionClock(missionTime) }) : ''].filter(Boolean).join(' · ');
   }
   if (!isLive) map.schedule();
 }, 500);
@@ -248,6 +249,8 @@ document.addEventListener('keydown', (event) => {
   else if ('123'.includes(key)) show(['live', 'runs', 'draft'][Number(key) - 1]);
   else if (key === 'g') $('#find-text').focus();
   else if (key === 'Enter' && event.target.id === 'map') map.chooseMiddle();
+  else if (key === 'c' && draft.isDrawing) draft.finish();
+  else if (key === 'Backspace' && draft.isDrawing) draft.undo();
   else if (key === '?') showHelp();
   else if (!orders.onKey(key)) return;
   event.preventDefault();
