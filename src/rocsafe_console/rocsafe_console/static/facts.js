@@ -9,6 +9,8 @@ export const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', '
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
 // The same states on wheels.
 const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
+// Beside each other where there is room, so that all are seen at a glance; else one after the other.
+const COLUMNS = [['alarms', 'worst', 'sources', 'zones'], ['coverage', 'picture', 'camera', 'vehicles', 'decisions']];
 // Rows that are made in one go: the page answers between them.
 const ROWS_AT_ONCE = 12;
 // A wind that was measured longer ago is not the wind now.
@@ -47,12 +49,15 @@ export class Facts {
     this.link = link;
     this.actions = actions;
     this.boxes = {};
-    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'camera', 'alarms', 'vehicles', 'decisions']) {
-      const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
-      const body = make('div', { class: 'fact-body' });
-      this.boxes[name] = body;
-      const box = make('section', { class: `fact fact-${name}`, 'aria-labelledby': `fact-${name}` }, make('h2', { id: `fact-${name}`, text: title }), body);
-      element.append(box);
+    for (const names of COLUMNS) {
+      const column = make('div', { class: 'fact-column' });
+      for (const name of names) {
+        const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
+        const body = make('div', { class: 'fact-body' });
+        this.boxes[name] = body;
+        column.append(make('section', { class: `fact fact-${name}`, 'aria-labelledby': `fact-${name}` }, make('h2', { id: `fact-${name}`, text: title }), body));
+      }
+      element.append(column);
     }
     this.rows = new Map();
     // Alarms at once, all else twice a second: 300 vehicles are told as often as that.

@@ -64,11 +64,11 @@ async function showPlace({ lat, lng }) {
   const may = link.sections.session?.may ?? [];
   const chosen = [...selection];
   if (may.includes('go_to') && chosen.length === 1 && !link.vehicles.get(chosen[0])?.facts.is_ground) {
-    const height = make('input', { type: 'number', min: 5, max: 500, value: 50, 'aria-label': t('place_height') });
-    parts.push(make('p', { class: 'place-row' }, height, make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
+    const height = make('input', { type: 'number', min: 5, max: 500, value: 50 });
+    parts.push(make('p', { class: 'place-row' }, make('label', { class: 'note' }, `${t('place_height')} `, height), make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
   }
   if (may.includes('send')) {
-    const budget = make('input', { type: 'number', min: 1, max: 1e6, value: 100, 'aria-label': t('place_dose') });
+    const budget = make('input', { type: 'number', min: 1, max: 1e6, value: 100 });
     const drivers = [...link.vehicles.values()].filter((vehicle) => vehicle.facts.is_ground).map((vehicle) => make('button', { type: 'button', class: 'small', 'data-send': vehicle.name, text: t('place_send', { vehicle: vehicle.name }), onclick: () => { orders.arm('send', [vehicle.name], { latitude_deg: lat, longitude_deg: lng, dose_budget_usv: Number(budget.value) }); box.hidden = true; } }));
     if (drivers.length) parts.push(make('p', { class: 'place-row' }, make('label', { class: 'note' }, `${t('place_dose')} `, budget), ...drivers));
   }
@@ -240,8 +240,10 @@ async function start() {
   if (answer.user) begin(); else askLogin(answer.needs);
 }
 
+// Where letters are text or a choice they are no orders; who has just picked a vehicle may order it.
+const WRITTEN_IN = 'input:not([type="checkbox"]), textarea, select';
 document.addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) || document.querySelector('dialog[open]')) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches(WRITTEN_IN) || document.querySelector('dialog[open]')) return;
   const key = event.key;
   if (key === 't') turnTheme();
   else if (key === 'f') map.fit();
