@@ -252,9 +252,11 @@ while time.time() < end:
         print('silent', flush=True)
         timer = None
 """
-# Counts, each 20 ms, whether a vehicle is shown as live.
+# Counts, each 20 ms, whether a vehicle or the mission's coverage is shown as live.
 WATCH = """() => { window.seenLive = 0; setInterval(() => {
-    window.seenLive += document.querySelectorAll('.vehicle:not(.grey)').length; }, 20); }"""
+    window.seenLive += document.querySelectorAll('.vehicle:not(.grey)').length;
+    window.seenLive += document.querySelectorAll('html:not(.not-live):not(.mission-old)').length;
+    }, 20); }"""
 
 
 class RealServer:
