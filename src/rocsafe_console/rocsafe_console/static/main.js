@@ -161,7 +161,7 @@ setInterval(() => {
   if (banner.textContent !== text) banner.textContent = text;
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
-    const both = utc.startsWith(local) ? utc : `${local} · ${utc}`;
+    const both = utc.startsWith(local) ? utc : `${t('local_time', { time: local })}\n${utc}`;
     const missionTime = link.sections.progress?.mission_time_s;
     $('#clock').textContent = [both, isNumber(missionTime) ? t('mission_clock', { time: missionClock(missionTime) }) : ''].filter(Boolean).join(' · ');
   }
@@ -232,11 +232,8 @@ async function start() {
   $('#theme').addEventListener('click', turnTheme);
   const token = new URLSearchParams(location.hash.slice(1)).get('token');
   // The token leaves the address, so that it is in no history and on no screen.
-  if (token) {
-    history.replaceState(null, '', location.pathname);
-    await ask('/api/token', { token }).catch(() => {});
-  }
-  const answer = await ask('/api/hello');
+  if (token) history.replaceState(null, '', location.pathname);
+  const answer = (token && await ask('/api/token', { token }).catch(() => null)) || await ask('/api/hello');
   if (answer.user) begin(); else askLogin(answer.needs);
 }
 
