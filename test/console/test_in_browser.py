@@ -606,6 +606,33 @@ def faults_of_axe(axe, view: View, shown: str) -> list[tuple[str, ...]]:
     ]
 
 
+@pytest.mark.parametrize(('width', 'height'), [(844, 390), (320, 640)])
+def test_a_phone_shows_map_facts_and_orders_however_it_is_held(browser, flight, width, height):
+    """The page scrolls under the orders; no part of the map lies over them."""
+    *_, address = flight
+    view = View(browser, address)
+    page = view.page
+    page.set_viewport_size({'width': width, 'height': height})
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    assert page.evaluate('document.documentElement.scrollWidth') <= width
+    assert page.locator('#map').bounding_box()['height'] >= 180
+    # The scale of the map is moved under the orders.
+    scale, order = (
+        page.locator(one).bounding_box()
+        for one in ('.leaflet-control-scale', '[data-verb="hold"]')
+    )
+    page.evaluate(f'scrollBy(0, {scale["y"] - order["y"]})')
+    top = page.evaluate(
+        """() => { const { x, y, height } = document.querySelector('.leaflet-control-scale')
+            .getBoundingClientRect();
+        return document.elementFromPoint(x + 30, y + height / 2).closest('.orders') !== null; }"""
+    )
+    assert top
+    page.locator('.fact-zones').scroll_into_view_if_needed()
+    assert not view.faults
+    page.close()
+
+
 @pytest.mark.parametrize('theme', ['light', 'dark'])
 def test_what_opens_over_the_page_and_what_is_old_can_be_read(browser, tmp_path, flight, theme):
     """A place, an order and its results, keys, rights on a mission, a replay, a silent mission."""
