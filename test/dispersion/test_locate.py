@@ -19,6 +19,7 @@ from rocsafe_dispersion.estimation.gas_survey import (
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.reading_density import cells, log_density
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
@@ -168,6 +169,9 @@ def test_noise_that_is_not_told_is_that_of_clean_air():
     assert 0.3 < usual_noise(np.maximum(clean, 0.0)) < 1.0
     assert usual_noise(np.where(np.arange(2000) % 10, clean, 300.0)) == pytest.approx(1.2, rel=0.2)
     assert usual_noise(np.array([0.0, 0.0, 0.0, 5.0])) == pytest.approx(0.005)
+    # A value far below 0 stands for none.
+    assert usual_noise(np.array([*clean, -999_999.0])) == pytest.approx(1.0, rel=0.1)
+    assert usual_noise(np.full(8, -2.0)) == pytest.approx(0.002)
 
 
 @pytest.mark.slow
@@ -226,6 +230,23 @@ def test_wrong_wind_direction_is_noticed():
     wrong = np.tile((SPEED_MPS * math.cos(angle), SPEED_MPS * math.sin(angle)), (100, 1))
     found = locate_releases(replace(survey, wind_towards_mps=wrong), AREA, LAYER, options=ONE)
     assert math.degrees(found.turn_rad) == pytest.approx(-8.0, abs=3.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('turned_deg', [70.0, 180.0])
+def test_wind_that_is_wrong_altogether_is_doubted(turned_deg):
+    """The release is where it is all the same, the turn is told, and it is never enough."""
+    survey, angle = readings([STRONG], 3), math.radians(turned_deg)
+    wrong = np.tile((SPEED_MPS * math.cos(angle), SPEED_MPS * math.sin(angle)), (100, 1))
+    found = locate_releases(replace(survey, wind_towards_mps=wrong), AREA, LAYER, options=ONE)
+    assert found.wrong_wind > 0.9
+    turn = math.degrees(found.turn_rad) + turned_deg
+    assert (turn + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=15.0)
+    assert found.releases[0].holds(-22.0, 13.0)
+    verdict = ReleaseRule(region_m=1e3).verdict(found)
+    assert not verdict.is_enough
+    assert 'the direction of the wind is wrong with a probability of' in verdict.reason
+    assert found_of(STRONG).wrong_wind < ReleaseRule().wrong_wind
 
 
 @pytest.mark.slow

@@ -221,6 +221,7 @@ def document_of(
             'width_factor': found.spread_y,
             'height_factor': found.spread_z,
             'wind_turned_anticlockwise_deg': round(float(np.degrees(found.turn_rad)), 3),
+            'wrong_wind_probability': round(found.wrong_wind, 3),
         },
     }
 

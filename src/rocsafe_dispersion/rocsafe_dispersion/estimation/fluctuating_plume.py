@@ -58,11 +58,17 @@ class PlumeReadings:
         self, survey: GasSurvey, height_m: float, travel: Travel, reference_mps: float
     ) -> None:
         count = len(survey.weights)
-        self._points = survey.places_m.reshape(-1, 3).astype(np.float32)
-        self.points = len(self._points)
+        points = survey.places_m.reshape(-1, 3)
+        self.points, self._above = len(points), points[:, 2].astype(np.float32)
         winds = np.repeat(survey.wind_towards_mps, count, axis=0)
         speeds = np.maximum(np.hypot(winds[:, 0], winds[:, 1]), 1e-9)
-        self._heading = (winds / speeds[:, None]).astype(np.float32)
+        east, north = (winds / speeds[:, None]).T
+        self._middle_m = points[:, :2].mean(axis=0)
+        x, y = (points[:, :2] - self._middle_m).T
+        # Distances along and across a turned wind are sums of these four.
+        self._bases = np.stack([east * x + north * y, east * y - north * x, east, north]).astype(
+            np.float32
+        )
         slow = np.maximum(np.repeat(survey.speeds_mps, count), LEAST_SPEED_MPS)
         self._factor = (reference_mps / slow).astype(np.float32)
         self._weights, self._height_m, self._travel = survey.weights, height_m, travel
@@ -74,7 +80,7 @@ class PlumeReadings:
         sigma_y = at_rows(self._travel.sigma_y_m, rows) * shapes.spread_y[row]
         sigma_z = at_rows(self._travel.sigma_z_m, rows) * shapes.spread_z[row]
         flow = at_rows(self._travel.airborne / self._travel.speeds_mps, rows)
-        above = self._points[column, 2]
+        above = self._above[column]
         middle = at_rows(self._travel.heights_m(), rows)
         u, v = across / sigma_y, (above - middle) / sigma_z
         reflected = np.exp(-2.0 * above * middle / sigma_z**2)
@@ -84,7 +90,7 @@ class PlumeReadings:
         growth = np.minimum((u**2 + v**2) * meander / (1.0 + meander), _LARGEST_GROWTH)
         square = np.exp(growth) / (1.0 - meander**2)
         intensity = np.sqrt(np.minimum((1.0 + relative**2) * square - 1.0, LARGEST_SQUARE))
-        size = (len(places_m), len(self._points))
+        size = (len(places_m), self.points)
         return self._over_points(row, column, mean, size), self._over_points(
             row, column, mean * intensity, size
         )
@@ -93,14 +99,11 @@ class PlumeReadings:
         self, places_m: FloatArray, shapes: Shapes
     ) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray]:
         """Return particles and points that a plume may reach, with distances along and across."""
-        cosine = np.cos(shapes.turn_rad).astype(np.float32)[:, None]
-        sine = np.sin(shapes.turn_rad).astype(np.float32)[:, None]
-        place = places_m.astype(np.float32)
-        first = self._points[:, 0] - place[:, :1]
-        second = self._points[:, 1] - place[:, 1:]
-        plain = first * self._heading[:, 0] + second * self._heading[:, 1]
-        beside = second * self._heading[:, 0] - first * self._heading[:, 1]
-        along, across = plain * cosine + beside * sine, beside * cosine - plain * sine
+        cosine, sine = np.cos(shapes.turn_rad), np.sin(shapes.turn_rad)
+        x, y = (places_m - self._middle_m).T
+        to, beside = x * cosine + y * sine, x * sine - y * cosine
+        along = np.stack([cosine, sine, -to, beside], axis=1).astype(np.float32) @ self._bases
+        across = np.stack([-sine, cosine, beside, to], axis=1).astype(np.float32) @ self._bases
         # sigma_y grows at most as fast as the distance.
         slope = float(self._travel.sigma_y_m[0] / self._travel.distances_m[0])
         wide = (_REACH * slope * shapes.spread_y.astype(np.float32))[:, None]

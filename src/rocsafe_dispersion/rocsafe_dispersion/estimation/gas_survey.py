@@ -125,12 +125,14 @@ def usual_noise(values: FloatArray) -> float:
 
     The larger one of two estimates for normal noise: what the lower half spreads, and how far
     readings that follow each other differ (a sensor that shows no value below 0 has no lower
-    half). At least `NOISE_SHARE` of the largest reading: readings that were computed have none.
+    half). At least `NOISE_SHARE` of the largest reading, of the lowest one only where none is above
+    0: readings that were computed have none.
     """
     low, middle = np.quantile(values, (LOWER_SIGMA, 0.5)).tolist()
     steps = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
     found = max(middle - low, steps / (PROBABLE_ERROR * math.sqrt(2.0)))
-    return max(found, NOISE_SHARE * float(np.abs(values).max()))
+    largest = float(values.max())
+    return max(found, NOISE_SHARE * (largest if largest > 0.0 else -float(values.min())))
 
 
 def averaged(survey: GasSurvey, most: int) -> GasSurvey:

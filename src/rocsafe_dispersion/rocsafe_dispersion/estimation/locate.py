@@ -6,14 +6,10 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from scipy.special import logsumexp
+from scipy.special import expit, logit, logsumexp
 
 from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
-from rocsafe_dispersion.estimation.fluctuating_plume import (
-    LEAST_SPEED_MPS,
-    PlumeReadings,
-    Shapes,
-)
+from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS, PlumeReadings
 from rocsafe_dispersion.estimation.found_release import (
     FoundRelease,
     ReleaseSamples,
@@ -22,7 +18,12 @@ from rocsafe_dispersion.estimation.found_release import (
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.hidden import HiddenReleases, hidden_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
-from rocsafe_dispersion.estimation.release_sampler import Bounds, Population, ReleaseSampler
+from rocsafe_dispersion.estimation.release_sampler import (
+    WRONG_WIND,
+    Bounds,
+    Population,
+    ReleaseSampler,
+)
 from rocsafe_dispersion.plume.spread import Travel, similarity_travel, vertical_shape
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
@@ -50,7 +51,11 @@ class LocatedReleases:
         told is that before the first which is not above 0.
     background_g_m3
         Backgrounds of the instruments at their last readings.
-    turn_rad, spread_y, spread_z
+    turn_rad
+        Mean angle by which the true wind is turned from the one told, as in `Shapes`.
+    wrong_wind
+        Probability that the direction of the wind told is wrong altogether.
+    spread_y, spread_z
         Medians of `Shapes`.
     hidden
         Where a release may still be that was not found, beside those that were.
@@ -61,6 +66,7 @@ class LocatedReleases:
     gains: tuple[float, ...]
     background_g_m3: FloatArray
     turn_rad: float
+    wrong_wind: float
     spread_y: float
     spread_z: float
     hidden: HiddenReleases
@@ -143,10 +149,33 @@ def locate_releases(
         np.random.default_rng(_SEED),
     )
     made = [sampler.sample(number) for number in range(options.most_releases + 1)]
-    evidence = np.array([each for _, each in made])
+    # The number told is that with either wind. Where none is told, one was tried with either.
+    number, tried = min(1, options.most_releases), {0}
+    while number not in tried:
+        tried.add(number)
+        made[number] = _with_any_wind(sampler, made[number], number, options.wrong_wind)
+        number = _number(_evidence(made), options)
+    return _located(sampler, made[number][0], area, _evidence(made), options)
+
+
+def _evidence(made: list[tuple[Population, float]]) -> FloatArray:
+    return np.array([evidence for _, evidence in made])
+
+
+def _with_any_wind(
+    sampler: ReleaseSampler, told: tuple[Population, float], number: int, wrong_wind: float
+) -> tuple[Population, float]:
+    """Return hypotheses of the wind told and of a wrong one, and the logarithm of the evidence."""
+    (population, right), (other, wrong) = told, sampler.sample(number, is_wrong_wind=True)
+    odds = float(logit(wrong_wind)) + wrong - right
+    evidence = right + math.log1p(-wrong_wind) + float(np.logaddexp(0.0, odds))
+    return population.mixed(other, float(expit(odds))), evidence
+
+
+def _number(evidence: FloatArray, options: LocateOptions) -> int:
+    """Return the number of releases told."""
     gains = _gains(evidence, options)
-    number = next((index for index, gain in enumerate(gains) if gain <= 0.0), len(gains))
-    return _located(sampler, made[number][0], area, evidence, gains, options)
+    return next((index for index, gain in enumerate(gains) if gain <= 0.0), len(gains))
 
 
 def usual_speed_mps(survey: GasSurvey) -> float:
@@ -194,7 +223,6 @@ def _located(
     found: Population,
     area: SearchArea,
     evidence: FloatArray,
-    gains: tuple[float, ...],
     options: LocateOptions,
 ) -> LocatedReleases:
     own, shapes = _labelled(found.own), sampler.shapes_of(found.shared)
@@ -212,16 +240,14 @@ def _located(
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         number_probabilities=tuple(np.exp(evidence - logsumexp(evidence)).tolist()),
-        gains=gains,
+        gains=_gains(evidence, options),
         background_g_m3=np.median(found.backgrounds, axis=0),
-        **_middle(shapes),
+        turn_rad=float(np.angle(np.exp(1j * shapes.turn_rad).mean())),
+        wrong_wind=float(found.shared[:, WRONG_WIND].mean()),
+        spread_y=float(np.median(shapes.spread_y)),
+        spread_z=float(np.median(shapes.spread_z)),
         hidden=hidden_releases(sampler, found, area.cells_m(), options.smallest_g_s),
     )
-
-
-def _middle(shapes: Shapes) -> dict[str, float]:
-    names = ('turn_rad', 'spread_y', 'spread_z')
-    return {name: float(np.median(getattr(shapes, name))) for name in names}
 
 
 def _labelled(own: FloatArray) -> FloatArray:

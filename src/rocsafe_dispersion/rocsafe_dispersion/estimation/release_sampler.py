@@ -23,14 +23,18 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 # noise, and of the drift in the whole time, in noises. They are choices, wide enough for what
 # `benchmarks/release_families.py` draws.
 _MOST_MEANDER = 0.9
+# Freedom of Student's t of the error of a wind direction that is about right.
+_TURN_FREEDOM = 4.0
 _RELATIVE, _RELATIVE_STD = 0.4, 0.5
 _NOISE_STD = 0.25
 # Nor is the noise further from the one told than this: readings that are all alike would make it
 # nothing, and then anything explains them.
 _MOST_NOISE_STDS = 4.0
 _DRIFT, _DRIFT_STD = 0.3, 1.5
-# Coordinates that all releases share, see `shapes_of`, and those of each release.
-SHARED, OWN = 7, 3
+# Coordinates that all releases share, see `shapes_of`, and those of each release. The last shared
+# one is 1 where the wind told is wrong, else 0; it is not moved.
+SHARED, OWN = 8, 3
+WRONG_WIND = 7
 _ESS_SHARE = 0.7
 # Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
 # as many as time allows.
@@ -49,8 +53,9 @@ class Bounds:
 class Population:
     """Hypotheses (p): shared coordinates (p, SHARED), releases (p, k, OWN), and their readings.
 
-    Shared coordinates are standard normal before readings; those of a release are even in 0 to 1.
-    `means` and `spreads` (p, k, n) are for the rates; `backgrounds` (p, instruments).
+    Shared coordinates are standard normal before readings, but for `WRONG_WIND`; those of a
+    release are even in 0 to 1. `means` and `spreads` (p, k, n) are for the rates; `backgrounds`
+    (p, instruments).
     """
 
     shared: FloatArray
@@ -64,6 +69,21 @@ class Population:
         """Keep the hypotheses of an index."""
         for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
             setattr(self, name, getattr(self, name)[index])
+
+    def mixed(self, other: 'Population', share: float) -> 'Population':
+        """Return as many hypotheses, a share of them of another population."""
+        count = len(self.logs)
+        taken = round(share * count)
+        # Both stand in the order of their ancestors: those taken are spread evenly.
+        parts = [
+            (self, np.arange(count - taken) * count // max(count - taken, 1)),
+            (other, np.arange(taken) * count // max(taken, 1)),
+        ]
+        names = self.__dataclass_fields__
+        return Population(**{
+            name: np.concatenate([getattr(part, name)[index] for part, index in parts])
+            for name in names
+        })  # fmt: skip
 
     def accept(self, other: 'Population', is_taken: BoolArray) -> None:
         """Take those hypotheses of another population."""
@@ -88,8 +108,14 @@ class ReleaseSampler:
     def shapes_of(self, shared: FloatArray) -> Shapes:
         """Return the shapes of plumes of shared coordinates."""
         options = self._options
+        even = special.ndtr(shared[:, 0])
+        turn_deg = np.where(
+            shared[:, WRONG_WIND] > 0.0,
+            360.0 * even,
+            options.turn_std_deg * special.stdtrit(_TURN_FREEDOM, even),
+        )
         return Shapes(
-            turn_rad=np.radians(options.turn_std_deg) * shared[:, 0],
+            turn_rad=np.radians(turn_deg),
             spread_y=np.exp(options.spread_std * shared[:, 1]),
             spread_z=np.exp(options.spread_std * shared[:, 2]),
             meander=_MOST_MEANDER * special.ndtr(shared[:, 3]),
@@ -106,11 +132,15 @@ class ReleaseSampler:
         low, high = self._bounds.rates_g_s
         return np.asarray(low * (high / low) ** own[..., 2])
 
-    def sample(self, number: int) -> tuple[Population, float]:
-        """Return hypotheses with a number of releases, and the logarithm of its evidence."""
+    def sample(self, number: int, *, is_wrong_wind: bool = False) -> tuple[Population, float]:
+        """Return hypotheses with a number of releases, and the logarithm of their evidence.
+
+        Their wind is about the one told, or, if that is wrong, from anywhere.
+        """
         most = _MOST_PAIRS // self._readings.points
         count = max(min(self._options.particles, most), min(_FEWEST, self._options.particles))
         shared = self._generator.standard_normal((count, SHARED))
+        shared[:, WRONG_WIND] = is_wrong_wind
         own = self._generator.random((count, number, OWN))
         now = self._made(shared, own)
         power = evidence = 0.0
@@ -124,23 +154,24 @@ class ReleaseSampler:
         return now, evidence
 
     def gains_of_one_more(
-        self, now: Population, index: IndexArray, places_m: FloatArray, rate_g_s: float
+        self, now: Population, index: IndexArray, places_m: FloatArray, rates_g_s: FloatArray
     ) -> FloatArray:
-        """Return logarithms of the likelihood of a release more at places, (q, 2), over none.
+        """Return logarithms of the likelihood of a release more over none, (r, q).
 
-        Beside the hypotheses `index`, (q,).
+        One of each rate, (r,), at each place, (q, 2), beside the hypotheses `index`, (q,).
         """
-        found = np.empty(len(index))
+        found = np.empty((len(rates_g_s), len(index)))
         for start in range(0, len(index), len(now.logs)):
             rows = slice(start, start + len(now.logs))
             own = index[rows]
             mean, spread = self._readings.of(places_m[rows], self.shapes_of(now.shared[own]))
-            logs, _ = self._log_likelihoods(
-                now.shared[own],
-                np.concatenate([now.means[own], rate_g_s * mean[:, None]], axis=1),
-                np.concatenate([now.spreads[own], rate_g_s * spread[:, None]], axis=1),
-            )
-            found[rows] = logs - now.logs[own]
+            for number, rate_g_s in enumerate(rates_g_s.tolist()):
+                logs, _ = self._log_likelihoods(
+                    now.shared[own],
+                    np.concatenate([now.means[own], rate_g_s * mean[:, None]], axis=1),
+                    np.concatenate([now.spreads[own], rate_g_s * spread[:, None]], axis=1),
+                )
+                found[number, rows] = logs - now.logs[own]
         return found
 
     def _log_likelihoods(
@@ -206,6 +237,7 @@ class ReleaseSampler:
             / np.sqrt(2.0 * np.maximum(kept.sum(axis=1), 1))
             * 10.0 ** (generator.uniform(-0.7, 0.1, count))
         )
+        kept[:, WRONG_WIND] = False
         # The whole difference leads from one mode to another.
         scale[generator.random(count) < 0.1] = 1.0
         shared, own = now.shared.copy(), now.own.copy()
