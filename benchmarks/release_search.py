@@ -39,7 +39,7 @@ from release_families import (
 )
 from scipy.optimize import linear_sum_assignment
 
-from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_dispersion.estimation.gas_survey import BY_READING, GasSurvey
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places
 from rocsafe_dispersion.estimation.release_options import SearchArea
@@ -86,8 +86,9 @@ def flown(drawn: Trial, design: str) -> tuple[GasSurvey, LocatedReleases, float]
 
 def joined(first: GasSurvey, second: GasSurvey) -> GasSurvey:
     """Return the readings of both."""
-    names = [name for name in first.__dataclass_fields__ if name != 'weights']
-    parts = {name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names}
+    parts = {
+        name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in BY_READING
+    }
     return replace(first, **parts)
 
 

@@ -11,6 +11,7 @@ from scipy.signal import lfilter
 
 from rocsafe_dispersion.estimation.fluctuating_plume import PlumeReadings, Shapes
 from rocsafe_dispersion.estimation.gas_survey import (
+    BY_READING,
     GasSurvey,
     averaged,
     point_survey,
@@ -247,6 +248,31 @@ def test_wind_that_is_wrong_altogether_is_doubted(turned_deg):
     assert not verdict.is_enough
     assert 'the direction of the wind is wrong with a probability of' in verdict.reason
     assert found_of(STRONG).wrong_wind < ReleaseRule().wrong_wind
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('is_end', [False, True])
+def test_release_that_starts_or_ends_among_the_readings(is_end):
+    """It is told when, and readings of clean air before or after do not move its place."""
+    # Flown twice: places of its plume are passed after 200 to 350 s, and after 700 to 850 s.
+    flights = [readings([], 4), readings([STRONG], 3)][:: -1 if is_end else 1]
+    both = {
+        name: np.concatenate([getattr(flight, name) for flight in flights])
+        for name in BY_READING
+        if name != 'times_s'
+    }
+    twice = replace(flights[0], **both, times_s=np.arange(200.0) * 5.0, has_times=True)
+    (release,) = locate_releases(twice, AREA, LAYER, options=ONE).releases
+    moment, other = release.start, release.end
+    if is_end:
+        moment, other = other, moment
+    assert moment.is_among
+    assert moment.beyond < 0.05
+    low_s, high_s = moment.bounds_s
+    assert 200.0 < low_s < moment.time_s < high_s < 850.0
+    assert not other.is_among
+    assert math.dist(release.place_m, STRONG[:2]) < 8.0
+    assert found_of(STRONG).releases[0].start.beyond is None
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ and v standard deviations beside and above the axis is
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.plume.spread import NEAREST_M, Travel, at_rows
@@ -69,12 +70,19 @@ class PlumeReadings:
         self._bases = np.stack([east * x + north * y, east * y - north * x, east, north]).astype(
             np.float32
         )
+        self._times_s = np.repeat(survey.times_s, count)
         slow = np.maximum(np.repeat(survey.speeds_mps, count), LEAST_SPEED_MPS)
         self._factor = (reference_mps / slow).astype(np.float32)
         self._weights, self._height_m, self._travel = survey.weights, height_m, travel
 
-    def of(self, places_m: FloatArray, shapes: Shapes) -> tuple[FloatArray, FloatArray]:
-        """Return mean and standard deviation for 1 g/s at places (p, 2), each (p, n), s/m^3."""
+    def of(
+        self, places_m: FloatArray, shapes: Shapes, spans_s: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return mean and standard deviation for 1 g/s at places (p, 2), each (p, n), s/m^3.
+
+        Releases start and end at `spans_s` (2, p), in the time of the readings; None: long before
+        and after. Their front and their end come with the plume, and are as long as it is wide.
+        """
         row, column, along, across = self._reached(places_m, shapes)
         rows = self._travel.rows(along)
         sigma_y = at_rows(self._travel.sigma_y_m, rows) * shapes.spread_y[row]
@@ -86,6 +94,13 @@ class PlumeReadings:
         reflected = np.exp(-2.0 * above * middle / sigma_z**2)
         shape = np.exp(-0.5 * (u**2 + v**2)) * (1.0 + reflected) / (2.0 * np.pi)
         mean = self._factor[column] * flow * shape / (sigma_y * sigma_z)
+        if spans_s is not None:
+            # How far the gas of the start and of the end has come beyond the reading, in widths.
+            slower = self._factor[column]
+            left_s = self._times_s[column] - slower * at_rows(self._travel.times_s, rows)
+            widths_s = sigma_y * slower / at_rows(self._travel.speeds_mps, rows)
+            begun, ended = special.ndtr((left_s - spans_s[:, row]) / widths_s)
+            mean = mean * np.maximum(begun - ended, 0.0)
         meander, relative = shapes.meander[row], shapes.relative[row]
         growth = np.minimum((u**2 + v**2) * meander / (1.0 + meander), _LARGEST_GROWTH)
         square = np.exp(growth) / (1.0 - meander**2)
@@ -108,7 +123,7 @@ class PlumeReadings:
         slope = float(self._travel.sigma_y_m[0] / self._travel.distances_m[0])
         wide = (_REACH * slope * shapes.spread_y.astype(np.float32))[:, None]
         row, column = np.nonzero((along > NEAREST_M) & (np.abs(across) < wide * along))
-        return row, column, along[row, column], across[row, column]
+        return row, column, np.asarray(along[row, column]), np.asarray(across[row, column])
 
     def _over_points(
         self, row: IndexArray, column: IndexArray, values: FloatArray, size: tuple[int, int]

@@ -140,6 +140,11 @@ def locate_releases(
     bounds = Bounds(
         edges_m=(area.west_m, area.south_m, area.east_m, area.north_m),
         rates_g_s=_rates(survey, area, travel, reference / speed),
+        times_s=(
+            (float(survey.times_s.min()), float(survey.times_s.max()))
+            if survey.has_times
+            else None
+        ),
     )
     sampler = ReleaseSampler(
         PlumeReadings(survey, area.height_m, travel, reference),
@@ -232,6 +237,7 @@ def _located(
                 places_m=sampler.places_of(own[:, number]),
                 rates_g_s=sampler.rates_of(own[:, number]),
                 shapes=shapes,
+                spans_s=sampler.spans_of(found.shared),
             ),
             area,
         )

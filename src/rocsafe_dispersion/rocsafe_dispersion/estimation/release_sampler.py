@@ -23,6 +23,8 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 # noise, and of the drift in the whole time, in noises. They are choices, wide enough for what
 # `benchmarks/release_families.py` draws.
 _MOST_MEANDER = 0.9
+# Probability that releases have started before the readings, and that they end after them.
+_LASTING = 0.8
 # Freedom of Student's t of the error of a wind direction that is about right.
 _TURN_FREEDOM = 4.0
 _RELATIVE, _RELATIVE_STD = 0.4, 0.5
@@ -33,8 +35,8 @@ _MOST_NOISE_STDS = 4.0
 _DRIFT, _DRIFT_STD = 0.3, 1.5
 # Coordinates that all releases share, see `shapes_of`, and those of each release. The last shared
 # one is 1 where the wind told is wrong, else 0; it is not moved.
-SHARED, OWN = 8, 3
-WRONG_WIND = 7
+SHARED, OWN = 10, 3
+WRONG_WIND = 9
 _ESS_SHARE = 0.7
 # Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
 # as many as time allows.
@@ -43,10 +45,22 @@ _MOST_PAIRS, _FEWEST = 120_000, 200
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounds:
-    """Where releases may be and how strong they are: west, south, east, north; g/s."""
+    """What releases may be.
+
+    Attributes
+    ----------
+    edges_m
+        Of the ground with releases: west, south, east, north.
+    rates_g_s
+        Least and largest rate.
+    times_s
+        Times of the first and the last reading: releases start between them, or before, and end
+        between them, or after, all at the same times; None: long before and after.
+    """
 
     edges_m: tuple[float, float, float, float]
     rates_g_s: tuple[float, float]
+    times_s: tuple[float, float] | None = None
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
@@ -132,6 +146,20 @@ class ReleaseSampler:
         low, high = self._bounds.rates_g_s
         return np.asarray(low * (high / low) ** own[..., 2])
 
+    def spans_of(self, shared: FloatArray) -> FloatArray | None:
+        """Return start and end of releases of shared coordinates, (2, p), s; None: not known.
+
+        Infinite: before the first reading, and after the last one.
+        """
+        if self._bounds.times_s is None:
+            return None
+        first_s, last_s = self._bounds.times_s
+        shares = (special.ndtr(shared[:, 7:9].T) - _LASTING) / (1.0 - _LASTING)
+        shares[shares < 0.0] = -np.inf
+        # Ends are counted back from the last reading.
+        long_s = shares * (last_s - first_s)
+        return np.stack([first_s + long_s[0], last_s - long_s[1]])
+
     def sample(self, number: int, *, is_wrong_wind: bool = False) -> tuple[Population, float]:
         """Return hypotheses with a number of releases, and the logarithm of their evidence.
 
@@ -187,11 +215,11 @@ class ReleaseSampler:
 
     def _made(self, shared: FloatArray, own: FloatArray) -> Population:
         """Return a population of coordinates."""
-        shapes = self.shapes_of(shared)
+        shapes, spans_s = self.shapes_of(shared), self.spans_of(shared)
         parts = []
         for release in range(own.shape[1]):
             place, rate = self.places_of(own[:, release]), self.rates_of(own[:, release])
-            mean, spread = self._readings.of(place, shapes)
+            mean, spread = self._readings.of(place, shapes, spans_s)
             parts.append((rate[:, None] * mean, rate[:, None] * spread))
         size = (len(shared), own.shape[1], self._backgrounds.readings)
         means = np.array([mean for mean, _ in parts]).swapaxes(0, 1) if parts else np.zeros(size)
