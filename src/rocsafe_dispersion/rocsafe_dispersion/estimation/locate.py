@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from scipy.special import expit, logit, logsumexp
+from scipy.special import logsumexp
 
 from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
 from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS, PlumeReadings
@@ -19,8 +19,9 @@ from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.hidden import HiddenReleases, hidden_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.estimation.release_sampler import (
-    WRONG_WIND,
+    KIND,
     Bounds,
+    Kind,
     Population,
     ReleaseSampler,
 )
@@ -154,27 +155,28 @@ def locate_releases(
         np.random.default_rng(_SEED),
     )
     made = [sampler.sample(number) for number in range(options.most_releases + 1)]
-    # The number told is that with either wind. Where none is told, one was tried with either.
+    # The number told is that of hypotheses of all kinds. Where none is told, one was tried so.
     number, tried = min(1, options.most_releases), {0}
     while number not in tried:
         tried.add(number)
-        made[number] = _with_any_wind(sampler, made[number], number, options.wrong_wind)
+        made[number] = _of_all_kinds(sampler, made[number], number)
         number = _number(_evidence(made), options)
     return _located(sampler, made[number][0], area, _evidence(made), options)
 
 
+def _of_all_kinds(
+    sampler: ReleaseSampler, told: tuple[Population, float], number: int
+) -> tuple[Population, float]:
+    """Return hypotheses of all kinds by their evidence, and the logarithm of all."""
+    kinds = sampler.kinds
+    made = [told, *(sampler.sample(number, kind) for kind in kinds)]
+    logs = np.log([1.0 - sum(kinds.values()), *kinds.values()]) + _evidence(made)
+    shares = np.exp(logs - logsumexp(logs))
+    return Population.mixed([each for each, _ in made], shares), float(logsumexp(logs))
+
+
 def _evidence(made: list[tuple[Population, float]]) -> FloatArray:
     return np.array([evidence for _, evidence in made])
-
-
-def _with_any_wind(
-    sampler: ReleaseSampler, told: tuple[Population, float], number: int, wrong_wind: float
-) -> tuple[Population, float]:
-    """Return hypotheses of the wind told and of a wrong one, and the logarithm of the evidence."""
-    (population, right), (other, wrong) = told, sampler.sample(number, is_wrong_wind=True)
-    odds = float(logit(wrong_wind)) + wrong - right
-    evidence = right + math.log1p(-wrong_wind) + float(np.logaddexp(0.0, odds))
-    return population.mixed(other, float(expit(odds))), evidence
 
 
 def _number(evidence: FloatArray, options: LocateOptions) -> int:
@@ -249,7 +251,7 @@ def _located(
         gains=_gains(evidence, options),
         background_g_m3=np.median(found.backgrounds, axis=0),
         turn_rad=float(np.angle(np.exp(1j * shapes.turn_rad).mean())),
-        wrong_wind=float(found.shared[:, WRONG_WIND].mean()),
+        wrong_wind=float((found.shared[:, KIND] == Kind.WRONG_WIND).mean()),
         spread_y=float(np.median(shapes.spread_y)),
         spread_z=float(np.median(shapes.spread_z)),
         hidden=hidden_releases(sampler, found, area.cells_m(), options.smallest_g_s),

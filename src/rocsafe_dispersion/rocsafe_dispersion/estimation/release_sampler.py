@@ -7,8 +7,9 @@ and moved. Moves are differences of two other hypotheses (differential evolution
 which follow correlations and jump between separate modes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from scipy import optimize, special
@@ -23,8 +24,9 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 # noise, and of the drift in the whole time, in noises. They are choices, wide enough for what
 # `benchmarks/release_families.py` draws.
 _MOST_MEANDER = 0.9
-# Probability that releases have started before the readings, and that they end after them.
-_LASTING = 0.8
+# Of releases that start or end among the readings, the probability that they have started before,
+# and that they end after them.
+_LASTING = 0.5
 # Freedom of Student's t of the error of a wind direction that is about right.
 _TURN_FREEDOM = 4.0
 _RELATIVE, _RELATIVE_STD = 0.4, 0.5
@@ -33,10 +35,10 @@ _NOISE_STD = 0.25
 # nothing, and then anything explains them.
 _MOST_NOISE_STDS = 4.0
 _DRIFT, _DRIFT_STD = 0.3, 1.5
-# Coordinates that all releases share, see `shapes_of`, and those of each release. The last shared
-# one is 1 where the wind told is wrong, else 0; it is not moved.
+# Coordinates that all releases share, see `shapes_of` and `spans_of`, and those of each release.
+# The last shared one is the kind of a hypothesis; it is not moved.
 SHARED, OWN = 10, 3
-WRONG_WIND = 9
+KIND = 9
 _ESS_SHARE = 0.7
 # Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
 # as many as time allows.
@@ -67,7 +69,7 @@ class Bounds:
 class Population:
     """Hypotheses (p): shared coordinates (p, SHARED), releases (p, k, OWN), and their readings.
 
-    Shared coordinates are standard normal before readings, but for `WRONG_WIND`; those of a
+    Shared coordinates are standard normal before readings, but for `KIND`; those of a
     release are even in 0 to 1. `means` and `spreads` (p, k, n) are for the rates; `backgrounds`
     (p, instruments).
     """
@@ -84,25 +86,32 @@ class Population:
         for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
             setattr(self, name, getattr(self, name)[index])
 
-    def mixed(self, other: 'Population', share: float) -> 'Population':
-        """Return as many hypotheses, a share of them of another population."""
-        count = len(self.logs)
-        taken = round(share * count)
-        # Both stand in the order of their ancestors: those taken are spread evenly.
-        parts = [
-            (self, np.arange(count - taken) * count // max(count - taken, 1)),
-            (other, np.arange(taken) * count // max(taken, 1)),
-        ]
-        names = self.__dataclass_fields__
-        return Population(**{
-            name: np.concatenate([getattr(part, name)[index] for part, index in parts])
-            for name in names
+    @classmethod
+    def mixed(cls, parts: Sequence['Population'], shares: FloatArray) -> 'Population':
+        """Return as many hypotheses as each population has, some of each by their shares."""
+        count = len(parts[0].logs)
+        counts = np.diff(np.rint(np.cumsum([0.0, *shares]) * count).astype(int))
+        # Each stands in the order of its ancestors: those taken are spread evenly.
+        taken = [np.arange(own) * count // max(own, 1) for own in counts.tolist()]
+        return cls(**{
+            name: np.concatenate([
+                getattr(part, name)[index] for part, index in zip(parts, taken, strict=True)
+            ])
+            for name in cls.__dataclass_fields__
         })  # fmt: skip
 
     def accept(self, other: 'Population', is_taken: BoolArray) -> None:
         """Take those hypotheses of another population."""
         for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
             getattr(self, name)[is_taken] = getattr(other, name)[is_taken]
+
+
+class Kind(IntEnum):
+    """What a hypothesis takes for true."""
+
+    AS_TOLD = 0
+    WRONG_WIND = 1
+    LIMITED = 2
 
 
 class ReleaseSampler:
@@ -124,7 +133,7 @@ class ReleaseSampler:
         options = self._options
         even = special.ndtr(shared[:, 0])
         turn_deg = np.where(
-            shared[:, WRONG_WIND] > 0.0,
+            shared[:, KIND] == Kind.WRONG_WIND,
             360.0 * even,
             options.turn_std_deg * special.stdtrit(_TURN_FREEDOM, even),
         )
@@ -155,20 +164,29 @@ class ReleaseSampler:
             return None
         first_s, last_s = self._bounds.times_s
         shares = (special.ndtr(shared[:, 7:9].T) - _LASTING) / (1.0 - _LASTING)
-        shares[shares < 0.0] = -np.inf
+        shares[(shares < 0.0) | (shared[:, KIND] != Kind.LIMITED)] = -np.inf
         # Ends are counted back from the last reading.
         long_s = shares * (last_s - first_s)
         return np.stack([first_s + long_s[0], last_s - long_s[1]])
 
-    def sample(self, number: int, *, is_wrong_wind: bool = False) -> tuple[Population, float]:
+    @property
+    def kinds(self) -> dict[Kind, float]:
+        """Kinds of hypotheses beside those as told, and their probabilities before readings."""
+        found = {Kind.WRONG_WIND: self._options.wrong_wind}
+        if self._bounds.times_s is not None:
+            found[Kind.LIMITED] = self._options.limited
+        return found
+
+    def sample(self, number: int, kind: Kind = Kind.AS_TOLD) -> tuple[Population, float]:
         """Return hypotheses with a number of releases, and the logarithm of their evidence.
 
-        Their wind is about the one told, or, if that is wrong, from anywhere.
+        Their wind is about the one told, or, if that is wrong, from anywhere; they last all the
+        time, or start or end among the readings.
         """
         most = _MOST_PAIRS // self._readings.points
         count = max(min(self._options.particles, most), min(_FEWEST, self._options.particles))
         shared = self._generator.standard_normal((count, SHARED))
-        shared[:, WRONG_WIND] = is_wrong_wind
+        shared[:, KIND] = kind
         own = self._generator.random((count, number, OWN))
         now = self._made(shared, own)
         power = evidence = 0.0
@@ -265,7 +283,7 @@ class ReleaseSampler:
             / np.sqrt(2.0 * np.maximum(kept.sum(axis=1), 1))
             * 10.0 ** (generator.uniform(-0.7, 0.1, count))
         )
-        kept[:, WRONG_WIND] = False
+        kept[:, KIND] = False
         # The whole difference leads from one mode to another.
         scale[generator.random(count) < 0.1] = 1.0
         shared, own = now.shared.copy(), now.own.copy()
