@@ -119,12 +119,12 @@ def found_of(source: tuple[float, float, float]):
 @pytest.mark.slow
 @pytest.mark.parametrize('source', [STRONG, (8.0, -28.0, 0.5)])
 def test_one_release_is_found(source):
-    """Within 8 m, the rate within a factor of 2, and the region holds it."""
+    """Within 8 m, the rate within a factor of 2.5, and region and interval hold it."""
     found = found_of(source)
     assert len(found.releases) == 1
     release = found.releases[0]
     assert math.dist(release.place_m, source[:2]) < 8.0
-    assert 0.5 < release.rate_g_s / source[2] < 2.0
+    assert 0.4 < release.rate_g_s / source[2] < 2.5
     assert release.rate_low_g_s < source[2] < release.rate_high_g_s
     assert release.holds(*source[:2])
 
