@@ -87,10 +87,10 @@ async def frames_read(caller: Caller, step: Callable[[], None], count: int) -> i
 def test_pages_that_do_not_read_slow_nobody_and_are_dropped(live):
     """ROS writes its picture meanwhile, another page gets its frames, memory is given back."""
     stage, caller, clients = live
-    with stage.context.live.lock:
-        stage.context.live.picture.sections.put('decisions', LARGE)
     stuck = [upgrade(caller) for _ in range(SLOW)]
     until(lambda: len(clients) == SLOW, 'the slow pages are connected')
+    with stage.context.live.lock:
+        stage.context.live.picture.sections.put('decisions', LARGE)
     assert asyncio.run(frames_read(caller, stage.step, 5)) == 5
     assert max((len(client.parcel) for client in clients), default=0) <= 3
     until(lambda: not clients, 'the slow pages are dropped')
@@ -182,16 +182,15 @@ UNREAD = b'GET /static/vendor/leaflet/leaflet.js HTTP/1.1\r\nHost: %s\r\n\r\n'
     ids=['no byte', 'half a head', 'half a body', 'answers that nobody reads'],
 )
 def test_requests_that_never_end_keep_no_page_out(tmp_path, monkeypatch, head):
-    """However many there are, of one address: the oldest goes, and a page is served at once."""
+    """However many there are, of one address: the oldest goes, a page waits for no deadline."""
     monkeypatch.setattr(door, 'MOST_OF_ADDRESS', 8)
+    monkeypatch.setattr(door, 'HEAD_S', 600.0)
     with served(Stage(tmp_path)) as address:
         name = address.removeprefix('http://').rstrip('/').encode()
         idle = [opened(address, head.replace(b'%s', name)) for _ in range(40)]
-        started_s = time.monotonic()
         caller = Caller(address)
         assert caller.ask('/api/hello')[0] == 200
         assert caller.ask('/api/token', {'token': TOKEN})[0] == 200
-        assert time.monotonic() - started_s < 2.0
         until(lambda: sum(map(is_open, idle)) <= 8, 'the oldest are closed')
         for connection in idle:
             connection.close()

@@ -36,7 +36,7 @@ class Router:
         self.node = RouterNode(context=ros.context, parameter_overrides=overrides)
         self.client_node = Node('client', context=ros.context)
         self.client = ActionClient(self.client_node, PlanGroundRoute, 'plan_ground_route')
-        self.heard = {}
+        self.heard, self.routes = {}, []
         for spec in (EVIDENCE, GROUND_COSTS, GROUND_PATH, GROUND_ROUTE):
             create_subscription(
                 self.client_node, spec, lambda message, name=spec.name: self.hear(name, message)
@@ -48,10 +48,19 @@ class Router:
     def hear(self, name, message):
         """Keep the newest message of a topic."""
         self.heard[name] = message
+        if name == GROUND_ROUTE.name:
+            self.routes.append(message.route_id)
 
     def ask(self, goal):
         """Return the result of a goal."""
-        sent = self.client.send_goal_async(goal)
+        return self.result_of(self.send(goal))
+
+    def send(self, goal):
+        """Send a goal."""
+        return self.client.send_goal_async(goal)
+
+    def result_of(self, sent):
+        """Wait for the result of a goal that was sent."""
         self.ros.spin_until(sent.done, DEADLINE_S)
         answer = sent.result().get_result_async()
         self.ros.spin_until(answer.done, DEADLINE_S)
@@ -87,6 +96,18 @@ def goal_of(folder, **changes):
         'products': str(folder),
     }  # fmt: skip
     return PlanGroundRoute.Goal(**{**values, **changes})
+
+
+def test_a_goal_that_is_sent_twice_is_planned_once(router, tmp_path):
+    """Both get the one route, which is published and written once; the next one is another."""
+    folder = write_village(tmp_path)
+    sent = [router.send(goal_of(folder)) for _ in range(2)]
+    routes = [router.result_of(one).route.route_id for one in sent]
+    assert routes == ['drive-1', 'drive-1']
+    assert router.ask(goal_of(folder)).route.route_id == 'drive-2'
+    router.ros.spin_until(lambda: 'drive-2' in router.routes, DEADLINE_S)
+    assert router.routes == ['drive-1', 'drive-2']
+    assert (tmp_path / 'out' / 'again-1' / 'route.json').exists()
 
 
 def test_goal_gets_its_route(router, tmp_path):

@@ -8,7 +8,6 @@ import pytest
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission_state.phase import Phase
-from rocsafe_orchestrator.mission_state.presence import Sighting
 from rocsafe_orchestrator.mission_state.request import Order, OrderKind
 from rocsafe_orchestrator.mission_state.situation import Crew, Situation
 
@@ -448,23 +447,6 @@ def test_a_localizer_that_never_answers_does_not_hold_the_mission_up() -> None:
     rehearsal.advance(6.0)
     assert rehearsal.is_in(Phase.COLLECTING)
     assert rehearsal.mission.outcome is Phase.COMPLETE
-
-
-@pytest.mark.parametrize('ending', ['', 'battery'])
-def test_a_result_that_was_lost_is_taken_from_the_state(ending: str) -> None:
-    """A result is sent once; nodes that slept may not know each other then."""
-    rehearsal = Rehearsal().to_airborne()
-    rehearsal.mission.flown('rav1', 3)
-    landed = {'rav2': Sighting(is_grounded=True, visited=3, ending=ending)}
-    now = Situation(ready=PROCESSES, sightings=landed)
-    rehearsal.advance(5.0, now)
-    rehearsal.advance(5.0, now)
-    assert rehearsal.is_in(Phase.FLYING)
-    rehearsal.advance(6.0, now)
-    rehearsal.advance(0.1, now)
-    assert not rehearsal.is_in(Phase.FLYING)
-    assert ('battery' in rehearsal.mission.text) == bool(ending)
-    assert 'rav2: has landed, the result of its flight was lost' in rehearsal.mission.remarks
 
 
 def test_a_failed_survey_is_not_followed_by_a_round() -> None:

@@ -2,7 +2,6 @@
 """What is gathered from the nodes' messages."""
 
 import math
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -172,26 +171,3 @@ def test_real_vehicle_counts_as_still_though_its_receiver_drifts() -> None:
             name='rav1', state=FlightState.HOLDING, speed_mps=0.3, is_simulated=is_simulated
         )
         assert status.is_still is not is_simulated
-
-
-@pytest.mark.parametrize(
-    ('changes', 'has_ended'),
-    [
-        ({}, True),
-        ({'viewpoints_visited': 2}, False),
-        ({'viewpoints_visited': 2, 'ending': 'battery'}, True),
-        ({'plan_id': 'an older one'}, False),
-        ({'state': FlightState.WAITING, 'ending': 'battery'}, False),
-        ({'state': FlightState.LANDING}, False),
-        ({'viewpoint_count': 0, 'viewpoints_visited': 0}, False),
-    ],
-)
-def test_a_flight_has_ended_when_its_vehicle_stands(
-    changes: dict[str, Any], has_ended: bool
-) -> None:
-    """After the last viewpoint, or when it said why it ends early; not before its start."""
-    facts = {
-        'state': FlightState.LANDED, 'plan_id': 'plan', 'viewpoint_count': 3,
-        'viewpoints_visited': 3,
-    }  # fmt: skip
-    assert VehicleStatus(name='rav1', **{**facts, **changes}).has_ended('plan') is has_ended

@@ -173,6 +173,15 @@ def test_mistake_is_named_in_one_line(
     assert '\n' not in str(caught.value)
 
 
+def test_without_a_camera_there_are_no_other_cameras(small: Callable[..., Path]) -> None:
+    """Simulated vehicles without one take no photographs."""
+    assert read_scenario(small({})).has_cameras
+    bare: dict[str, object] = {'camera': {'backend': 'none'}}
+    assert not read_scenario(small(bare)).has_cameras
+    with pytest.raises(ScenarioError, match='other_cameras: has 1 entries, must be empty with'):
+        read_scenario(small({**bare, 'other_cameras': [{'name': 'front'}]}))
+
+
 def test_gusts_that_vehicles_cannot_hold_are_refused(small: Callable[..., Path]) -> None:
     """Two standard deviations on top of the wind, for each vehicle."""
     with pytest.raises(ScenarioError) as caught:

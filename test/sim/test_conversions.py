@@ -103,7 +103,7 @@ def test_every_mode_and_outcome_has_its_message():
         outcome=FlightOutcome.BATTERY_LOW, text='battery 20%', viewpoints_visited=3,
         distance_flown_m=120.5, duration_s=60.25,
     )  # fmt: skip
-    result = result_message(summary)
+    result = result_message(summary, has_camera=True)
     assert result.outcome == FlyRoute.Result.BATTERY_LOW
     assert (result.viewpoints_visited, result.duration_s) == (3, 60.25)
 

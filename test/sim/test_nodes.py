@@ -26,7 +26,7 @@ from test.sim.node_stand import (
     point,
     route,
 )  # fmt: skip
-from test.sim.vehicle_files import fleet_file
+from test.sim.vehicle_files import cameras_file, fleet_file
 
 from rocsafe_geo.storage import shot_store
 from rocsafe_interfaces.action import FlyRoute
@@ -98,6 +98,20 @@ def test_photograph_says_where_it_was_taken(operator: Operator, world: Any, rav:
     assert shot.camera_info.k[0] == pytest.approx(32.0 / math.tan(math.radians(30.0)))
     assert shot.header.frame_id == 'rav1/camera_optical'
     assert bytes(shot.image.data)[:2] == b'\xff\xd8'
+
+
+def test_a_vehicle_without_cameras_visits_its_viewpoints(
+    operator: Operator, world: Any, rav: Any, tmp_path: Path
+) -> None:
+    """It takes no photographs, and says so."""
+    world('rav1')
+    rav(cameras_file=cameras_file(tmp_path))
+    states, shots = operator.listen(topics.STATE), operator.listen(topics.SHOT)
+    ended = operator.fly(route(count=2))
+    assert (ended.result.viewpoints_visited, ended.result.shots_taken) == (2, 0)
+    operator.ros.spin_until(lambda: states[-1].state == VehicleState.LANDED, DEADLINE_S)
+    assert (states[-1].viewpoints_visited, states[-1].shots_taken) == (2, 0)
+    assert not shots
 
 
 def test_commands_by_service(operator: Operator, world: Any, rav: Any) -> None:

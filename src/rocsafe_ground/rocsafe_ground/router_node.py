@@ -3,13 +3,12 @@
 
 from collections.abc import Callable
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.task import Future
 
 from rocsafe_ground.conversions import (
     costs_message,
@@ -28,6 +27,7 @@ from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePointArray, GroundRoute
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.calls import PLAN_GROUND_ROUTE
+from rocsafe_ros.goal_jobs_node import GoalJobs
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import (
@@ -38,10 +38,8 @@ from rocsafe_ros.topics import (
     create_publisher,
 )
 
-# How often a running job is looked at, on the wall clock: simulated time may stand still.
-WATCH_PERIOD_S = 0.1
-
-Planned = tuple[DrivePlan, GroundMap]
+# A drive, the map that it was planned on, and its number from 0.
+Planned = tuple[DrivePlan, GroundMap, int]
 Job = BackgroundJob[Planned, str]
 
 
@@ -60,8 +58,8 @@ class RouterNode(Node):
         self._route = create_publisher(self, GROUND_ROUTE)
         self._path = create_publisher(self, GROUND_PATH)
         self._costs = create_publisher(self, GROUND_COSTS)
-        self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._count = 0
+        self._numbers = count()
+        self._jobs = GoalJobs[Planned, str](self, _feedback)
         self._reader = MapReader()
         self._server = ActionServer(
             self,
@@ -79,10 +77,9 @@ class RouterNode(Node):
     async def _execute(self, goal: ServerGoalHandle) -> PlanGroundRoute.Result:
         """Plan in a thread, wait for it without blocking, publish the route."""
         try:
-            request = request_of_goal(goal.request, self._options)
-            job = Job(partial(self._plan, request, goal.request.products), 'routing', 'map')
-            await self._ended(job, goal)
-            plan, ground = job.result()
+            job = self._jobs.begin(goal, partial(self._start, goal))
+            await self._jobs.ended(job, goal)
+            plan, ground, number = job.result()
         except (GroundError, ValueError, OSError) as error:
             goal.abort()
             self.get_logger().error(str(error))
@@ -92,18 +89,17 @@ class RouterNode(Node):
             return PlanGroundRoute.Result(
                 error_code=PlanGroundRoute.Result.CANCELLED, error_msg='cancelled'
             )
-        result = PlanGroundRoute.Result(route=self._published(goal.request, plan, ground))
+        asked = goal.request
+        route = route_message(plan, asked.vehicle, f'drive-{number + 1}')
+        if goal is job.first:
+            self._publish(asked, plan, ground, route)
         goal.succeed()
-        return result
+        return PlanGroundRoute.Result(route=route)
 
-    async def _ended(self, job: Job, goal: ServerGoalHandle) -> None:
-        """Wait until a job has ended; tell its stage."""
-        done = Future()
-        timer = self.create_timer(
-            WATCH_PERIOD_S, partial(_watch, job, goal, done), clock=self._wall_clock
-        )
-        await done
-        self.destroy_timer(timer)
+    def _start(self, goal: ServerGoalHandle) -> Job:
+        """Start to plan what a goal asks for."""
+        request = request_of_goal(goal.request, self._options)
+        return Job(partial(self._plan, request, goal.request.products), 'routing', 'map')
 
     def _plan(self, request: DriveRequest, folder: str, report: Callable[[str], bool]) -> Planned:
         """Read the map and plan; runs in the thread of the job."""
@@ -113,18 +109,17 @@ class RouterNode(Node):
         )
         report('routes')
         plan = plan_drive(request, ground)
+        number = next(self._numbers)
         if options.export_directory:
             first = Path(options.export_directory)
-            write_drive(first / f'again-{self._count}' if self._count else first, plan, ground)
-        return plan, ground
+            write_drive(first / f'again-{number}' if number else first, plan, ground)
+        return plan, ground, number
 
-    def _published(
-        self, goal: PlanGroundRoute.Goal, plan: DrivePlan, ground: GroundMap
-    ) -> GroundRoute:
-        """Publish a route and return its message."""
+    def _publish(
+        self, goal: PlanGroundRoute.Goal, plan: DrivePlan, ground: GroundMap, route: GroundRoute
+    ) -> None:
+        """Publish a route."""
         stamp = self.get_clock().now().to_msg()
-        self._count += 1
-        route = route_message(plan, goal.vehicle, f'drive-{self._count}')
         evidence = EvidencePointArray(points=goal.evidence)
         evidence.header.stamp = stamp
         self._evidence.publish(evidence)
@@ -135,16 +130,10 @@ class RouterNode(Node):
             f'{route.route_id}: {plan.length_m:.0f} m, {plan.time_s:.0f} s, '
             f'{plan.forecast.mean_usv:.4g} uSv'
         )
-        return route
 
 
-def _watch(job: Job, goal: ServerGoalHandle, done: Future) -> None:
-    """Report the progress of a goal; wake the goal when its job has ended."""
-    if done.done():
-        return
-    goal.publish_feedback(PlanGroundRoute.Feedback(elapsed_s=job.elapsed_s, stage=job.progress))
-    if job.is_done:
-        done.set_result(None)
+def _feedback(job: Job) -> PlanGroundRoute.Feedback:
+    return PlanGroundRoute.Feedback(elapsed_s=job.elapsed_s, stage=job.progress)
 
 
 def main() -> int:

@@ -2,14 +2,11 @@
 """The planner as a ROS node: `ros2 run rocsafe_planner planner`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
-from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.task import Future
 
 from rocsafe_geo.terrain.terrain_file import read_terrain
 from rocsafe_interfaces.action import PlanSurvey
@@ -34,35 +31,12 @@ from rocsafe_planner.planning import UNKNOWN, Figures
 from rocsafe_planner.replanning import remaining_request
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.calls import PLAN_SURVEY
+from rocsafe_ros.goal_jobs_node import GoalJob, GoalJobs
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import PLAN, create_publisher
 
-# How often a running job is looked at, on the wall clock: simulated time may stand still.
-WATCH_PERIOD_S = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class _Search:
-    """A search under way, and the goals that wait for it: one that is sent twice is one search."""
-
-    asked: str
-    job: BackgroundJob[SurveyPlan, Figures]
-    goals: list[ServerGoalHandle]
-
-    def serves(self, asked: str) -> bool:
-        """Return whether its plan answers a request, too."""
-        return asked == self.asked and not self.job.is_done and not self.is_cancelled
-
-    @property
-    def first(self) -> ServerGoalHandle | None:
-        """The first goal that waits for it, None if all are cancelled."""
-        return next((goal for goal in self.goals if not goal.is_cancel_requested), None)
-
-    @property
-    def is_cancelled(self) -> bool:
-        """Whether no goal waits for it any more."""
-        return self.first is None
+Search = GoalJob[SurveyPlan, Figures]
 
 
 def _load_solver(_report: Callable[[None], bool]) -> None:
@@ -85,8 +59,7 @@ class PlannerNode(Node):
         self._options = declare_options(self, PlannerOptions)
         self._plan_publisher = create_publisher(self, PLAN)
         self._plans: dict[str, PlanValue] = {}
-        self._newest: _Search | None = None
-        self._wall_clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._searches = GoalJobs[SurveyPlan, Figures](self, _feedback, replaces=True)
         # While the other nodes start: the first goal need not wait for it.
         BackgroundJob(_load_solver, 'loading', None)
         self._server = ActionServer(
@@ -104,18 +77,18 @@ class PlannerNode(Node):
 
     async def _execute(self, goal: ServerGoalHandle) -> PlanSurvey.Result:
         """Plan in a thread, wait for it without blocking, publish the plan."""
-        search: _Search | None = None
+        search: Search | None = None
         try:
-            search = self._search(goal)
-            await self._ended(search, goal)
-            message = search.job.result()
+            search = self._searches.begin(goal, partial(self._start, goal))
+            await self._searches.ended(search, goal)
+            message = search.result()
         except (PlannerError, ValueError) as error:
-            return self._refuse(goal, error, is_replaced=search not in (None, self._newest))
+            return self._refuse(goal, error, is_replaced=search is not None and search.is_replaced)
         message.header.stamp = self.get_clock().now().to_msg()
         if goal.is_cancel_requested:
             goal.canceled()
             return result_of_stopped('cancelled', message)
-        if search is not self._newest:
+        if search.is_replaced:
             goal.abort()
             return result_of_stopped('a newer goal took its place', message)
         if goal is search.first:
@@ -126,6 +99,11 @@ class PlannerNode(Node):
             )
         goal.succeed()
         return result_of_plan(message)
+
+    def _start(self, goal: ServerGoalHandle) -> BackgroundJob[SurveyPlan, Figures]:
+        """Start the search for what a goal asks for."""
+        request = self._request(goal.request)
+        return BackgroundJob(partial(self._plan, request), 'planning', UNKNOWN)
 
     def _request(self, goal: PlanSurvey.Goal) -> SurveyRequest:
         """Return what a goal asks for: a new plan, or the rest of one made before."""
@@ -138,26 +116,6 @@ class PlannerNode(Node):
             plan or exported_plan(self._options.exported(goal.rest_of), goal.rest_of, terrain),
             situation,
         )
-
-    def _search(self, goal: ServerGoalHandle) -> _Search:
-        """Return the search for a goal: a new one, or one under way for the same request."""
-        asked = repr(goal.request)
-        if self._newest is not None and self._newest.serves(asked):
-            self._newest.goals.append(goal)
-            return self._newest
-        request = self._request(goal.request)
-        job = BackgroundJob(partial(self._plan, request), 'planning', UNKNOWN)
-        self._newest = _Search(asked, job, [goal])
-        return self._newest
-
-    async def _ended(self, search: _Search, goal: ServerGoalHandle) -> None:
-        """Wait until a search has ended; tell a goal its progress."""
-        done = Future()
-        timer = self.create_timer(
-            WATCH_PERIOD_S, partial(self._watch, search, goal, done), clock=self._wall_clock
-        )
-        await done
-        self.destroy_timer(timer)
 
     def _plan(self, request: SurveyRequest, report: Callable[[Figures], bool]) -> SurveyPlan:
         """Plan, check and export; runs in the thread of the job."""
@@ -175,16 +133,6 @@ class PlannerNode(Node):
             write_plan(plan, folder)
         return message_of_plan(plan)
 
-    def _watch(self, search: _Search, goal: ServerGoalHandle, done: Future) -> None:
-        """Report the progress of a goal; wake the goal when its search has ended."""
-        if done.done():
-            return
-        if search.is_cancelled or search is not self._newest:
-            search.job.cancel()
-        goal.publish_feedback(feedback(search.job.elapsed_s, *search.job.progress))
-        if search.job.is_done:
-            done.set_result(None)
-
     def _refuse(
         self, goal: ServerGoalHandle, error: PlannerError | ValueError, *, is_replaced: bool
     ) -> PlanSurvey.Result:
@@ -197,6 +145,10 @@ class PlannerNode(Node):
             return result_of_stopped('a newer goal took its place')
         self.get_logger().error(str(error))
         return result_of_error(error)
+
+
+def _feedback(job: BackgroundJob[SurveyPlan, Figures]) -> PlanSurvey.Feedback:
+    return feedback(job.elapsed_s, *job.progress)
 
 
 def main() -> int:

@@ -84,8 +84,10 @@ class Scenario(Block):
 
     @property
     def has_cameras(self) -> bool:
-        """Whether any vehicle takes photographs; a real one may carry a detector alone."""
-        return any(not vehicle.link or vehicle.drone.image_folder for vehicle in self.vehicles)
+        """Whether any vehicle takes photographs; it may carry a detector alone."""
+        if self.simulated and self.camera.backend != 'none':
+            return True
+        return any(vehicle.drone.image_folder for vehicle in self.linked)
 
     def linked_on(self, host: str) -> tuple[VehicleBlock, ...]:
         """Return the real vehicles of a host."""

@@ -74,6 +74,9 @@ def _double_names(scenario: Scenario) -> Iterator[str]:
 
 
 def _double_cameras(scenario: Scenario) -> Iterator[str]:
+    if scenario.other_cameras and scenario.camera.backend == 'none':
+        count = len(scenario.other_cameras)
+        yield f"other_cameras: has {count} entries, must be empty with camera.backend = 'none'"
     taken = [FIRST_CAMERA]
     for index, camera in enumerate(scenario.other_cameras):
         if camera.name in taken:

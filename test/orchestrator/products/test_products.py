@@ -9,14 +9,17 @@ import shutil
 import pytest
 
 from rocsafe_orchestrator.products.readings_table import COLUMNS
+from rocsafe_orchestrator.products.run_reading import read_run
 from rocsafe_orchestrator.products.run_record import Reading, VehicleSample
 from rocsafe_orchestrator.products.summary import (
     flight_ns,
     highest_reading,
     integrated_dose_usv,
+    summarise,
     utc_text,
     viewpoints_of,
 )
+from rocsafe_orchestrator.report.run_texts import lead
 from rocsafe_orchestrator.write_products import write_products
 
 pytestmark = pytest.mark.slow
@@ -127,6 +130,21 @@ def test_products_can_be_made_again(finished):
     before = (path / 'readings.csv').read_bytes()
     assert write_products(path) == summary
     assert (path / 'readings.csv').read_bytes() == before
+
+
+def test_vehicles_without_cameras_lack_no_photographs(flown_run, tmp_path):
+    """The reader is told once that there was no camera, not of each viewpoint."""
+    copy = tmp_path / flown_run.name
+    shutil.copytree(flown_run, copy, ignore=shutil.ignore_patterns('images', 'mosaic*'))
+    scenario = copy / 'scenario.yaml'
+    scenario.write_text(scenario.read_text() + 'camera: {backend: none}\n')
+    record = read_run(copy)
+    assert [line for line in record.missing if 'photo' in line] == [
+        'no photographs and no map: no vehicle has a camera'
+    ]
+    summary = summarise(record)
+    assert summary.images_expected is None
+    assert 'photograph' not in lead(summary)
 
 
 def test_dose_is_the_area_under_the_readings():

@@ -12,7 +12,6 @@ from rocsafe_orchestrator.mission.closing import MOSAIC, REPORT, Closing
 from rocsafe_orchestrator.mission.driving import DriveEnd, Driving
 from rocsafe_orchestrator.mission.landing import Landing
 from rocsafe_orchestrator.mission.losses import PLANNER, WORLD, Losses
-from rocsafe_orchestrator.mission.lost_results import LostResults
 from rocsafe_orchestrator.mission.options import Deadlines
 from rocsafe_orchestrator.mission.rounds import Rounds
 from rocsafe_orchestrator.mission.takeover import AGENTS, Takeover
@@ -92,7 +91,6 @@ class Mission(PhaseRecord):
         self.rounds = Rounds(self, self._requests, self._closing, self._time, extra_rounds)
         self._shots_before, self._has_images = 0, False
         self._agents_plan_s = 0.0
-        self._lost_results = LostResults(self._requests)
 
     @property
     def text(self) -> str:
@@ -343,9 +341,6 @@ class Mission(PhaseRecord):
     def _fly(self, now_s: float, situation: Situation) -> None:
         if self.takeover.watch(situation):
             return
-        for name, seen in list(self._lost_results.found(now_s, situation)):
-            self.remarks.append(f'{name}: has landed, the result of its flight was lost')
-            self.flown(name, seen.visited or 0, seen.ending)
         routes = self._requests.of_kind(OrderKind.FLY)
         is_flying = bool(situation.aloft) or not self._requests.all_done(OrderKind.FLY)
         if is_flying and all(request.status is not Status.WAITING for request in routes):

@@ -95,12 +95,6 @@ class VehicleStatus:
         """Whether it is in the air."""
         return self.state in _ALOFT
 
-    def has_ended(self, plan_id: str) -> bool:
-        """Whether it stands after a route of this plan, flown to its last viewpoint or not."""
-        is_down = self.state in GROUNDED and not self.is_waiting
-        is_whole = 0 < self.viewpoint_count == self.viewpoints_visited
-        return is_down and self.plan_id == plan_id and (is_whole or bool(self.ending))
-
     @property
     def may_turn_back(self) -> bool:
         """Whether it can be called home; a vehicle that lands already cannot."""
@@ -274,7 +268,6 @@ class Monitor:
             taken_by='operator' if is_settling or is_led_by_others else status.taken_by,
             is_grounded=status.state in GROUNDED,
             is_unheard=is_left_out or status.state is FlightState.LOST,
-            visited=status.viewpoints_visited if status.has_ended(self._plan_id) else None,
         )
 
     @property

@@ -169,6 +169,7 @@ class MissionLoop:
             for order in parts.mission.advance(now_s, self._situation(now_s)):
                 self._tell(self._decisions.of_order(order))
                 self._carry_out(order)
+        parts.node.requests.ask_again()
         self._tell(self._decisions.of_mission(parts.mission))
         while parts.mission.remarks:
             self._say(parts.mission.remarks.pop(0))

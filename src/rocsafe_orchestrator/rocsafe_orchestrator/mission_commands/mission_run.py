@@ -355,8 +355,10 @@ def _closing(directory: RunDirectory, monitor: Monitor, text: str, phase: Phase)
     lines = Text.assemble((f'mission {phase.name.lower()}', style))
     if text:
         lines.append(f': {text}')
-    images = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
-    lines.append(f'\n{images}, {clock(monitor.flight_time_s)} under way')
+    seen = f'{monitor.viewpoints_visited} viewpoints visited'
+    if monitor.images_expected:
+        seen = f'{monitor.images_stored} images stored for {monitor.images_expected} viewpoints'
+    lines.append(f'\n{seen}, {clock(monitor.flight_time_s)} under way')
     if monitor.peak is not None:
         lines.append(f', highest reading {peak_text(monitor.peak)}')
     if directory.report.is_file():

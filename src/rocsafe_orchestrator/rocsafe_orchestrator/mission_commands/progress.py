@@ -183,9 +183,10 @@ class LiveDisplay:
 def plain_line(status: RunStatus) -> str:
     """Return `status` in one line."""
     parts = [f'{clock(status.wall_time_s)} {status.phase.name.lower()}']
-    if status.images_expected:
+    if status.viewpoints_planned:
         seen, planned = status.viewpoints_visited, status.viewpoints_planned
         parts.append(f'waypoint {seen} of {planned}')
+    if status.images_expected:
         parts.append(f'{status.images_stored} images stored')
     if status.peak is not None:
         parts.append(peak_text(status.peak))
@@ -234,8 +235,9 @@ def _figures(status: RunStatus) -> Table:
     table = Table.grid(padding=(0, 2))
     table.add_column(style='dim')
     table.add_column()
-    expected = status.images_expected or '?'
-    table.add_row('images stored', f'{status.images_stored} for {expected} viewpoints')
+    table.add_row(
+        'images stored', f'{status.images_stored} for {status.images_expected} viewpoints'
+    )
     table.add_row('highest reading', '-' if status.peak is None else peak_text(status.peak))
     times = f'{clock(status.flight_time_s)} under way, {clock(status.wall_time_s)} passed'
     table.add_row('time', times + _factor_text(status))

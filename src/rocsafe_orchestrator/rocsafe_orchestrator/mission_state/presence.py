@@ -57,8 +57,6 @@ class Sighting:
         Whether it is on the ground, or lies there.
     is_unheard
         Whether its own bridge has lost it.
-    visited
-        Viewpoints of its route that it visited before it landed; None: it has not landed.
     """
 
     silent_s: float = 0.0
@@ -66,7 +64,6 @@ class Sighting:
     taken_by: str = ''
     is_grounded: bool = False
     is_unheard: bool = False
-    visited: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

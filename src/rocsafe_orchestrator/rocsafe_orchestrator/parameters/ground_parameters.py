@@ -5,6 +5,7 @@ from typing import Any
 
 from rocsafe_orchestrator.parameters.node_parameters import LOCK_STEP, origin_parameters
 from rocsafe_orchestrator.run_directory import RunDirectory
+from rocsafe_scenario.blocks.cameras import backend_parameters
 from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
 from rocsafe_scenario.scenario import Scenario
 
@@ -38,9 +39,7 @@ def rgv_parameters(scenario: Scenario, block: GroundVehicleBlock, run: RunDirect
         'fix_rate_hz': simulation.fix_rate_hz,
         'gps_horizontal_std_m': simulation.gps_horizontal_std_m,
         'gps_vertical_std_m': simulation.gps_vertical_std_m,
-        'camera_backend': scenario.camera.backend,
-        'scene_file': scenario.camera.scene_file,
-        'ground': scenario.camera.ground,
+        **backend_parameters(scenario.camera),
         'scene': scenario.scene,
         'scene_start_s': scenario.clock.start.timestamp(),
         'seed': scenario.seed,

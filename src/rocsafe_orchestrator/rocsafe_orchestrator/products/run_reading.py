@@ -45,7 +45,12 @@ class _Reading:
         further = self._further(log)
         photographs = read_photographs(self._run.images)
         plans = (plan, *further) if plan else further
-        self._check(plans, log, photographs)
+        if scenario is not None and not scenario.has_cameras:
+            self._missing.append('no photographs and no map: no vehicle has a camera')
+        else:
+            self._check_pictures(plans, photographs)
+        if log is not None and not log.readings:
+            self._missing.append('no dose-rate readings in the recording')
         return RunRecord(
             path=self._run.path,
             info=info,
@@ -84,13 +89,10 @@ class _Reading:
             sorted(filter(None, found), key=lambda plan: begun.get(plan.plan_id, math.inf))
         )
 
-    def _check(
-        self,
-        plans: tuple[SurveyPlan, ...],
-        log: FlightLog | None,
-        photographs: tuple[Photograph, ...],
+    def _check_pictures(
+        self, plans: tuple[SurveyPlan, ...], photographs: tuple[Photograph, ...]
     ) -> None:
-        """List what a complete run would have."""
+        """List the photographs and the map that a complete run would have."""
         self._file(self._run.mosaic, 'map', _require_raster)
         balance = viewpoint_balance(plans, photographs)
         if balance.missing:
@@ -99,8 +101,6 @@ class _Reading:
             )
         elif not photographs and not plans:
             self._missing.append('no photographs')
-        if log is not None and not log.readings:
-            self._missing.append('no dose-rate readings in the recording')
 
 
 def _plan(path: Path) -> SurveyPlan:

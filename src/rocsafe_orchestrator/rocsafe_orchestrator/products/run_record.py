@@ -280,6 +280,11 @@ class RunRecord:
         return self.scenario is None or self.scenario.has_radiation
 
     @property
+    def has_cameras(self) -> bool:
+        """Whether vehicles took photographs; without a scenario they did."""
+        return self.scenario is None or self.scenario.has_cameras
+
+    @property
     def driver(self) -> str:
         """Name of the ground vehicle, empty if there is none."""
         return self.scenario.driver_name if self.scenario is not None else ''

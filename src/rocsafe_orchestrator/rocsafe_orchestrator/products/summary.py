@@ -177,7 +177,7 @@ def summarise(record: RunRecord) -> RunSummary:
         plan=record.plan,
         vehicles=vehicles,
         images_stored=len(record.photographs),
-        images_expected=balance.planned if record.plan else None,
+        images_expected=balance.planned if record.plan and record.has_cameras else None,
         viewpoints_photographed=balance.photographed,
         reading_count=len(readings),
         highest_reading=_over_ground(highest_reading(readings), record.scenario),

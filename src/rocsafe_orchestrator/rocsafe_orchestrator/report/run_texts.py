@@ -76,8 +76,10 @@ def lead(summary: RunSummary) -> str:
     if summary.plan:
         text += f' over a region of {formats.area(summary.plan.region_area_m2)}'
     drivers = [vehicle for vehicle in summary.vehicles if vehicle.is_ground_vehicle]
-    stored = formats.whole(summary.images_stored - sum(one.images_stored for one in drivers))
-    text += f'{" and" if summary.mission_duration_s else ""} stored {stored} photographs'
+    stored = summary.images_stored - sum(one.images_stored for one in drivers)
+    if stored or summary.images_expected is not None or not summary.plan:
+        both = ' and' if summary.mission_duration_s else ''
+        text += f'{both} stored {formats.whole(stored)} photographs'
     if summary.images_expected is not None:
         seen, expected = summary.viewpoints_photographed, summary.images_expected
         part = 'all' if seen == expected else f'{formats.whole(seen)} of'

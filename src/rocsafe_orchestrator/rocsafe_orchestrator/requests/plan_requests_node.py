@@ -74,8 +74,9 @@ class PlanRequests(GoalRequests):
         self.plan = self._plans[plan.plan_id] = plan
         self.replaces = True
         self.routes.update(((plan.plan_id, route.vehicle), route) for route in plan.routes)
-        self._monitor.images_expected = goal_conversions.viewpoint_count(plan)
-        self._monitor.begin_plan(plan.plan_id, self._monitor.images_expected)
+        viewpoints = goal_conversions.viewpoint_count(plan)
+        self._expect_images(viewpoints)
+        self._monitor.begin_plan(plan.plan_id, viewpoints)
 
     def send(self, order: Order) -> None:
         """Ask for a plan of the survey, of its rest, or of a further round."""
@@ -131,7 +132,7 @@ class PlanRequests(GoalRequests):
         # a vehicle in the air without viewpoints left flies home
         routed = [r for r in result.plan.routes if r.flights or r.viewpoints]
         expected = sum(map(goal_conversions.viewpoint_count, self._plans.values()))
-        self._monitor.images_expected = expected + self._photographed
+        self._expect_images(expected + self._photographed)
         viewpoints = goal_conversions.viewpoint_count(result.plan)
         self._monitor.begin_plan(result.plan.plan_id, viewpoints)
         self._routed = [route.vehicle for route in routed]
@@ -143,6 +144,9 @@ class PlanRequests(GoalRequests):
             # Of these the image store owes a photograph each.
             taken = len(visited) if self._scenario.has_cameras else 0
             self._mission.planned(self._routed, taken)
+
+    def _expect_images(self, count: int) -> None:
+        self._monitor.images_expected = count if self._scenario.has_cameras else 0
 
     def confirm(self) -> None:
         """Fly the plan that waits for a confirmation."""

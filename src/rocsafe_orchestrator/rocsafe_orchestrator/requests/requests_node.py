@@ -137,6 +137,13 @@ class Requests(GoalRequests):
         if self.drives is not None:
             self.drives.begin(mission)
 
+    def ask_again(self) -> None:
+        """Ask again for the results that have not come for long."""
+        super().ask_again()
+        self.plans.ask_again()
+        if self.drives is not None:
+            self.drives.ask_again()
+
     def replan(self) -> str:
         """Have the rest of the mission planned anew; return why not, empty if it is."""
         if self._mission is None:

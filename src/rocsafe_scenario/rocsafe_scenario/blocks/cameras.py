@@ -40,10 +40,11 @@ class CameraBlock(MountBlock):
 
     `backend` flat photographs `ground`: level, with the photograph of the scenario's scene, or a
     GeoTIFF. `backend` engine looks into the scene of `scene_file`, by default
-    ``../scenes/<scene>.yaml`` from the scenario's file.
+    ``../scenes/<scene>.yaml`` from the scenario's file. With `backend` none simulated vehicles
+    visit the viewpoints without a camera: no photographs, no map.
     """
 
-    backend: Literal['flat', 'engine'] = 'flat'
+    backend: Literal['flat', 'engine', 'none'] = 'flat'
     scene_file: str = ''
     oversampling: int = Field(default=2, ge=1, le=4)
     horizontal_fov_deg: float = Field(default=60.0, ge=5.0, le=150.0)
@@ -76,10 +77,17 @@ def camera_parameters(camera: CameraBlock, others: tuple[OtherCameraBlock, ...])
     first = {'name': FIRST_CAMERA, **picture, **camera.model_dump(include=_OF_THE_MOUNT)}
     further = [{**picture, **other.model_dump(exclude_none=True)} for other in others]
     return {
-        'camera_backend': camera.backend,
+        **backend_parameters(camera),
+        'cameras_file': {'cameras': [] if camera.backend == 'none' else [first, *further]},
+    }
+
+
+def backend_parameters(camera: CameraBlock) -> dict[str, Any]:
+    """Return the parameters of what the cameras look at."""
+    return {
+        'camera_backend': 'engine' if camera.backend == 'engine' else 'flat',
         'scene_file': camera.scene_file,
         'ground': camera.ground,
-        'cameras_file': {'cameras': [first, *further]},
     }
 
 

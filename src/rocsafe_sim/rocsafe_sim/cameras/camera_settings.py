@@ -134,8 +134,8 @@ class CameraRig:
     Attributes
     ----------
     cameras
-        At least one. The first takes the photographs of the survey: it is called ``camera`` and
-        looks straight down.
+        The first takes the photographs of the survey: it is called ``camera`` and looks straight
+        down. Without one the vehicle takes none.
     """
 
     cameras: tuple[CameraSettings, ...] = (CameraSettings(),)
@@ -144,8 +144,8 @@ class CameraRig:
         names = [camera.name for camera in self.cameras]
         if len(set(names)) < len(names):
             raise ValueError(f'cameras are called {", ".join(names)}: names must differ')
-        first = self.cameras[0] if self.cameras else None
-        if first is None or first.name != FIRST_CAMERA or first.direction != Direction():
+        first = self.cameras[0] if self.cameras else CameraSettings()
+        if first.name != FIRST_CAMERA or first.direction != Direction():
             raise ValueError(
                 f'cameras[0]: must be called {FIRST_CAMERA} and look straight down, as surveys '
                 'are planned'

@@ -150,14 +150,14 @@ def battery_message(
     )
 
 
-def result_message(summary: FlightSummary) -> FlyRoute.Result:
-    """Return the result of a flight that has ended."""
+def result_message(summary: FlightSummary, *, has_camera: bool) -> FlyRoute.Result:
+    """Return the result of a flight that has ended; a camera took one photograph a viewpoint."""
     is_complete = summary.outcome is FlightOutcome.COMPLETED
     return FlyRoute.Result(
         outcome=OUTCOMES[summary.outcome],
         error_msg='' if is_complete else f'{summary.outcome.value}: {summary.text}',
         viewpoints_visited=summary.viewpoints_visited,
-        shots_taken=summary.viewpoints_visited,
+        shots_taken=summary.viewpoints_visited if has_camera else 0,
         distance_flown_m=summary.distance_flown_m,
         duration_s=summary.duration_s,
     )

@@ -79,7 +79,7 @@ class RavParts:
     noise
         Errors of its sensors.
     cameras
-        Cameras; the first takes the photographs of the survey.
+        Cameras; the first takes the photographs of the survey. Without one it takes none.
     sensors
         Sensors of motion, air, field and distance.
     drift
@@ -155,6 +155,11 @@ class Rav:
                 turn = read_gimbal(self.spool, camera.name)
                 camera.gimbal.turn = turn or camera.gimbal.turn
 
+    @property
+    def shots_taken(self) -> int:
+        """Photographs since power-up."""
+        return self.vehicle.record.shots_taken if self.parts.cameras else 0
+
     def hold_if_cut_off(self, time_ns: int) -> int:
         """Hold where it was when it was stepped last, if it has missed steps before `time_ns`.
 
@@ -175,7 +180,7 @@ class Rav:
         """
         snapshot = self._step_and_sense(time_ns)
         self.pictures.clear()
-        taken = [self._photograph(due) for due in snapshot.shots]
+        taken = [self._photograph(due) for due in snapshot.shots if self.parts.cameras]
         for shot in taken:
             self.shots.add(shot)
         self.keep_journal()

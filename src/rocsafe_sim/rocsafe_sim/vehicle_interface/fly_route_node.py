@@ -41,7 +41,8 @@ class FlyRouteServer(RouteGoals):
     def result(self) -> FlyRoute.Result | None:
         """Return the result of the flight, None while it goes on."""
         summary = self._rav.vehicle.summary()
-        return None if summary is None else result_message(summary)
+        has_camera = bool(self._rav.parts.cameras)
+        return None if summary is None else result_message(summary, has_camera=has_camera)
 
     def failure(self, text: str, *, is_refusal: bool) -> FlyRoute.Result:
         """Return the result of a goal that never began, or was replaced."""

@@ -15,9 +15,10 @@ def make_shot_delivery(
     node: VehicleScopeNode, rav: Rav, on_receipt: Callable[[], None]
 ) -> ShotDelivery:
     """Return the sender of the photographs of `rav`; `on_receipt` is called after each receipt."""
-    camera, noise = rav.parts.cameras[0].settings, rav.parts.noise
+    noise = rav.parts.noise
 
     def message_of(shot: Shot) -> GeotaggedImage:
+        camera = rav.parts.cameras[0].settings
         distortion = camera.effects.distortion
         return geotagged_message(shot, camera.lens, noise.attitude_std_rad, distortion)
 

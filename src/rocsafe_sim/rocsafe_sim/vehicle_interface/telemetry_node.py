@@ -112,7 +112,7 @@ class Telemetry:
             state=STATES[seen.mode],
             is_simulated=True,
             viewpoints_visited=seen.viewpoints_visited,
-            shots_taken=seen.shots_taken,
+            shots_taken=self._rav.shots_taken,
             shots_pending=len(self._rav.shots),
             battery_fraction=seen.battery_fraction,
             distance_flown_m=seen.distance_flown_m,
