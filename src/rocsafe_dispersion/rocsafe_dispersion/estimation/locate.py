@@ -129,7 +129,7 @@ def locate_releases(
     >>> options = LocateOptions(most_releases=1)
     >>> found = locate_releases(survey, area, layer, options=options)
     >>> (release,) = found.releases
-    >>> math.dist(release.place_m, (-20.0, 5.0)) < 5.0
+    >>> release.holds(-20.0, 5.0)
     True
     >>> bool(release.rate_low_g_s < 5.0 < release.rate_high_g_s)
     True
