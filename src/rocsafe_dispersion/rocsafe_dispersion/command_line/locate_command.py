@@ -40,12 +40,7 @@ from rocsafe_hazard.row_spool import SpoolError
 
 # More readings of a table are averaged: time and memory grow with their number.
 MOST_FITTED = 300
-# What is told of the start and the end of a release: word, probability that it is not among the
-# readings, and bounds.
-MOMENTS = (
-    ('started', 'started_before_probability', 'start_95_s'),
-    ('ended', 'ended_after_probability', 'end_95_s'),
-)
+MOMENTS = (('started', 'start_95_s'), ('ended', 'end_95_s'))
 EXIT_OK, EXIT_REFUSED = 0, 2
 PARAMETER_FILES = ('.yaml', '.yml')
 # Assumptions about a table of readings that says nothing of them.
@@ -278,10 +273,10 @@ def _text(document: dict[str, Any]) -> str:
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
         rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
-        for what, beyond, when in MOMENTS:
-            if release[beyond] is not None and release[beyond] < 0.5:
+        for verb, when in MOMENTS:
+            if release[when] is not None:
                 first_s, last_s = release[when]
-                lines.append(f'it {what} between {first_s:.0f} and {last_s:.0f} s (95 %)')
+                lines.append(f'it {verb} between {first_s:.0f} and {last_s:.0f} s (95 %)')
         if 'dense_gas' in release:
             lines.append(near_field_line(release['dense_gas']))
     where = f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground'

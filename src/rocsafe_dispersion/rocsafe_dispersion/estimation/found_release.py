@@ -64,17 +64,12 @@ class Moment:
     beyond
         Probability that it was not among the readings; None: their times are not known.
     time_s, bounds_s
-        Where it was among them: median, and the bounds of the middle 0.95, in their time.
+        Where it rather was among them: median, and the bounds of the middle 0.95, in their time.
     """
 
     beyond: float | None = None
     time_s: float = math.nan
     bounds_s: tuple[float, float] | None = None
-
-    @property
-    def is_among(self) -> bool:
-        """Whether it rather was among the readings."""
-        return self.beyond is not None and self.beyond < 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -139,7 +134,7 @@ def _moment(spans_s: FloatArray | None, which: int) -> Moment:
         return Moment()
     among = spans_s[which][np.isfinite(spans_s[which])]
     beyond = 1.0 - len(among) / spans_s.shape[1]
-    if not len(among):
+    if beyond >= 0.5:
         return Moment(beyond=beyond)
     tail = (1.0 - REGION_SHARE) / 2.0
     low, middle, high = np.quantile(among, (tail, 0.5, 1.0 - tail)).tolist()
