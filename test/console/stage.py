@@ -90,6 +90,8 @@ class Stage:
         self.names += [ROVER] if has_rover else []
         self.crew = Crew()
         self.steps = 0
+        # What says no more: mission, fix, dose, detector.
+        self.silent: set[str] = set()
         self.state = dict.fromkeys(self.names, 4)
         self.context = Context(
             options=WebOptions(
@@ -122,7 +124,6 @@ class Stage:
                     name, Holder(holder='orchestrator@stage', lease='x/1', epoch=1), now_s
                 )
                 picture.on_home(name, (*place_of(-150.0, 0.0), 40.0))
-                picture.on_dose(name, 3.2, is_lower_limit=False)
             for name, heard in zip(self.names[:3], CONTACTS, strict=False):
                 picture.on_agent(name, heard, now_s, now_s)
             put = picture.sections.put
@@ -179,7 +180,8 @@ class Stage:
         live = self.context.live
         with live.lock:
             picture = live.picture
-            picture.on_mission(self._mission(now_s), now_s)
+            if 'mission' not in self.silent:
+                picture.on_mission(self._mission(now_s), now_s)
             for number, name in enumerate(self.names):
                 angle = self.steps * 0.02 + number * 2 * math.pi / len(self.names)
                 east, north = 100 * math.cos(angle), 60 * math.sin(angle)
@@ -190,7 +192,12 @@ class Stage:
                     picture.on_agent(name, CONTACTS[number], now_s, now_s)
                 if self.steps % 10 == number % 10 or self.state[name] != 4:
                     picture.on_report(self._report(name, now_s), now_s)
-                picture.on_fix(name, (*place, 90.0), now_s, now_s)
+                if 'fix' not in self.silent:
+                    picture.on_fix(name, (*place, 90.0), now_s, now_s)
+                if 'dose' not in self.silent:
+                    picture.on_dose(name, 3.2, now_s, now_s, is_lower_limit=False)
+                if 'detector' in self.silent:
+                    continue
                 rate = 0.1 + 9e4 / (400.0 + (east - 20) ** 2 + (north - 10) ** 2)
                 picture.on_reading(
                     Reading(vehicle=name, stamp_s=now_s, dose_rate_usvh=rate, std_usvh=0.1,

@@ -40,7 +40,7 @@ def say(picture, bad: float) -> None:
         picture.on_fix('rav1', fix, now_s, now_s)
         picture.on_home('rav1', fix)
     picture.on_fix('rav1', (1.0, 1.0, 1.0), bad, now_s)
-    picture.on_dose('rav1', bad, is_lower_limit=False)
+    picture.on_dose('rav1', bad, now_s, now_s, is_lower_limit=False)
     picture.on_reading(rate_of(bad), now_s)
     picture.on_reading(rate_of(1e9, (bad, 1.0)), now_s)
     gas = {'vehicle': 'rav1', 'stamp_s': now_s, 'unit': 'ppm', 'sensor': 's', 'std': bad}

@@ -121,6 +121,69 @@ def test_what_nobody_knows_the_age_of_is_marked_as_old(browser, flight):
     view.page.close()
 
 
+# Whether all words in an element that tell a fact have the grey of what is old.
+IS_GREY = """selector => {
+    const grey = document.createElement('p');
+    grey.className = 'grey';
+    document.body.append(grey);
+    const colour = getComputedStyle(grey).color;
+    grey.remove();
+    const all = [...document.querySelectorAll(selector)];
+    return all.length > 0 && all.every((one) => getComputedStyle(one).color === colour);
+}"""
+# By what falls silent: where a fact is told, and who else is still live.
+SILENT = {
+    'detector': ('.fact-worst .big, .fact-worst .line', '.fact-vehicles .vehicle'),
+    'mission': ('.fact-coverage .big, .fact-coverage .line, .badge', '.fact-worst .big'),
+    'fix': ('.vehicle [data-fact="way_home"]', '.fact-worst .big'),
+    'dose': ('.vehicle [data-fact="dose"]', '.fact-worst .big'),
+}
+OLD_SECTIONS = {
+    'sources': '.fact-sources .line:first-child',
+    'releases': '.fact-sources .line:last-child',
+    'cordons_heard_s': '.fact-zones ul',
+    'wind': '.fact-zones p.line',
+    'photograph': '.fact-picture p.line:nth-of-type(1)',
+    'mosaic': '.fact-picture p.line:nth-of-type(2)',
+}
+
+
+def test_each_fact_is_grey_when_it_is_old_and_no_other(browser, flight, monkeypatch):
+    """A receiver, a detector, the mission, or an estimate that falls silent alone."""
+    monkeypatch.setattr('rocsafe_console.picture.vehicle.DOSE_STALE_S', 3.0)
+    stage, _, address = flight
+    view = View(browser, address, 'wall')
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    grey = lambda selector: view.page.evaluate(IS_GREY, selector)  # noqa: E731
+    for what, (shown, other) in SILENT.items():
+        view.page.wait_for_timeout(600)
+        assert not grey(shown), what
+        stage.silent = {what}
+        view.wait(f'({IS_GREY})({shown!r})')
+        assert not grey(other), what
+        if what == 'fix':
+            assert 'its place is old' in view.page.inner_text('.vehicle-text >> nth=0')
+            assert view.page.evaluate(
+                '[...rocsafe.link.vehicles.values()].every((one) => rocsafe.map.isOld(one))'
+            )
+        stage.silent = set()
+        view.wait(f'!({IS_GREY})({shown!r})')
+    put, value = stage.context.live.picture.sections.put, stage.context.live.picture.sections.value
+    put('zones', [])
+    now_s = time.time()
+    put('photograph', {'shot_id': 'rav1-1', 'vehicle': 'rav1', 'heard_s': now_s})
+    for what in OLD_SECTIONS:
+        put(what, now_s if what.endswith('_s') else {**value(what), 'heard_s': now_s})
+    for what, shown in OLD_SECTIONS.items():
+        view.wait(f'!({IS_GREY})({shown!r})')
+        old_s = time.time() - 100.0
+        put(what, old_s if what.endswith('_s') else {**value(what), 'heard_s': old_s})
+        view.wait(f'({IS_GREY})({shown!r})')
+        assert not grey('.fact-worst .big'), what
+    assert view.page.locator('.fact-picture .old-picture').count() == 1
+    view.page.close()
+
+
 def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
     """Vehicles move and are not grey; after three seconds of silence all of them are."""
     _, pilot, address = flight
@@ -189,9 +252,11 @@ while time.time() < end:
         print('silent', flush=True)
         timer = None
 """
-# Counts, each 20 ms, whether a vehicle is shown as live.
+# Counts, each 20 ms, whether a vehicle or the mission's coverage is shown as live.
 WATCH = """() => { window.seenLive = 0; setInterval(() => {
-    window.seenLive += document.querySelectorAll('.vehicle:not(.grey)').length; }, 20); }"""
+    window.seenLive += document.querySelectorAll('.vehicle:not(.grey)').length;
+    window.seenLive += document.querySelectorAll('html:not(.not-live):not(.mission-old)').length;
+    }, 20); }"""
 
 
 class RealServer:
@@ -379,8 +444,8 @@ def test_the_focus_stays_where_ages_are_counted(browser, flight):
         view.page.wait_for_timeout(2500)
         assert view.page.inner_text(f'{box} .age') != before
         assert view.page.evaluate(f'document.activeElement.closest("{box}") !== null')
-    assert view.page.locator('.fact-zones .line.grey').count() == 1
-    assert 'ago' in view.page.inner_text('.fact-zones .line')
+    assert view.page.locator('.fact-zones p.line.grey').count() == 1
+    assert 'ago' in view.page.inner_text('.fact-zones p.line')
     assert not view.faults
     view.page.close()
 
@@ -529,6 +594,87 @@ def test_an_alarm_is_heard_after_the_first_click_and_until_it_is_seen(browser, f
     view.page.close()
 
 
+def faults_of_axe(axe, view: View, shown: str) -> list[tuple[str, ...]]:
+    """Return what axe finds in a page, with a contrast of 7 to 1."""
+    rules = {'color-contrast-enhanced': {'enabled': True}}
+    options = {'runOnly': AXE_RULES, 'rules': rules}
+    violations = axe.Axe().run(view.page, options=options).response['violations']
+    return [
+        (shown, one['id'], node['html'][:120], node['failureSummary'][:300])
+        for one in violations
+        for node in one['nodes']
+    ]
+
+
+@pytest.mark.parametrize(('width', 'height'), [(844, 390), (320, 640)])
+def test_a_phone_shows_map_facts_and_orders_however_it_is_held(browser, flight, width, height):
+    """The page scrolls under the orders; no part of the map lies over them."""
+    *_, address = flight
+    view = View(browser, address)
+    page = view.page
+    page.set_viewport_size({'width': width, 'height': height})
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    assert page.evaluate('document.documentElement.scrollWidth') <= width
+    assert page.locator('#map').bounding_box()['height'] >= 180
+    # The scale of the map is moved under the orders.
+    scale, order = (
+        page.locator(one).bounding_box()
+        for one in ('.leaflet-control-scale', '[data-verb="hold"]')
+    )
+    page.evaluate(f'scrollBy(0, {scale["y"] - order["y"]})')
+    top = page.evaluate(
+        """() => { const { x, y, height } = document.querySelector('.leaflet-control-scale')
+            .getBoundingClientRect();
+        return document.elementFromPoint(x + 30, y + height / 2).closest('.orders') !== null; }"""
+    )
+    assert top
+    page.locator('.fact-zones').scroll_into_view_if_needed()
+    assert not view.faults
+    page.close()
+
+
+@pytest.mark.parametrize('theme', ['light', 'dark'])
+def test_what_opens_over_the_page_and_what_is_old_can_be_read(browser, tmp_path, flight, theme):
+    """A place, an order and its results, keys, rights on a mission, a replay, a silent mission."""
+    axe = pytest.importorskip('axe_playwright_python.sync_playwright')
+    stage, pilot, address = flight
+    make_run(tmp_path / 'yard-1')
+    view = View(browser, address, color_scheme=theme)
+    page = view.page
+    view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    faults = []
+
+    def look(shown: str, selector: str) -> None:
+        page.wait_for_selector(selector)
+        faults.extend(faults_of_axe(axe, view, shown))
+
+    page.focus('#map')
+    page.check('#pick-rav1')
+    page.evaluate('rocsafe.map.onPlace({ lat: 53.28, lng: -9.0633 })')
+    look('place', '#place form')
+    page.keyboard.press('h')
+    look('armed', '.order-confirm')
+    stage.crew.refusal = 'rav1: led by the pilot'
+    page.keyboard.press('Enter')
+    look('results', '.results li.bad')
+    page.keyboard.press('?')
+    look('help', '#help[open]')
+    page.keyboard.press('Escape')
+    page.click('[data-view="runs"]')
+    page.locator('.run').get_by_role('button', name='People').click()
+    look('access', '#access[open]')
+    page.keyboard.press('Escape')
+    page.locator('.run .run-buttons button').first.click()
+    look('replay', '#replay input')
+    page.click('[data-view="live"]')
+    stage.silent = {'mission', 'fix', 'dose', 'detector'}
+    look('old facts', '.mission-old .fact-worst .grey')
+    pilot.stop()
+    look('old vehicles', '.vehicle.grey')
+    assert faults == []
+    page.close()
+
+
 @pytest.mark.parametrize('theme', ['light', 'dark'])
 @pytest.mark.parametrize('size', SIZES)
 def test_everybody_can_read_and_use_it(browser, flight, size, theme):
@@ -545,17 +691,7 @@ def test_everybody_can_read_and_use_it(browser, flight, size, theme):
             view.page.click(f'button[data-view="{shown}"]')
         if shown == 'draft':
             view.wait('document.querySelector("#draft-text")?.value.length > 100')
-        options = {
-            'runOnly': AXE_RULES,
-            'rules': {'color-contrast-enhanced': {'enabled': True}},
-        }
-        violations = axe.Axe().run(view.page, options=options).response['violations']
-        nodes = [
-            (shown, one['id'], node['html'][:120], node['failureSummary'][:300])
-            for one in violations
-            for node in one['nodes']
-        ]
-        assert nodes == []
+        assert faults_of_axe(axe, view, shown) == []
     width = view.page.evaluate('document.documentElement.scrollWidth')
     assert width <= SIZES[size][0]
     view.page.close()
@@ -582,6 +718,11 @@ def test_a_mission_is_drawn_planned_approved_and_launched_by_clicks(browser, tmp
         view.wait('document.querySelectorAll(".vehicle").length === 3')
         count = draw_and_launch(view)
         view.wait('document.documentElement.dataset.view === "live"')
+        assert view.page.evaluate('document.activeElement.dataset.view') == 'live'
+        # The name of a draft is checked by the browser, too.
+        view.page.click('[data-view="draft"]')
+        view.page.fill('#draft-name', 'no name')
+        assert not view.page.eval_on_selector('#draft-name', 'input => input.checkValidity()')
     assert count <= 12
     words = [line.split()[0] for line in told.read_text().splitlines()]
     assert words == ['check', 'plan', 'run']
@@ -645,16 +786,21 @@ def test_a_region_is_drawn_and_evidence_marked_by_keys_alone(browser, tmp_path):
         view.wait('document.querySelector("#draft-text")?.value.length > 100')
         page.focus('#draw-region')
         page.keyboard.press('Enter')
-        page.focus('#map')
+        # The focus goes to the map by itself, and on to the next step.
+        focus = 'document.activeElement.id'
+        assert page.evaluate(focus) == 'map'
         for key in ('ArrowUp', 'ArrowRight', 'ArrowDown'):
             page.keyboard.press('Enter')
             before = page.evaluate('rocsafe.map.map.getCenter().toString()')
             page.keyboard.press(key)
             view.wait(f'rocsafe.map.map.getCenter().toString() !== "{before}"')
         page.keyboard.press('Enter')
-        page.focus('#draw-done')
         page.keyboard.press('Enter')
+        assert '5 corners' in page.inner_text('#draft')
+        page.keyboard.press('Backspace')
+        page.keyboard.press('c')
         assert '4 corners' in page.inner_text('#draft')
+        assert page.evaluate(focus) == 'draft-plan'
         assert not view.faults
         page.close()
 

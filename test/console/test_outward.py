@@ -13,7 +13,7 @@ from test.console.stage import TOKEN, Stage, served
 
 from rocsafe_console.outward.cursor_on_target import STALE_S, events_of
 from rocsafe_console.outward.event_target import EventTarget
-from rocsafe_console.outward.features import COLLECTIONS
+from rocsafe_console.outward.features import COLLECTIONS, items_of
 
 DEADLINE_S = 20.0
 
@@ -67,6 +67,24 @@ def test_a_vehicle_that_is_silent_is_not_sent(stage):
     kinds = [event.kind for event in events_of(stage.context.live.picture, now_s)]
     assert 'a-f-A-M-H-Q' not in kinds
     assert 'u-d-f' in kinds
+
+
+def test_an_estimate_is_told_with_its_age(stage):
+    """It is sent until there is another one: the receiver must not take it for one of now."""
+    put, value = stage.context.live.picture.sections.put, stage.context.live.picture.sections.value
+    now_s = 1.8e9
+    for name in ('sources', 'releases'):
+        put(name, {**value(name), 'heard_s': now_s - 600.0})
+    put('cordons_heard_s', now_s - 600.0)
+    events = events_of(stage.context.live.picture, now_s)
+    told = [event.remarks for event in events if 'estimated' in event.remarks]
+    assert sum('estimated at 07:50:00 UTC' in text for text in told) == 4
+    # Nobody has told when the threat zones were computed.
+    assert sum('nobody knows when' in text for text in told) == 1
+    for name in ('sources', 'releases', 'cordons', 'threat_zones'):
+        found = items_of('', name, stage.context.live.picture, now_s, {})['features']
+        age_s = None if name == 'threat_zones' else 600.0
+        assert {one['properties']['age_s'] for one in found} == {age_s}
 
 
 @pytest.mark.slow

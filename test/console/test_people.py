@@ -2,10 +2,12 @@
 """Who may do what: the whole table of roles, users, sessions and limits."""
 
 import pytest
+from cryptography.exceptions import InvalidKey
+from cryptography.hazmat.primitives.kdf.argon2 import Argon2id
 
 from rocsafe_console.errors import ConsoleError, RefusedError
 from rocsafe_console.people.missions import EVERYBODY, NAMED, Access, Missions, access_of
-from rocsafe_console.people.passwords import hash_of, is_right
+from rocsafe_console.people.passwords import NOBODY, hash_of, is_right
 from rocsafe_console.people.roles import MAY, VERBS, Action, Role, require
 from rocsafe_console.people.session_file import load_sessions, save_sessions
 from rocsafe_console.people.sessions import LONGEST_S, AttemptLimit, Sessions
@@ -34,7 +36,7 @@ def test_every_role_may_exactly_what_the_table_says(role, action):
     if action.value in EXPECTED[role.value]:
         require(role, action)
     else:
-        with pytest.raises(RefusedError, match=f'a {role.value} may not'):
+        with pytest.raises(RefusedError, match=f'the role {role.value} may not'):
             require(role, action)
 
 
@@ -158,6 +160,13 @@ def test_a_wrong_file_of_users_is_told_in_one_line(tmp_path, text, words):
 
 
 @pytest.mark.slow
+def test_a_name_that_there_is_not_takes_as_long_as_another():
+    """The hash of nobody is read and computed like one of a user, with the same costs."""
+    with pytest.raises(InvalidKey):
+        Argon2id.verify_phc_encoded(PASSWORD.encode(), NOBODY)
+    assert NOBODY.split('$')[:4] == hash_of(PASSWORD).split('$')[:4]
+
+
 def test_a_password_is_right_or_not():
     """Two hashes of one password differ; a short one is refused without being told."""
     first, second = hash_of(PASSWORD), hash_of(PASSWORD)

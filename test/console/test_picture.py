@@ -15,7 +15,14 @@ from rocsafe_console.picture import track as track_module
 from rocsafe_console.picture.alarms import ERROR, MOST_KEPT, WARN, Alarms
 from rocsafe_console.picture.coordinates import coordinates_of, position_of_ecef, zone_of
 from rocsafe_console.picture.estimates import BatteryDrain, Trend, way_home_s
-from rocsafe_console.picture.frame_bytes import HEAD, VEHICLE, VehicleFrame, frame_of
+from rocsafe_console.picture.frame_bytes import (
+    HEAD,
+    OLD_DOSE,
+    OLD_PLACE,
+    VEHICLE,
+    VehicleFrame,
+    frame_of,
+)
 from rocsafe_console.picture.freshness import MissionClock
 from rocsafe_console.picture.gas import GasNow
 from rocsafe_console.picture.map_image import DOSE, Grid, corners_of, png_of
@@ -100,6 +107,43 @@ def test_what_was_kept_for_late_subscribers_is_old_until_the_clock_is_seen_to_ru
     assert picture.frames(WALL_S + 1.0)[0].age_s == math.inf
     picture.on_report(report(stamp_s=14.6), WALL_S + 1.1)
     assert picture.frames(WALL_S + 1.1)[0].age_s == 0.0
+
+
+def test_a_place_or_a_dose_may_be_old_alone():
+    """A vehicle that is heard may have lost its receiver or its detector."""
+    picture = flown()
+    picture.on_report(report(), WALL_S + 10.0)
+    vehicle = picture.vehicles['rav1']
+    assert vehicle.frame(WALL_S + 10.0).flags == OLD_PLACE | OLD_DOSE
+    picture.on_fix('rav1', (53.0, -9.0, 60.0), 10.5, WALL_S + 10.5)
+    picture.on_dose('rav1', 3.0, 10.5, WALL_S + 10.5, is_lower_limit=False)
+    picture.on_reading(
+        Reading(vehicle='rav1', stamp_s=10.5, dose_rate_usvh=7.0, std_usvh=0.1,
+                latitude_deg=53.0, longitude_deg=-9.0, detector='nai'),
+        WALL_S + 10.5,
+    )  # fmt: skip
+    frame = vehicle.frame(WALL_S + 13.0)
+    assert (frame.flags, frame.dose_rate_usvh) == (0, 7.0)
+    picture.on_report(report(stamp_s=14.0), WALL_S + 14.0)
+    frame = vehicle.frame(WALL_S + 14.0)
+    assert (frame.age_s, frame.flags) == (0.0, OLD_PLACE)
+    assert math.isnan(frame.dose_rate_usvh)
+    # What it flies after its detector has fallen silent has no dose rate.
+    picture.on_fix('rav1', (53.001, -9.0, 60.0), 21.0, WALL_S + 21.0)
+    assert vehicle.frame(WALL_S + 21.0).flags == OLD_DOSE
+    assert math.isnan(vehicle.track.points[-1][2])
+    # What DDS has kept is as old as its stamp.
+    picture.on_dose('rav1', 3.0, 5.0, WALL_S + 22.0, is_lower_limit=False)
+    assert vehicle.frame(WALL_S + 22.0).flags & OLD_DOSE
+
+
+def test_a_state_of_the_mission_that_was_kept_is_none_of_now():
+    """Coverage and phase would look live for three seconds after a restart."""
+    picture = Picture()
+    picture.on_mission(mission(10.0), WALL_S)
+    assert picture.mission_heard_s == -math.inf
+    picture.on_mission(mission(10.5), WALL_S + 1.0)
+    assert picture.mission_heard_s == WALL_S + 1.0
 
 
 def test_the_worst_gas_reading_is_kept_by_its_unit():

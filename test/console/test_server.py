@@ -26,6 +26,7 @@ from rocsafe_console.people.sessions import MOST_SESSIONS
 from rocsafe_console.people.users import User, Users, write_users
 from rocsafe_console.runs.drafts import Drafts, Step
 from rocsafe_console.runs.launches import Launches
+from rocsafe_console.web import context as context_module
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
@@ -90,7 +91,7 @@ def test_no_trouble_with_the_log_holds_up_an_emergency(
     stage, caller, monkeypatch, tmp_path, verb, disk
 ):
     """It is sent, and the page says that it is in no log; a damaged log goes on beside itself."""
-    monkeypatch.setattr(order_handlers, 'LOG_S', 0.3)
+    monkeypatch.setattr(context_module, 'LOG_S', 0.3)
     path, done = tmp_path / 'console.jsonl', threading.Event()
     write = stage.context.desk.write
 
@@ -425,7 +426,7 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
         assert tried.keys() == set(Action)
         for action, attempt in tried.items():
             status, answer = attempt()
-            is_refused = status == 403 and f'a {role.value} may not' in answer['error']
+            is_refused = status == 403 and f'the role {role.value} may not' in answer['error']
             assert is_refused == (action not in MAY[role]), action
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
 
@@ -523,6 +524,37 @@ def test_a_link_for_other_programs_opens_nothing_else(open_mission):
     named = {'commander': 'commander', 'visibility': 'named', 'members': []}
     assert callers['commander'].ask(f'/api/runs/{run.name}/access', named)[0] == 200
     assert viewer.ask(items)[0] == 403
+
+
+@pytest.mark.parametrize('disk', ['full', 'hangs'])
+def test_no_trouble_with_the_log_keeps_anybody_out_or_in(tmp_path, people, monkeypatch, disk):
+    """Who must hold a vehicle can log in, a session can be ended; an alarm tells what is lost."""
+    monkeypatch.setattr(context_module, 'LOG_S', 0.3)
+    stage, done = Stage(tmp_path, users=people), threading.Event()
+    stage.begin()
+
+    def troubled(*_: object) -> None:
+        done.wait(20.0 if disk == 'hangs' else 0.0)
+        raise OSError(28, 'No space left on device', 'evidence.jsonl')
+
+    monkeypatch.setattr(stage.context.desk, 'write', troubled)
+    with served(stage) as address:
+        operator, commander = Caller(address), Caller(address)
+        for caller, name in ((operator, 'operator'), (commander, 'commander')):
+            body = {'name': name, 'password': 'wrong'}
+            assert caller.ask('/api/login', body)[0] == 401
+            assert caller.ask('/api/login', {**body, 'password': PASSWORD})[0] == 200
+        told = stage.context.live.picture.sections.value('alarms')
+        assert any('login of operator is in no evidence log' in one['text'] for one in told)
+        status, answer = operator.order('hold', revisions_of(stage))
+        assert (status, [one['outcome'] for one in answer['results']]) == (200, ['done'] * 3)
+        assert answer['unlogged']
+        sessions = commander.ask('/api/sessions')[1]['sessions']
+        other = next(one['public_id'] for one in sessions if one['user'] == 'operator')
+        assert commander.ask(f'/api/sessions/{other}/revoke', {})[0] == 200
+        assert operator.ask('/api/runs')[0] == 401
+        assert commander.ask('/api/logout', {})[0] == 200
+        done.set()
 
 
 @pytest.mark.slow

@@ -110,6 +110,17 @@ def test_a_goal_that_is_sent_twice_is_planned_once(router, tmp_path):
     assert (tmp_path / 'out' / 'again-1' / 'route.json').exists()
 
 
+def test_a_router_that_is_started_again_keeps_the_drives_before(ros, tmp_path):
+    """The next drive has the next number, and a folder of its own."""
+    folder, out = write_village(tmp_path), tmp_path / 'out'
+    for number, path in enumerate((out, out / 'again-1'), 1):
+        made = Router(ros, export_directory=str(out))
+        assert made.ask(goal_of(folder)).route.route_id == f'drive-{number}'
+        assert (path / 'route.json').exists()
+        made.close()
+    assert not (out / 'again-2').exists()
+
+
 def test_goal_gets_its_route(router, tmp_path):
     """Result, latched topics and exported files hold the same route."""
     result = router.ask(goal_of(write_village(tmp_path)))

@@ -39,6 +39,19 @@ def test_computed_readings_may_be_alike():
     assert are_again(np.repeat(passed * noise, 2)).sum() == 90
 
 
+@pytest.mark.parametrize('seed', range(10))
+def test_readings_of_a_vehicle_that_stands_are_judged_where_it_moves(seed):
+    """Computed ones, also where it turns so sharply that they are not smooth; none of a logger."""
+    generator = np.random.default_rng(seed)
+    steps_m = np.where(np.arange(120) < 60, 0.0, 8.0) + np.abs(generator.normal(0.0, 0.02, 120))
+    flown = np.exp(generator.normal(0.0, 0.3, 60))
+    values = np.concatenate([np.full(60, 1.3), flown])
+    assert are_again(values).sum() == 59
+    assert not are_again(values, steps_m).any()
+    read_twice = np.concatenate([np.full(60, 1.3), np.repeat(flown[:30], 2)])
+    assert are_again(read_twice, steps_m).sum() == 89
+
+
 @pytest.mark.parametrize('seed', range(20))
 def test_coarse_steps_and_zeros_of_clean_air_repeat_themselves(seed):
     """Equal neighbours tell nothing there."""

@@ -70,3 +70,25 @@ def test_long_lists_are_told_by_their_length(count, told):
     from rocsafe_orchestrator.recording.evidence_events import plain_of
 
     assert plain_of(numpy.ones(count)) == told
+
+
+def test_a_reading_that_is_no_number_hides_no_other():
+    """Neither as the first nor between others; alone, it is told as what it is."""
+    from rclpy.serialization import serialize_message
+
+    from rocsafe_interfaces.msg import RadiationReading
+    from rocsafe_orchestrator.recording.evidence_events import EvidenceEvents
+    from rocsafe_ros import topics
+
+    for values, highest in (
+        ((float('nan'), 3.0, 2.0), 3.0),
+        ((3.0, float('nan'), 2.0), 3.0),
+        ((float('nan'),), None),
+    ):
+        made = EvidenceEvents(lambda: 1.0, set())
+        for value in values:
+            message = RadiationReading(dose_rate_usvh=value)
+            list(made.of(topics.RADIATION, 'rav1', message, serialize_message(message)))
+        (event,) = made.rest()
+        told = event.what['highest']['dose_rate_usvh']
+        assert told == highest if highest else told != told

@@ -37,6 +37,13 @@ def test_reader_that_leaves_ends_nothing() -> None:
         assert process.wait(timeout=60.0) == 7
 
 
+def test_output_that_is_closed_from_the_begin_ends_nothing() -> None:
+    """As under a service manager: the exit code is that of the work."""
+    environment = {**os.environ, 'PYTHONPATH': os.pathsep.join(filter(None, sys.path))}
+    shell = ['sh', '-c', 'exec "$0" -c "$1" 0<&- >&- 2>&-', sys.executable, TALKER]
+    assert subprocess.run(shell, env=environment, timeout=60.0, check=False).returncode == 7
+
+
 @pytest.mark.skipif(not Path('/dev/full').exists(), reason='no /dev/full here')
 def test_full_disk_under_the_output_is_passed_over() -> None:
     """What cannot be written is not shown."""

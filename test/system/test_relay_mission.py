@@ -28,7 +28,7 @@ def record(complete: Flight) -> RunRecord:
 
 
 def test_flight_takes_as_long_as_the_plan(complete: Flight) -> None:
-    """Times with delay and battery change, lengths, photographs: what was planned was flown."""
+    """Times with delay and battery change, lengths, viewpoints: what was planned was flown."""
     plan = json.loads(complete.run.plan.read_text())
     summary = json.loads(complete.run.summary.read_text())
     assert {len(route['sorties']) for route in plan['routes']} == {1, 2}
@@ -40,7 +40,17 @@ def test_flight_takes_as_long_as_the_plan(complete: Flight) -> None:
         assert vehicle['flown_length_m'] == pytest.approx(vehicle['planned_length_m'], rel=1e-3)
         assert vehicle['state'] == 'landed'
     assert summary['mission_duration_s'] == pytest.approx(plan['makespan_s'], abs=2.0 * STEP_S)
-    assert len(complete.images()) == plan['viewpoint_count']
+    visited = sum(vehicle['viewpoints_visited'] for vehicle in summary['vehicles'])
+    assert visited == plan['viewpoint_count']
+
+
+def test_vehicles_without_cameras_take_no_photographs(complete: Flight) -> None:
+    """Nothing is missing: the mission is complete, and says why there is no map."""
+    assert complete.info()['outcome'] == 'complete'
+    assert complete.images() == {}
+    assert read_run(complete.run.path).missing == (
+        'no photographs and no map: no vehicle has a camera',
+    )
 
 
 def test_vehicles_keep_apart_as_planned(complete: Flight) -> None:

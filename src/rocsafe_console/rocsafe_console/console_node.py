@@ -221,9 +221,10 @@ class ConsoleNode(Node):
             self._live.picture.on_gas(reading, time.time())
 
     def _on_dose(self, name: str, message: AccumulatedDose) -> None:
+        stamp_s = conversions.seconds_of(message.header.stamp)
         with self._live.lock:
             self._live.picture.on_dose(
-                name, message.dose_usv, is_lower_limit=message.is_lower_limit
+                name, message.dose_usv, stamp_s, time.time(), is_lower_limit=message.is_lower_limit
             )
 
     def _on_alarm(self, name: str, message: DoseAlarm) -> None:

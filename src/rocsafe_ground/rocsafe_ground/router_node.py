@@ -3,7 +3,7 @@
 
 from collections.abc import Callable
 from functools import partial
-from itertools import count
+from itertools import count, takewhile
 from pathlib import Path
 
 from rclpy.action import ActionServer, CancelResponse
@@ -22,7 +22,7 @@ from rocsafe_ground.drive.ground_map import GroundMap, MapReader
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError
 from rocsafe_ground.options import RouterOptions
-from rocsafe_ground.products.files import write_drive
+from rocsafe_ground.products.files import ROUTE_FILE, write_drive
 from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePointArray, GroundRoute
 from rocsafe_ros.background_job import BackgroundJob
@@ -58,7 +58,8 @@ class RouterNode(Node):
         self._route = create_publisher(self, GROUND_ROUTE)
         self._path = create_publisher(self, GROUND_PATH)
         self._costs = create_publisher(self, GROUND_COSTS)
-        self._numbers = count()
+        # A router that is started again keeps the drives of the one before.
+        self._numbers = count(_written(self._options.export_directory))
         self._jobs = GoalJobs[Planned, str](self, _feedback)
         self._reader = MapReader()
         self._server = ActionServer(
@@ -111,8 +112,7 @@ class RouterNode(Node):
         plan = plan_drive(request, ground)
         number = next(self._numbers)
         if options.export_directory:
-            first = Path(options.export_directory)
-            write_drive(first / f'again-{number}' if number else first, plan, ground)
+            write_drive(_folder(options.export_directory, number), plan, ground)
         return plan, ground, number
 
     def _publish(
@@ -130,6 +130,17 @@ class RouterNode(Node):
             f'{route.route_id}: {plan.length_m:.0f} m, {plan.time_s:.0f} s, '
             f'{plan.forecast.mean_usv:.4g} uSv'
         )
+
+
+def _folder(exports: str, number: int) -> Path:
+    """Return where the drive of a number is written, the first in the folder of all."""
+    return Path(exports, f'again-{number}') if number else Path(exports)
+
+
+def _written(exports: str) -> int:
+    """Return how many drives a folder has; none if there is no folder."""
+    found = takewhile(lambda number: (_folder(exports, number) / ROUTE_FILE).exists(), count())
+    return len(list(found)) if exports else 0
 
 
 def _feedback(job: Job) -> PlanGroundRoute.Feedback:

@@ -11,6 +11,8 @@ from rocsafe_geo.arrays import BoolArray, FloatArray
 LEAST_UNLIKE, FEWEST_UNLIKE = 0.9, 10
 # A smaller share of equal neighbours is an accident of rounding.
 LEAST_AGAIN = 0.05
+# Steps shorter than this share of the longest, but for as many, are those of the receiver's noise.
+STANDING = 0.1
 # Readings whose third differences are a smaller share of them are of no detector, but computed:
 # neither sources nor uneven ground change so quickly, and the noise of detectors is above 1 %.
 LEAST_NOISE = 1e-3
@@ -19,8 +21,16 @@ LEAST_NOISE = 1e-3
 TIMES_AT_TOP, LEAST_STEPS, MOST_REPEATS = 3.0, 20.0, 0.1
 
 
-def are_again(values: FloatArray) -> BoolArray:
+def are_again(values: FloatArray, steps_m: FloatArray | None = None) -> BoolArray:
     """Return which values of a detector with fine steps, in their order, are the one before, (n,).
+
+    Parameters
+    ----------
+    values : (n,)
+        Readings of one detector.
+    steps_m : (n,)
+        Way to the place of each from that of the one before; None: unknown. A computed reading is
+        alike wherever its vehicle stands, that of a stuck detector also where it moves.
 
     Examples
     --------
@@ -32,8 +42,9 @@ def are_again(values: FloatArray) -> BoolArray:
     again = np.concatenate([np.zeros(min(len(values), 1), dtype=bool), np.diff(values) == 0.0])
     kept = values[~again]
     is_fine = len(np.unique(kept)) >= max(LEAST_UNLIKE * len(kept), FEWEST_UNLIKE)
-    # Computed readings are alike wherever a vehicle stands.
-    is_often = again.sum() >= LEAST_AGAIN * len(values) and not are_computed(kept)
+    steps_m = np.ones(len(values)) if steps_m is None else steps_m
+    moves = steps_m > STANDING * np.quantile(steps_m, 1.0 - STANDING) if len(values) else again
+    is_often = (again & moves).sum() >= LEAST_AGAIN * moves.sum() and not are_computed(kept)
     return again & (is_fine and is_often)
 
 

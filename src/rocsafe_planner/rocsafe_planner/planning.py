@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from rocsafe_planner.routing.bound import LowerBound
     from rocsafe_planner.solver.bounds.walk_prices import PriceOptions
 
-PRICE_WORK_PER_S, PRICE_WORK_PER_PROPOSAL = 1e8, 1.3e3
+PRICE_WORK_PER_S, PRICE_WORK_PER_PROPOSAL = 1e8, 100.0
 """Work for the prices of a bound in relation to the budget of a search: a third of its time."""
 MANY_POINTS = 2000
 """Above this the bound of a search is taken without another one beside it."""

@@ -87,8 +87,8 @@ def events_of(picture: Picture, now_s: float) -> list[Event]:
 def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
     for vehicle in picture.vehicles.values():
         # Nothing old is sent: the receiver would take it for new.
-        if now_s - vehicle.heard_s <= STALE_S and math.isfinite(vehicle.latitude_deg):
-            rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_usvh))
+        if now_s - vehicle.placed_s <= STALE_S:
+            rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_now(now_s)))
             yield Event(
                 uid=f'{prefix}.{vehicle.name}',
                 kind=GROUND_VEHICLE if vehicle.report.is_ground else ROTARY_UAV,
@@ -101,7 +101,8 @@ def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
 
 
 def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
-    for one in placed((picture.sections.value('sources') or {}).get('sources', [])):
+    found = picture.sections.value('sources') or {}
+    for one in placed(found.get('sources', [])):
         strength = formats.spaced(formats.dose_rate(one['dose_rate_at_1m_usvh']))
         yield Event(
             uid=f'{prefix}.source.{one["id"]}',
@@ -111,7 +112,7 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
             longitude_deg=one['place'][1],
             circular_error_m=max(map(_number, one['half_axes_m'])),
             stale_s=LASTING_STALE_S,
-            remarks=f'{strength} at 1 m, with {one["probability"]}; estimated',
+            remarks=f'{strength} at 1 m, with {one["probability"]}; {_made(found.get("heard_s"))}',
         )
 
 
@@ -127,20 +128,22 @@ def _releases(picture: Picture, prefix: str) -> Iterator[Event]:
             longitude_deg=one['place'][1],
             circular_error_m=_number(one['radius_95_m']),
             stale_s=LASTING_STALE_S,
-            remarks=f'{rate} g/s of {found["agent"]}; estimated',
+            remarks=f'{rate} g/s of {found["agent"]}; {_made(found.get("heard_s"))}',
         )
 
 
 def _cordons(picture: Picture, prefix: str) -> Iterator[Event]:
     for number, one in enumerate(picture.sections.value('cordons') or [], 1):
         level = formats.spaced(formats.dose_rate(one['level_usvh']))
-        remarks = 'upper 95 % of the dose rate'
+        made = _made(picture.sections.value('cordons_heard_s'))
+        remarks = f'upper 95 % of the dose rate; {made}'
         yield from _shape(one, f'{prefix}.cordon.{number}', f'cordon {level}', remarks)
 
 
 def _zones(picture: Picture, prefix: str) -> Iterator[Event]:
+    remarks = f'outer bound of 95 %; {_made(picture.sections.value("zones_heard_s"))}'
     for number, one in enumerate(picture.sections.value('zones') or [], 1):
-        yield from _shape(one, f'{prefix}.zone.{number}', one['level'], 'outer bound of 95 %')
+        yield from _shape(one, f'{prefix}.zone.{number}', one['level'], remarks)
 
 
 def _shape(line: Mapping[str, Any], uid: str, callsign: str, remarks: str) -> Iterator[Event]:
@@ -172,6 +175,13 @@ def _marks(picture: Picture, prefix: str) -> Iterator[Event]:
             stale_s=LASTING_STALE_S,
             remarks=f'{one["text"]} ({one["by"]})',
         )
+
+
+def _made(heard_s: float | None) -> str:
+    """Return when an estimate was made, in words: it is sent until there is another one."""
+    if heard_s is None:
+        return 'estimated, nobody knows when'
+    return f'estimated at {datetime.fromtimestamp(heard_s, tz=timezone.utc):%H:%M:%S} UTC'
 
 
 def _number(value: float | None) -> float:

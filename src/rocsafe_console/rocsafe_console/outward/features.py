@@ -7,6 +7,7 @@ from datetime import datetime, timezone
 from typing import Any
 from urllib.parse import urlencode
 
+from rocsafe_console.picture.freshness import STALE_S
 from rocsafe_console.picture.picture import Picture
 
 Feature = dict[str, Any]
@@ -186,18 +187,18 @@ def _vehicles(picture: Picture, now_s: float) -> Iterator[Feature]:
         if math.isfinite(vehicle.latitude_deg):
             place = [vehicle.longitude_deg, vehicle.latitude_deg]
             altitude = [vehicle.altitude_m] if math.isfinite(vehicle.altitude_m) else []
-            age_s = now_s - vehicle.heard_s
+            age_s = now_s - vehicle.placed_s
             yield _feature(
                 'Point',
                 [*place, *altitude],
                 vehicle=vehicle.name,
                 state=vehicle.report.state_name,
                 battery_fraction=vehicle.report.battery_fraction,
-                dose_rate_usvh=vehicle.dose_rate_usvh,
+                dose_rate_usvh=vehicle.dose_rate_now(now_s),
                 dose_usv=vehicle.dose_usv,
                 led_by=vehicle.holder.holder,
                 age_s=age_s,
-                is_stale=not age_s <= 3.0,
+                is_stale=not age_s <= STALE_S,
             )
 
 
@@ -225,33 +226,40 @@ def _exclusions(picture: Picture, _now_s: float) -> Iterator[Feature]:
         yield _feature('Polygon', _rings(rings))
 
 
-def _cordons(picture: Picture, _now_s: float) -> Iterator[Feature]:
+def _cordons(picture: Picture, now_s: float) -> Iterator[Feature]:
+    age_s = _age_s(picture.sections.value('cordons_heard_s'), now_s)
     for one in picture.sections.value('cordons') or []:
         line = [place[::-1] for place in one['ring']]
         bound = 'mean' if one['is_mean'] else 'upper 95 %'
-        yield _feature('LineString', line, level_usvh=one['level_usvh'], confidence=bound)
+        yield _feature(
+            'LineString', line, level_usvh=one['level_usvh'], confidence=bound, age_s=age_s
+        )
 
 
-def _sources(picture: Picture, _now_s: float) -> Iterator[Feature]:
-    for one in (picture.sections.value('sources') or {}).get('sources', []):
+def _sources(picture: Picture, now_s: float) -> Iterator[Feature]:
+    found = picture.sections.value('sources') or {}
+    for one in found.get('sources', []):
         known = {key: value for key, value in one.items() if key not in ('place', 'half_axes_m')}
         longer, shorter = one['half_axes_m']
         known |= {'half_axis_95_m': longer, 'shorter_half_axis_95_m': shorter}
+        known['age_s'] = _age_s(found.get('heard_s'), now_s)
         yield _feature('Point', one['place'][::-1], **known)
 
 
-def _releases(picture: Picture, _now_s: float) -> Iterator[Feature]:
+def _releases(picture: Picture, now_s: float) -> Iterator[Feature]:
     found = picture.sections.value('releases') or {}
     for one in found.get('releases', []):
         known = {key: value for key, value in one.items() if key != 'place'}
+        known['age_s'] = _age_s(found.get('heard_s'), now_s)
         yield _feature('Point', one['place'][::-1], agent=found['agent'], **known)
 
 
-def _zones(picture: Picture, _now_s: float) -> Iterator[Feature]:
+def _zones(picture: Picture, now_s: float) -> Iterator[Feature]:
+    age_s = _age_s(picture.sections.value('zones_heard_s'), now_s)
     for one in picture.sections.value('zones') or []:
         line = [place[::-1] for place in one['ring']]
         bound = 'expected' if one['is_mean'] else 'outer 95 %'
-        yield _feature('LineString', line, level=one['level'], confidence=bound)
+        yield _feature('LineString', line, level=one['level'], confidence=bound, age_s=age_s)
 
 
 def _marks(picture: Picture, _now_s: float) -> Iterator[Feature]:
@@ -272,6 +280,11 @@ COLLECTIONS: Mapping[str, tuple[str, Callable[[Picture, float], Iterator[Feature
     'threat_zones': ('Threat zones of gas', _zones),
     'marks': ('Marks', _marks),
 }
+
+
+def _age_s(heard_s: float | None, now_s: float) -> float | None:
+    """Return the age of what was heard, seconds; None: nobody knows."""
+    return None if heard_s is None else now_s - heard_s
 
 
 def _feature(kind: str, coordinates: list[Any], **properties: Any) -> Feature:

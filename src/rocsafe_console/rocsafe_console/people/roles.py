@@ -60,4 +60,4 @@ MAY = {
 def require(role: Role, action: Action) -> None:
     """Refuse an action that a role may not do; raises `RefusedError`."""
     if action not in MAY[role]:
-        raise RefusedError(f'a {role.value} may not {action.value.replace("_", " ")}')
+        raise RefusedError(f'the role {role.value} may not {action.value.replace("_", " ")}')

@@ -18,7 +18,8 @@ VERSION = 1
 HEAD = struct.Struct('<2sHIdd')
 VEHICLE = struct.Struct('<HBBiihHBBHf')
 UNKNOWN_U8, UNKNOWN_U16, UNKNOWN_I16, UNKNOWN_I32 = 0xFF, 0xFFFF, 0x7FFF, 0x7FFFFFFF
-SIMULATED, TAKEN, LED_BY_OTHERS = 1, 2, 4
+# Flags; the last two: its place and its dose are old, though it may be heard.
+SIMULATED, TAKEN, OLD_PLACE, OLD_DOSE = 1, 2, 4, 8
 _MOST_AGE_DS = UNKNOWN_U16 - 1
 
 

@@ -17,6 +17,8 @@ MARKS_KEPT = 120
 # What is kept comes at once; the mission's state comes twice a second.
 SETTLED_S = 0.9
 STALE_S = 3.0
+# Of a dose, which comes once a second of the mission.
+DOSE_STALE_S = 10.0
 
 
 class MissionClock:
@@ -43,7 +45,7 @@ class MissionClock:
         if not self._stamps_s or stamp_s > self._stamps_s[-1]:
             if not self._stamps_s:
                 self._begun_s = wall_s
-            self._walls_s.append(wall_s if self._is_settled(wall_s) else -math.inf)
+            self._walls_s.append(self.heard_s(wall_s))
             self._stamps_s.append(stamp_s)
 
     def wall_of(self, stamp_s: float, now_s: float) -> float:
@@ -62,5 +64,9 @@ class MissionClock:
             return now_s if is_running else -math.inf
         return min(now_s, self._walls_s[place])
 
-    def _is_settled(self, wall_s: float) -> bool:
-        return wall_s - self._begun_s >= SETTLED_S
+    def heard_s(self, wall_s: float) -> float:
+        """Return when a word that came at `wall_s` was said at the latest, seconds.
+
+        It is -infinity while what comes may have been kept.
+        """
+        return wall_s if wall_s - self._begun_s >= SETTLED_S else -math.inf

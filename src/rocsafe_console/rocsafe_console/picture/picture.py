@@ -102,7 +102,7 @@ class Picture:
         )
         self.mission = mission
         self.clock.mark(mission.stamp_s, now_s)
-        self.mission_heard_s = now_s
+        self.mission_heard_s = self.clock.heard_s(now_s)
         if failed_now:
             self.alarm(now_s, ERROR, '', f'the mission has failed: {mission.text}')
         phase = PHASES[mission.phase] if mission.phase < len(PHASES) else 'unknown'
@@ -120,7 +120,8 @@ class Picture:
         if vehicle.is_aloft and report.stamp_s > 0.0:
             vehicle.drain.note(report.stamp_s, report.battery_fraction)
         if math.isnan(vehicle.latitude_deg):
-            self._place(vehicle, report.latitude_deg, report.longitude_deg, report.altitude_m)
+            place = (report.latitude_deg, report.longitude_deg, report.altitude_m)
+            self._place(vehicle, place, report.stamp_s, now_s)
         self._heard(vehicle, report.stamp_s, now_s)
         if (before.state, before.taken_by) != (report.state, report.taken_by):
             vehicle.revision += 1
@@ -133,7 +134,7 @@ class Picture:
         """Take over latitude and longitude in degrees, and altitude in metres."""
         vehicle = self.vehicles.get(name)
         if vehicle is not None:
-            self._place(vehicle, *place)
+            self._place(vehicle, place, stamp_s, now_s)
             self._heard(vehicle, stamp_s, now_s)
 
     def on_reading(self, reading: Reading, now_s: float) -> None:
@@ -143,7 +144,7 @@ class Picture:
             return
         vehicle.dose_rate_usvh = reading.dose_rate_usvh
         vehicle.trend.note(reading.stamp_s, reading.dose_rate_usvh)
-        heard_s = self.clock.wall_of(reading.stamp_s, now_s)
+        heard_s = vehicle.measured_s = self.clock.wall_of(reading.stamp_s, now_s)
         if self.newest is None or reading.stamp_s >= self.newest.stamp_s:
             self.newest, self._newest_heard_s = reading, heard_s
         if self.worst is None or reading.dose_rate_usvh > self.worst.dose_rate_usvh:
@@ -153,10 +154,13 @@ class Picture:
         """Take over a reading of a gas sensor."""
         self.gas.note(reading, self.clock.wall_of(reading.stamp_s, now_s))
 
-    def on_dose(self, name: str, dose_usv: float, *, is_lower_limit: bool) -> None:
+    def on_dose(
+        self, name: str, dose_usv: float, stamp_s: float, now_s: float, *, is_lower_limit: bool
+    ) -> None:
         """Take over the dose that a vehicle has taken, microsievert."""
         vehicle = self.vehicles.get(name)
         if vehicle is not None:
+            vehicle.dosed_s = self.clock.wall_of(stamp_s, now_s)
             vehicle.dose_usv, vehicle.dose_is_lower_limit = dose_usv, is_lower_limit
 
     def on_holder(self, name: str, holder: Holder, now_s: float) -> None:
@@ -268,13 +272,15 @@ class Picture:
         vehicle.heard_s = max(vehicle.heard_s, self.clock.wall_of(stamp_s, now_s))
 
     def _place(
-        self, vehicle: Vehicle, latitude_deg: float, longitude_deg: float, altitude_m: float
+        self, vehicle: Vehicle, place: tuple[float, float, float], stamp_s: float, now_s: float
     ) -> None:
+        latitude_deg, longitude_deg, altitude_m = place
         if not is_on_earth(latitude_deg, longitude_deg):
             return
         vehicle.latitude_deg, vehicle.longitude_deg = latitude_deg, longitude_deg
         vehicle.altitude_m = altitude_m
-        vehicle.track.note(latitude_deg, longitude_deg, vehicle.dose_rate_usvh)
+        vehicle.placed_s = self.clock.wall_of(stamp_s, now_s)
+        vehicle.track.note(latitude_deg, longitude_deg, vehicle.dose_rate_now(now_s))
 
     def _judge(self, before: VehicleReport, report: VehicleReport, now_s: float) -> None:
         """Raise the alarms of a change of state."""

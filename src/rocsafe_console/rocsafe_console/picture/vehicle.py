@@ -6,7 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rocsafe_console.picture.estimates import BatteryDrain, Trend, way_home_s
-from rocsafe_console.picture.frame_bytes import SIMULATED, TAKEN, VehicleFrame
+from rocsafe_console.picture.frame_bytes import (
+    OLD_DOSE,
+    OLD_PLACE,
+    SIMULATED,
+    TAKEN,
+    VehicleFrame,
+)
+from rocsafe_console.picture.freshness import DOSE_STALE_S, STALE_S
 from rocsafe_console.picture.track import Track
 from rocsafe_geo.position import GeoPosition, distance_m
 
@@ -76,6 +83,9 @@ class Vehicle:
         that the operator saw.
     heard_s
         When it was last heard alive, seconds of the wall; -infinity: never.
+    placed_s, measured_s, dosed_s
+        The same of its place, its dose rate and its dose: a receiver or detector may fall silent
+        alone.
     """
 
     number: int
@@ -85,6 +95,9 @@ class Vehicle:
     holder: Holder = field(default_factory=Holder)
     home: tuple[float, float, float] | None = None
     heard_s: float = -math.inf
+    placed_s: float = -math.inf
+    measured_s: float = -math.inf
+    dosed_s: float = -math.inf
     latitude_deg: float = math.nan
     longitude_deg: float = math.nan
     altitude_m: float = math.nan
@@ -115,6 +128,8 @@ class Vehicle:
         """Return what a frame tells of it."""
         report = self.report
         flags = SIMULATED * report.is_simulated | TAKEN * bool(report.taken_by)
+        flags |= OLD_PLACE * (now_s - self.placed_s > STALE_S)
+        flags |= OLD_DOSE * (now_s - self.dosed_s > DOSE_STALE_S)
         below_m = self.home[2] if self.home is not None and math.isfinite(self.home[2]) else 0.0
         return VehicleFrame(
             number=self.number,
@@ -131,8 +146,12 @@ class Vehicle:
                 else math.nan
             ),
             age_s=now_s - self.heard_s,
-            dose_rate_usvh=self.dose_rate_usvh,
+            dose_rate_usvh=self.dose_rate_now(now_s),
         )
+
+    def dose_rate_now(self, now_s: float) -> float:
+        """Return the dose rate where it is, microsievert per hour; NaN if the last one is old."""
+        return self.dose_rate_usvh if now_s - self.measured_s <= STALE_S else math.nan
 
     def to_plain(self) -> dict[str, Any]:
         """Return what changes rarely, fit for JSON."""

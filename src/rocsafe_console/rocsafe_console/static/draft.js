@@ -40,7 +40,7 @@ export class Draft {
     const { scenarios, drafts } = await ask('/api/drafts');
     const option = (kind) => (name) => make('option', { value: `${kind}/${name}`, text: kind === 'drafts' ? `${name} *` : name });
     this.template = make('select', { id: 'draft-start', onchange: () => this.load() }, ...scenarios.map(option('scenarios')), ...drafts.map(option('drafts')));
-    this.name = make('input', { id: 'draft-name', value: 'mission', maxlength: 60, pattern: '[A-Za-z0-9][A-Za-z0-9_-]*' });
+    this.name = make('input', { id: 'draft-name', value: 'mission', maxlength: 60, pattern: '[A-Za-z0-9][A-Za-z0-9_\\-]*' });
     this.text = make('textarea', { id: 'draft-text', spellcheck: 'false', wrap: 'off', 'aria-describedby': 'draft-faults', oninput: () => { this.changed(); this.showFaults([]); }, onscroll: () => this.placeMarks() });
     this.marks = make('div', { class: 'draft-marks', 'aria-hidden': 'true' });
     this.faults = make('ul', { class: 'draft-faults', id: 'draft-faults', hidden: true });
@@ -207,15 +207,18 @@ export class Draft {
     this.launch.disabled = true;
   }
 
+  // Whoever works by keys is led to the map: Enter there sets a corner.
   draw(kind, name) {
     this.close();
     this.pen = { kind, name, ring: [] };
-    this.map.map.getContainer().style.cursor = 'crosshair';
+    const map = this.map.map.getContainer();
+    map.style.cursor = 'crosshair';
+    if (document.activeElement?.matches('#draft :focus-visible')) map.focus();
   }
 
   onPlace({ lat, lng }) {
     const place = [Number(lat.toFixed(8)), Number(lng.toFixed(8))];
-    if (this.pen.kind === 'home') { this.drawn.homes[this.pen.name] = place; this.pen = null; this.changed(); } else this.pen.ring.push(place);
+    if (this.pen.kind === 'home') { this.drawn.homes[this.pen.name] = place; this.close(); this.changed(); } else this.pen.ring.push(place);
     this.paint();
   }
 
@@ -223,6 +226,12 @@ export class Draft {
     if (this.pen?.ring.length) this.pen.ring.pop(); else if (this.drawn.exclusions.length) this.drawn.exclusions.pop(); else this.drawn.region = [];
     this.changed();
     this.paint();
+  }
+
+  // By a key on the map: the ring is closed, and the focus goes on to what comes next.
+  finish() {
+    this.close();
+    document.getElementById('draft-plan').focus();
   }
 
   close() {
@@ -314,7 +323,11 @@ export class Draft {
       const isGood = answer.state !== 'failed';
       this.tell(answer.text, isGood);
       this.look();
-      if (isGood) { document.querySelector('button[data-view="live"]').click(); }
+      if (isGood) {
+        const live = document.querySelector('button[data-view="live"]');
+        live.click();
+        live.focus();
+      }
     } catch (error) { this.tell(error.message, false); }
   }
 

@@ -9,11 +9,15 @@ export const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', '
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
 // The same states on wheels.
 const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
-const COMPASS = ['N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW'];
+// Beside each other where there is room, so that all are seen at a glance; else one after the other.
+const COLUMNS = [['alarms', 'worst', 'sources', 'zones'], ['coverage', 'picture', 'camera', 'vehicles', 'decisions']];
 // Rows that are made in one go: the page answers between them.
 const ROWS_AT_ONCE = 12;
 // A wind that was measured longer ago is not the wind now.
 const WIND_OLD_S = 10;
+// Photographs come each some seconds, estimates each 5 s or as fast as they can be computed.
+const PICTURE_OLD_S = 30;
+const ESTIMATE_OLD_S = 60;
 const M_PER_WORLD = 40075016;
 
 // Replaces only what differs, so that nothing flickers, and a press or the focus of a key stays.
@@ -45,12 +49,15 @@ export class Facts {
     this.link = link;
     this.actions = actions;
     this.boxes = {};
-    for (const name of ['worst', 'sources', 'zones', 'coverage', 'picture', 'camera', 'alarms', 'vehicles', 'decisions']) {
-      const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
-      const body = make('div', { class: 'fact-body' });
-      this.boxes[name] = body;
-      const box = make('section', { class: `fact fact-${name}`, 'aria-labelledby': `fact-${name}` }, make('h2', { id: `fact-${name}`, text: title }), body);
-      element.append(box);
+    for (const names of COLUMNS) {
+      const column = make('div', { class: 'fact-column' });
+      for (const name of names) {
+        const title = name === 'decisions' ? t('decisions') : t(`fact_${name}`);
+        const body = make('div', { class: 'fact-body' });
+        this.boxes[name] = body;
+        column.append(make('section', { class: `fact fact-${name}`, 'aria-labelledby': `fact-${name}` }, make('h2', { id: `fact-${name}`, text: title }), body));
+      }
+      element.append(column);
     }
     this.rows = new Map();
     // Alarms at once, all else twice a second: 300 vehicles are told as often as that.
@@ -91,9 +98,9 @@ export class Facts {
       const [mark, isOld] = this.ageMark(newest.heard_s);
       const told = (one) => (one.is_below_limit ? t('below_limit') : `${one.is_saturated ? '≥ ' : ''}${t('gas_reading', { value: figures(one.value), unit })}`);
       const place = this.lookButton(worst.latitude_deg, worst.longitude_deg, placeText(worst.forms));
-      return [make('h3', { text: t('fact_gas') }), make('p', { class: 'big', text: told(worst) }),
-        make('p', { class: 'line' }, `${t('by_at', { vehicle: worst.vehicle, detector: [worst.sensor, worst.calibration_gas].filter(Boolean).join(', ') })} `, isNumber(worst.latitude_deg) ? place : '', ' ', this.ageMark(worst.heard_s, Infinity)[0]),
-        make('p', { class: isOld ? 'line grey' : 'line' }, `${t('fact_now')}: `, make('strong', { text: told(newest) }), ` ${newest.vehicle} `, mark)];
+      return [make('h3', { text: t('fact_gas') }), make('p', { class: isOld ? 'big grey' : 'big', text: told(worst) }),
+        make('p', { class: lineOf(isOld) }, `${t('by_at', { vehicle: worst.vehicle, detector: [worst.sensor, worst.calibration_gas].filter(Boolean).join(', ') })} `, isNumber(worst.latitude_deg) ? place : '', ' ', this.ageMark(worst.heard_s, Infinity)[0]),
+        make('p', { class: lineOf(isOld) }, `${t('fact_now')}: `, make('strong', { text: told(newest) }), ` ${newest.vehicle} `, mark)];
     });
   }
 
@@ -102,27 +109,28 @@ export class Facts {
     if (!worst && gas.length) { fill(this.boxes.worst, ...this.gasLines(gas)); return; }
     if (!worst) { fill(this.boxes.worst, make('p', { class: 'none', text: t('no_reading') })); return; }
     const [mark, isOld] = this.ageMark(newest.heard_s);
-    const now = make('p', { class: isOld ? 'line grey' : 'line' }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
+    const now = make('p', { class: lineOf(isOld) }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
     const place = this.lookButton(worst.latitude_deg, worst.longitude_deg, placeText(worst.forms));
     const [worstMark] = this.ageMark(worst.heard_s, Infinity);
     fill(this.boxes.worst,
-      make('p', { class: 'big', text: doseRate(worst.dose_rate_usvh) }),
-      make('p', { class: 'line' }, `${t('by_at', { vehicle: worst.vehicle, detector: worst.detector })} `, isNumber(worst.latitude_deg) ? place : '', ' ', worstMark, worst.is_saturated ? make('span', { class: 'warn', text: ` ${t('saturated')}` }) : ''),
+      make('p', { class: isOld ? 'big grey' : 'big', text: doseRate(worst.dose_rate_usvh) }),
+      make('p', { class: lineOf(isOld) }, `${t('by_at', { vehicle: worst.vehicle, detector: worst.detector })} `, isNumber(worst.latitude_deg) ? place : '', ' ', worstMark, worst.is_saturated ? make('span', { class: 'warn', text: ` ${t('saturated')}` }) : ''),
       make('h3', { text: t('fact_now') }), now, ...this.gasLines(gas));
   }
 
   drawSources(value, gas) {
+    const [mark, isOld] = this.ageMark(value?.heard_s, ESTIMATE_OLD_S);
+    const [gasMark, isGasOld] = this.ageMark(gas?.heard_s, ESTIMATE_OLD_S);
     const list = (value?.sources ?? []).map((source) => {
       const size = figures(source.half_axes_m.every(isNumber) ? Math.max(...source.half_axes_m) : NaN, 2);
-      return make('li', {}, this.lookButton(...source.place, t('source_name', { id: source.id })), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
+      return make('li', { class: lineOf(isOld) }, this.lookButton(...source.place, t('source_name', { id: source.id })), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
     });
     for (const one of gas?.releases ?? []) {
       const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });
-      list.push(make('li', {}, this.lookButton(...one.place, t('release_name', { id: one.id })), ` ${line}`));
+      list.push(make('li', { class: lineOf(isGasOld) }, this.lookButton(...one.place, t('release_name', { id: one.id })), ` ${line}`));
     }
-    const told = (one) => (one ? [' ', this.ageMark(one.heard_s, Infinity)[0]] : []);
     const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text }));
-    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note' }, value.verdict, ...told(value)) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: gas.verdict }), ...told(gas)) : '');
+    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note' }, value.verdict, ' ', mark) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: gas.verdict }), ' ', gasMark) : '');
   }
 
   drawZones({ cordons, wind, zones: gas, releases, cordons_heard_s: heard, zones_heard_s: gasHeard }) {
@@ -133,17 +141,18 @@ export class Facts {
       const radius = radiusOf(one.ring);
       if (!before || before.radius < radius) zones.set(key, { ...one, radius });
     }
+    const [mark, isOld] = this.ageMark(Math.min(cordons?.length ? heard ?? -Infinity : Infinity, gas?.length ? gasHeard ?? -Infinity : Infinity), ESTIMATE_OLD_S);
     const rows = [...zones.values()].filter((one) => !one.is_mean).sort((a, b) => b.level_usvh - a.level_usvh)
       .map((one) => make('li', { text: t('zone_line', { level: doseRate(one.level_usvh), radius: figures(one.radius, 2) }) }));
     rows.push(...gasZones(gas ?? [], releases?.releases?.[0]?.place));
-    const list = rows.length ? make('ul', {}, ...rows, make('li', { class: 'note' }, `${t('zone_upper')} `, this.ageMark(Math.min(heard ?? Infinity, gasHeard ?? Infinity), Infinity)[0])) : make('p', { class: 'none', text: t('no_zone') });
+    const list = rows.length ? make('ul', { class: lineOf(isOld) }, ...rows, make('li', { class: 'note' }, `${t('zone_upper')} `, mark)) : make('p', { class: 'none', text: t('no_zone') });
     let line = make('p', { class: 'none', text: t('no_wind') });
     if (wind) {
       const arrow = make('span', { class: 'wind-arrow', text: '↓', 'aria-hidden': 'true' });
       arrow.style.transform = `rotate(${wind.from_deg}deg)`;
       const from = `${Math.round(wind.from_deg)}`;
-      const [mark, isOld] = this.ageMark(wind.heard_s, WIND_OLD_S);
-      line = make('p', { class: isOld ? 'line grey' : 'line' }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${COMPASS[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })} `, mark);
+      const [windMark, isWindOld] = this.ageMark(wind.heard_s, WIND_OLD_S);
+      line = make('p', { class: lineOf(isWindOld) }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${t('compass').split(' ')[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })} `, windMark);
     }
     fill(this.boxes.zones, list, make('h3', { text: t('fact_wind') }), line);
   }
@@ -166,13 +175,14 @@ export class Facts {
     if (photograph) {
       const url = `/api/photograph/${encodeURIComponent(photograph.shot_id)}`;
       if (this.pictureUrl !== url) { this.pictureUrl = url; this.picture = make('img', { src: url, alt: photograph.shot_id, class: 'newest', loading: 'lazy' }); }
-      const [mark] = this.ageMark(photograph.heard_s, 30);
-      parts.push(this.picture, make('p', { class: 'line' }, `${photograph.shot_id} `, mark));
+      const [mark, isOld] = this.ageMark(photograph.heard_s, PICTURE_OLD_S);
+      this.picture.classList.toggle('old-picture', isOld);
+      parts.push(this.picture, make('p', { class: lineOf(isOld) }, `${photograph.shot_id} `, mark));
     } else parts.push(make('p', { class: 'none', text: t('no_picture') }));
     if (mosaic) {
-      const [mark] = this.ageMark(mosaic.heard_s, 60);
+      const [mark, isOld] = this.ageMark(mosaic.heard_s, ESTIMATE_OLD_S);
       const size = isNumber(mosaic.ground_resolution_m) && mosaic.ground_resolution_m > 0 ? figures(mosaic.ground_resolution_m, 2) : '–';
-      parts.push(make('p', { class: 'line' }, `${t('fact_mosaic')}: ${t('mosaic_line', { count: mosaic.images_placed, resolution: size })}, ${t(mosaic.is_final ? 'mosaic_final' : 'mosaic_draft')} `, mark));
+      parts.push(make('p', { class: lineOf(isOld) }, `${t('fact_mosaic')}: ${t('mosaic_line', { count: mosaic.images_placed, resolution: size })}, ${t(mosaic.is_final ? 'mosaic_final' : 'mosaic_draft')} `, mark));
     }
     if (mission && ['complete', 'failed', 'cancelled'].includes(mission.phase)) parts.push(make('p', {}, make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') })));
     fill(this.boxes.picture, ...parts);
@@ -221,7 +231,7 @@ export class Facts {
   drawRow(row, vehicle, facts) {
     const frame = vehicle.frame;
     const isStale = this.link.isStale(vehicle);
-    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
+    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, frame?.flags, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
     if (row.told === told) return;
     row.told = told;
     const state = STATES[frame?.state ?? vehicle.facts.state] ?? 'unknown';
@@ -230,13 +240,15 @@ export class Facts {
     const heard = this.link.ageOf(vehicle);
     const seconds = heard === Infinity ? t('never') : age(Math.round(heard));
     fill(row.querySelector('.state'), `${SHAPES[state] ?? '○'} ${t(`state_${(vehicle.facts.is_ground && ON_WHEELS[state]) || state}`)}`, vehicle.facts.taken_by ? make('strong', { class: 'warn', text: ` ${t('taken_by', { who: vehicle.facts.taken_by })}` }) : '', isStale ? make('strong', { class: 'old', text: ` ${t('stale')}` }) : '');
-    const pair = (name, text) => make('span', { class: 'pair' }, make('span', { class: 'key', text: `${name} ` }), make('b', { text }));
+    const pair = (key, text, isOld) => make('span', { class: isOld ? 'pair grey' : 'pair', 'data-fact': key }, make('span', { class: 'key', text: key ? `${t(key)} ` : '' }), make('b', { text }), isOld ? make('span', { class: 'old', text: t('stale') }) : '');
+    // What is known of the whole row need not be said of its parts.
+    const [isPlaceOld, isDoseOld] = [!isStale && this.link.isPlaceOld(vehicle), !isStale && this.link.isDoseOld(vehicle)];
     fill(row.querySelector('.vehicle-facts'),
-      pair(t('battery'), percent(frame?.battery)), isNumber(facts.battery_left_s) ? pair(t('battery_left'), duration(facts.battery_left_s)) : '',
-      pair(t('way_home'), duration(facts.way_home_s)), pair(t('link'), seconds),
-      pair(t('dose'), `${facts.dose_is_lower_limit ? '≥ ' : ''}${dose(facts.dose_usv)}`), pair('', t('visited', { done: facts.visited ?? 0, all: vehicle.facts.viewpoint_count })));
+      pair('battery', percent(frame?.battery)), isNumber(facts.battery_left_s) ? pair('battery_left', duration(facts.battery_left_s)) : '',
+      pair('way_home', duration(facts.way_home_s), isPlaceOld && isNumber(facts.way_home_s)), pair('link', seconds),
+      pair('dose', `${facts.dose_is_lower_limit ? '≥ ' : ''}${dose(facts.dose_usv)}`, isDoseOld && isNumber(facts.dose_usv)), pair('', t('visited', { done: facts.visited ?? 0, all: vehicle.facts.viewpoint_count })));
     const holder = vehicle.facts.holder ? t('led_by', { holder: vehicle.facts.holder }) : t('led_by_nobody');
-    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
+    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), isPlaceOld && isNumber(frame?.latitude) ? t('place_old') : '', vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
   }
 
   drawDecisions(decisions) {
@@ -244,6 +256,8 @@ export class Facts {
     fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions', tabindex: 0, 'aria-label': t('decisions') }, ...rows) : make('p', { class: 'none', text: '–' }));
   }
 }
+
+const lineOf = (isOld) => (isOld ? 'line grey' : 'line');
 
 // The planned drive of a ground vehicle: the route that it drives, else the newest offer.
 function driveLine(vehicle, drive) {

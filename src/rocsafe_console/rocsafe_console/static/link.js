@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The connection to the server: sections as JSON, vehicles as bytes (picture/frame_bytes.py).
 export const STALE_S = 3;
+const [OLD_PLACE, OLD_DOSE] = [4, 8];
 const HEAD_BYTES = 24;
 const VEHICLE_BYTES = 24;
 const SILENT_S = 3;
@@ -57,6 +58,9 @@ export class Link extends EventTarget {
   }
 
   isStale(vehicle) { return !this.isLive || this.ageOf(vehicle) > STALE_S; }
+  // A receiver or a detector may fall silent while the vehicle is heard.
+  isPlaceOld(vehicle) { return this.isStale(vehicle) || Boolean(vehicle.frame?.flags & OLD_PLACE); }
+  isDoseOld(vehicle) { return this.isStale(vehicle) || Boolean(vehicle.frame?.flags & OLD_DOSE); }
 
   open() {
     this.isWanted = true;

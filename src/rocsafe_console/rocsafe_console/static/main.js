@@ -64,11 +64,11 @@ async function showPlace({ lat, lng }) {
   const may = link.sections.session?.may ?? [];
   const chosen = [...selection];
   if (may.includes('go_to') && chosen.length === 1 && !link.vehicles.get(chosen[0])?.facts.is_ground) {
-    const height = make('input', { type: 'number', min: 5, max: 500, value: 50, 'aria-label': t('place_height') });
-    parts.push(make('p', { class: 'place-row' }, height, make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
+    const height = make('input', { type: 'number', min: 5, max: 500, value: 50 });
+    parts.push(make('p', { class: 'place-row' }, make('label', { class: 'note' }, `${t('place_height')} `, height), make('button', { type: 'button', class: 'small', text: t('place_go_to', { vehicle: chosen[0] }), onclick: () => { orders.arm('go_to', chosen, { latitude_deg: lat, longitude_deg: lng, height_m: Number(height.value) }); box.hidden = true; } })));
   }
   if (may.includes('send')) {
-    const budget = make('input', { type: 'number', min: 1, max: 1e6, value: 100, 'aria-label': t('place_dose') });
+    const budget = make('input', { type: 'number', min: 1, max: 1e6, value: 100 });
     const drivers = [...link.vehicles.values()].filter((vehicle) => vehicle.facts.is_ground).map((vehicle) => make('button', { type: 'button', class: 'small', 'data-send': vehicle.name, text: t('place_send', { vehicle: vehicle.name }), onclick: () => { orders.arm('send', [vehicle.name], { latitude_deg: lat, longitude_deg: lng, dose_budget_usv: Number(budget.value) }); box.hidden = true; } }));
     if (drivers.length) parts.push(make('p', { class: 'place-row' }, make('label', { class: 'note' }, `${t('place_dose')} `, budget), ...drivers));
   }
@@ -136,13 +136,18 @@ const { access } = link.sections;
 
 // Whether it is live, told by the word and the colour, twice a second.
 let wasOld = true;
+let seen = {};
 setInterval(() => {
   link.watch();
   const isLive = link.isLive;
   root.classList.toggle('not-live', !isLive);
-  const missionAge = link.now - (link.sections.mission_heard_s ?? -Infinity);
-  const isOver = ['complete', 'failed', 'cancelled'].includes(link.sections.mission?.phase);
-  const isMissionOld = isLive && link.sections.mission && !isOver && missionAge > MISSION_SILENT_S;
+  const { mission, mission_heard_s: heard } = link.sections;
+  if (mission?.id !== seen.id) seen = { id: mission?.id, at: link.now };
+  const missionAge = link.now - (heard ?? -Infinity);
+  const isOver = ['complete', 'failed', 'cancelled'].includes(mission?.phase);
+  // Its first word may have been kept: whether more follow is known some seconds later.
+  const isMissionOld = isLive && mission && !isOver && (isNumber(heard) ? missionAge : link.now - seen.at) > MISSION_SILENT_S;
+  root.classList.toggle('mission-old', !isOver && !(missionAge <= MISSION_SILENT_S));
   // Who does not look hears that what he would see is old.
   const isOld = !isLive || Boolean(isMissionOld);
   if (isOld && !wasOld) sound.play('critical');
@@ -156,8 +161,9 @@ setInterval(() => {
   if (banner.textContent !== text) banner.textContent = text;
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
-    const both = utc.startsWith(local) ? utc : `${local} · ${utc}`;
-    $('#clock').textContent = `${both} · T+${missionClock(link.sections.progress?.mission_time_s)}`.replace(' · T+–', '');
+    const both = utc.startsWith(local) ? utc : `${t('local_time', { time: local })}\n${utc}`;
+    const missionTime = link.sections.progress?.mission_time_s;
+    $('#clock').textContent = [both, isNumber(missionTime) ? t('mission_clock', { time: missionClock(missionTime) }) : ''].filter(Boolean).join(' · ');
   }
   if (!isLive) map.schedule();
 }, 500);
@@ -226,16 +232,15 @@ async function start() {
   $('#theme').addEventListener('click', turnTheme);
   const token = new URLSearchParams(location.hash.slice(1)).get('token');
   // The token leaves the address, so that it is in no history and on no screen.
-  if (token) {
-    history.replaceState(null, '', location.pathname);
-    await ask('/api/token', { token }).catch(() => {});
-  }
-  const answer = await ask('/api/hello');
+  if (token) history.replaceState(null, '', location.pathname);
+  const answer = (token && await ask('/api/token', { token }).catch(() => null)) || await ask('/api/hello');
   if (answer.user) begin(); else askLogin(answer.needs);
 }
 
+// Where letters are text or a choice they are no orders; who has just picked a vehicle may order it.
+const WRITTEN_IN = 'input:not([type="checkbox"]), textarea, select';
 document.addEventListener('keydown', (event) => {
-  if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|TEXTAREA|SELECT)$/.test(event.target.tagName) || document.querySelector('dialog[open]')) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches(WRITTEN_IN) || document.querySelector('dialog[open]')) return;
   const key = event.key;
   if (key === 't') turnTheme();
   else if (key === 'f') map.fit();
@@ -243,6 +248,8 @@ document.addEventListener('keydown', (event) => {
   else if ('123'.includes(key)) show(['live', 'runs', 'draft'][Number(key) - 1]);
   else if (key === 'g') $('#find-text').focus();
   else if (key === 'Enter' && event.target.id === 'map') map.chooseMiddle();
+  else if (key === 'c' && draft.isDrawing) draft.finish();
+  else if (key === 'Backspace' && draft.isDrawing) draft.undo();
   else if (key === '?') showHelp();
   else if (!orders.onKey(key)) return;
   event.preventDefault();

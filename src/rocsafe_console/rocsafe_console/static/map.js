@@ -9,6 +9,8 @@ export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b5
 const GREY = '#8b938f';
 const M_PER_DEG = 111320;
 const MOST_LABELS = 40;
+// Of vehicles and their names: a wall is looked at from afar.
+const SIZE = matchMedia('(min-width: 2200px)').matches ? 1.5 : 1;
 // Lines of who hears whom; of more vehicles only those of the chosen ones are drawn.
 const MOST_IN_CONTACT = 12;
 const MOST_TRACK = 4000;
@@ -125,7 +127,7 @@ export class MissionMap {
   get sections() { return this.source?.sections ?? this.link.sections; }
   get vehicles() { return this.source?.vehicles ?? this.link.vehicles; }
   get tracks() { return this.source?.tracks ?? this.liveTracks; }
-  isStale(vehicle) { return this.source ? false : this.link.isStale(vehicle); }
+  isOld(vehicle) { return this.source ? false : this.link.isPlaceOld(vehicle); }
 
   switches() {
     return Object.keys(LAYERS).map((name) => {
@@ -429,22 +431,22 @@ export class MissionMap {
   drawVehicles(context, toPixel) {
     if (this.shown.contact && !this.source) this.drawContact(context, toPixel);
     const isLabelled = this.vehicles.size <= MOST_LABELS;
-    context.font = '650 12px system-ui, "Liberation Sans", sans-serif';
+    context.font = `650 ${12 * SIZE}px system-ui, "Liberation Sans", sans-serif`;
     context.textBaseline = 'middle';
     for (const vehicle of this.vehicles.values()) {
       if (!vehicle.world) continue;
       const [x, y] = toPixel(vehicle.world);
-      const isStale = this.isStale(vehicle);
+      const isStale = this.isOld(vehicle);
       const isChosen = this.selected.has(vehicle.name);
       drawVehicle(context, x, y, vehicle.frame.state, isStale ? GREY : this.colourOf(vehicle), isStale, vehicle.facts?.is_ground);
-      if (isChosen) { context.strokeStyle = '#ffd400'; context.lineWidth = 3; context.beginPath(); context.arc(x, y, 15, 0, 7); context.stroke(); }
+      if (isChosen) { context.strokeStyle = '#ffd400'; context.lineWidth = 3; context.beginPath(); context.arc(x, y, 15 * SIZE, 0, 7); context.stroke(); }
       if (isLabelled || isChosen) {
-        context.lineWidth = 3.5;
+        context.lineWidth = 3.5 * SIZE;
         context.strokeStyle = 'rgb(11 16 14 / 90%)';
         context.fillStyle = isStale ? '#c9cfcc' : '#ffffff';
         const text = isStale ? `${vehicle.name} (${t('stale')})` : vehicle.name;
-        context.strokeText(text, x + 13, y);
-        context.fillText(text, x + 13, y);
+        context.strokeText(text, x + 13 * SIZE, y);
+        context.fillText(text, x + 13 * SIZE, y);
       }
     }
   }
@@ -474,6 +476,9 @@ export class MissionMap {
 
 // The state is told by the shape as well: no colour alone means anything.
 function drawVehicle(context, x, y, state, colour, isStale, isGround) {
+  context.save();
+  context.translate(x * (1 - SIZE), y * (1 - SIZE));
+  context.scale(SIZE, SIZE);
   if (isGround) {
     // Tracks at both sides: it drives.
     context.lineWidth = 5;
@@ -492,7 +497,7 @@ function drawVehicle(context, x, y, state, colour, isStale, isGround) {
   else context.arc(x, y, ON_GROUND.has(state) ? 5 : 7.5, 0, 7);
   if (isStale) context.setLineDash([3, 3]); else context.fill();
   context.stroke();
-  context.setLineDash([]);
+  context.restore();
 }
 
 function label(place, text, className) {

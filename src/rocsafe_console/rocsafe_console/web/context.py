@@ -28,6 +28,8 @@ from rocsafe_geo.storage.evidence_log import Event
 
 # Orders, marks and links of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0
+# For a line of the evidence log, before somebody in an emergency does not wait for it.
+LOG_S = 1.0
 
 
 class Fleet(Protocol):
@@ -150,11 +152,35 @@ class Context:
             with self.live.lock:
                 self.live.picture.alarm(event.time_s, WARN, '', f'evidence log damaged: {damage}')
 
+    async def note(self, kind: str, by: str, /, **what: object) -> str:
+        """Write to the evidence log what no full or slow disk may hold up.
+
+        Returns
+        -------
+        str
+            Why it is not on disk; empty: it is. A line that is late comes when it comes.
+        """
+        writing = asyncio.ensure_future(self.write(kind, by, **what))
+        try:
+            await asyncio.wait_for(asyncio.shield(writing), LOG_S)
+        except asyncio.TimeoutError:
+            writing.add_done_callback(_forgotten)
+            return f'not on disk within {LOG_S:g} s'
+        except OSError as error:
+            return str(error)
+        return ''
+
     @property
     def mission(self) -> str:
         """Name of the mission that is heard, empty before there is one."""
         mission = self.live.picture.mission
         return mission.mission_id if mission else ''
+
+
+def _forgotten(writing: asyncio.Future[None]) -> None:
+    """Take the error of a line that nobody waits for any more."""
+    if not writing.cancelled():
+        writing.exception()
 
 
 CONTEXT: web.AppKey[Context] = web.AppKey('context', Context)

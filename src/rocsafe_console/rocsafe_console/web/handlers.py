@@ -13,6 +13,7 @@ from rocsafe_console.errors import ConsoleError
 from rocsafe_console.people.missions import access_of
 from rocsafe_console.people.roles import MAY, Action
 from rocsafe_console.people.sessions import Session
+from rocsafe_console.picture.alarms import WARN
 from rocsafe_console.picture.coordinates import coordinates_of
 from rocsafe_console.picture.places import place_of_text
 from rocsafe_console.runs.run_folder import (
@@ -61,10 +62,10 @@ async def log_in(request: web.Request) -> web.Response:
     # Argon2 takes a tenth of a second and 64 MiB; the loop must not wait for it.
     user = await asyncio.to_thread(context.users.log_in, name, password)
     if user is None:
-        await context.write('login', name[:64], address=address, outcome='refused')
+        await _note(context, 'login', name[:64], address=address, outcome='refused')
         return refused(401, 'the name or the password is not right')
     context.logins.forgive(f'n {name}')
-    await context.write('login', user.name, address=address, outcome='done', role=user.role.value)
+    await _note(context, 'login', user.name, address=address, outcome='done', role=user.role.value)
     begun = context.sessions.begin(user.name, user.role, address, context.clock())
     return _with_cookie(context, *begun)
 
@@ -81,7 +82,7 @@ async def use_token(request: web.Request) -> web.Response:
         return refused(
             401, 'the token is not right: take the address that the console has printed'
         )
-    await context.write('login', context.options.token_user, address=address, outcome='done')
+    await _note(context, 'login', context.options.token_user, address=address, outcome='done')
     return _with_cookie(context, *local_session(context, address))
 
 
@@ -90,7 +91,7 @@ async def log_out(request: web.Request) -> web.Response:
     context, session = context_of(request), session_of(request, Action.SEE)
     context.sessions.end(session.public_id)
     context.save_sessions()
-    await context.write('logout', session.user)
+    await _note(context, 'logout', session.user)
     answer = web.json_response({})
     answer.del_cookie(context.options.cookie)
     return answer
@@ -111,7 +112,7 @@ async def revoke(request: web.Request) -> web.Response:
     """End somebody's session."""
     context, session = context_of(request), session_of(request, Action.REVOKE)
     public_id = request.match_info['id']
-    await context.write('revoke', session.user, session=public_id)
+    await _note(context, 'revoke', session.user, session=public_id)
     if not context.sessions.end(public_id):
         raise ConsoleError(f'session {public_id}: there is none')
     context.save_sessions()
@@ -244,6 +245,17 @@ async def run_file(request: web.Request) -> web.StreamResponse:
     if path.name == 'report.html':
         answer.headers['Content-Security-Policy'] = REPORT_POLICY
     return answer
+
+
+async def _note(context: Context, kind: str, by: str, /, **what: object) -> None:
+    """Write who comes and goes; where that is not possible, an alarm tells it.
+
+    A full disk keeps nobody out who must hold a vehicle, and no thief in.
+    """
+    if unlogged := await context.note(kind, by, **what):
+        with context.live.lock:
+            text = f'{kind} of {by} is in no evidence log: {unlogged}'
+            context.live.picture.alarm(context.clock(), WARN, '', text)
 
 
 def _session_plain(session: Session | None) -> dict[str, Any]:

@@ -22,8 +22,6 @@ from rocsafe_console.web.context import (
 from rocsafe_console.web.guards import body_of
 
 ORDER_S = 7.0
-# For a line of the evidence log, before somebody in an emergency does not wait for it.
-LOG_S = 1.0
 # Of a search for a way; large maps take some seconds.
 DRIVE_PLAN_S = 20.0
 NO_ROS = 'ROS has not started yet'
@@ -101,22 +99,13 @@ async def _write_down(context: Context, order: Order, kind: str, what: dict[str,
     An order that makes nothing more dangerous, and any outcome, waits for no slow disk: the line
     comes when it comes.
     """
-    waits = order.verb not in SAFE and kind == 'order'
-    writing = asyncio.ensure_future(context.write(kind, order.user, **what))
+    if order.verb in SAFE or kind == 'outcome':
+        return await context.note(kind, order.user, **what)
     try:
-        await asyncio.wait_for(asyncio.shield(writing), None if waits else LOG_S)
-    except asyncio.TimeoutError:
-        writing.add_done_callback(_forgotten)
-        return f'not on disk within {LOG_S:g} s'
+        await context.write(kind, order.user, **what)
     except OSError as error:
         return str(error)
     return ''
-
-
-def _forgotten(writing: asyncio.Future[None]) -> None:
-    """Take the error of a line that nobody waits for any more."""
-    if not writing.cancelled():
-        writing.exception()
 
 
 def _addressees(context: Context, order: Order) -> tuple[tuple[Result, ...], tuple[str, ...]]:

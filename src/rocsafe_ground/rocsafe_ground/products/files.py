@@ -10,6 +10,8 @@ from rocsafe_ground.products.document import drive_document, drive_geojson
 from rocsafe_ground.products.exports import drive_gpx, drive_kml, drive_qgroundcontrol
 from rocsafe_ground.products.ground_file import write_ground
 
+ROUTE_FILE = 'route.json'
+
 
 def write_drive(folder: Path, plan: DrivePlan, ground: GroundMap) -> None:
     """Write the files of a drive to `folder`, which is created if it does not exist.
@@ -21,7 +23,7 @@ def write_drive(folder: Path, plan: DrivePlan, ground: GroundMap) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     documents = {
-        'route.json': drive_document(plan),
+        ROUTE_FILE: drive_document(plan),
         'route.geojson': drive_geojson(plan),
         'route.plan': drive_qgroundcontrol(plan),
     }

@@ -7,6 +7,7 @@ log has their number, the hash of all of them, and the highest.
 """
 
 import hashlib
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -137,7 +138,9 @@ class EvidenceEvents:
         heard.last_ns = stamp_ns
         heard.digest.update(data)
         field = READINGS[topic.removeprefix(f'{vehicle}/')]
-        if heard.highest is None or getattr(message, field) > getattr(heard.highest, field):
+        highest = math.nan if heard.highest is None else getattr(heard.highest, field)
+        # What is no number is the highest only while there is none.
+        if heard.highest is None or math.isnan(highest) or getattr(message, field) > highest:
             heard.highest = message
 
     def _of_heard(self, topic: str, heard: _Heard) -> Event:

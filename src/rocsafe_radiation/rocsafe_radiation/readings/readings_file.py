@@ -22,6 +22,7 @@ from rocsafe_radiation.readings.row_checks import (
     at_top,
     dead,
     far,
+    from_middle_m,
     jumping,
     of_other_units,
     out_of_range,
@@ -294,7 +295,7 @@ def _checked(path: Path, rows: _Rows, ground_altitude_m: float) -> ReadingsFile:
         (DEAD, dead(rows.vehicles, counts + known)),
         (UNIT, of_other_units(rows.vehicles, counts, live_s, rates)),
         (TOP, at_top(rows.vehicles, amounts) & (not columns.has_saturated)),
-        (AGAIN, repeated(rows.vehicles, counts, known)),
+        (AGAIN, repeated(rows.vehicles, counts, known, from_middle_m(table[:, :2], is_geodetic))),
     ):
         if (are_wrong & kept).any():
             rows.dropped[reason] += [rows.lines[k] for k in np.flatnonzero(are_wrong & kept)]

@@ -49,16 +49,23 @@ def out_of_range(values: Mapping[str, float]) -> str:
     return ''
 
 
-def far(places: FloatArray, is_geodetic: bool) -> BoolArray:
-    """Return which places (n, 2), degrees or metres, lie far from the middle of all, (n,)."""
+def from_middle_m(places: FloatArray, is_geodetic: bool) -> FloatArray:
+    """Return places (n, 2), degrees or metres, as ways from the middle of all, metres (n, 2)."""
     if not len(places):
-        return np.zeros(0, dtype=bool)
+        return np.zeros((0, 2))
     middle = np.median(places, axis=0)
     ways = places - middle
     if is_geodetic:
         ways[:, 1] = (ways[:, 1] + 180.0) % 360.0 - 180.0
         ways *= METRES_A_DEGREE * np.array([1.0, np.cos(np.radians(middle[0]))])
-    distances = np.hypot(*ways.T)
+    return np.asarray(ways)
+
+
+def far(places: FloatArray, is_geodetic: bool) -> BoolArray:
+    """Return which places (n, 2), degrees or metres, lie far from the middle of all, (n,)."""
+    if not len(places):
+        return np.zeros(0, dtype=bool)
+    distances = np.hypot(*from_middle_m(places, is_geodetic).T)
     limit = max(FAR_M, FAR_MEDIANS * float(np.median(distances)))
     return np.asarray(distances > limit, dtype=bool)
 
@@ -89,7 +96,9 @@ def dead_caveats(count: int) -> tuple[str, ...]:
     return (f'{count} readings are of a dead detector: nothing is known there',) if count else ()
 
 
-def repeated(vehicles: Sequence[str], counts: FloatArray, rates: FloatArray) -> BoolArray:
+def repeated(
+    vehicles: Sequence[str], counts: FloatArray, rates: FloatArray, places_m: FloatArray
+) -> BoolArray:
     """Return which readings (n,) are the one before again: read too often, or stuck.
 
     Parameters
@@ -98,12 +107,15 @@ def repeated(vehicles: Sequence[str], counts: FloatArray, rates: FloatArray) -> 
         Of each reading.
     counts, rates : shape (n,)
         Counts, which are alike by chance now and then; where there are none, dose rates.
+    places_m : shape (n, 2)
+        East and north, or north and east, from any place.
     """
     found = np.zeros(len(counts), dtype=bool)
     for rows in rows_by_vehicle(vehicles):
         own = counts[rows]
         if not own.any():
-            found[rows] = are_again(rates[rows])
+            steps_m = np.hypot(*np.diff(places_m[rows], axis=0, prepend=places_m[rows][:1]).T)
+            found[rows] = are_again(rates[rows], steps_m)
             continue
         alike = np.concatenate([[False], np.diff(own) == 0.0])
         by_chance = ALIKE_BY_CHANCE * len(own)
