@@ -176,8 +176,8 @@ def circles() -> FloatArray:
     return np.array(rows)
 
 
-def trial(split: str, number: int) -> Trial:
-    """Return one trial; the same arguments give the same trial."""
+def trial(split: str, number: int, turned_deg: float = 0.0) -> Trial:
+    """Return one trial; the wind that is told is turned by an angle besides."""
     generator = np.random.default_rng([SPLITS[split], number])
     true = int(generator.integers(len(CLASSES)))
     speed, angle = generator.uniform(1.5, 7.0), generator.uniform(0.0, 2.0 * math.pi)
@@ -187,6 +187,7 @@ def trial(split: str, number: int) -> Trial:
     places = generator.uniform(-RELEASES_WITHIN_M, RELEASES_WITHIN_M, (count, 2))
     rates = np.exp(generator.uniform(math.log(0.2), math.log(8.0), count))
     error = math.radians(10.0 if generator.random() < 0.25 else 5.0) * generator.standard_normal()
+    error += math.radians(turned_deg)
     noise = math.exp(generator.uniform(math.log(3e-5), math.log(2e-4)))
     wind = ProfileWind(
         layer=layer,

@@ -2,12 +2,13 @@
 """Releases found in simulated searches: how often, how near, and whether regions hold them.
 
     python benchmarks/release_search.py [--split develop] [--count 80] [--first 0]
-                                        [--designs drawn,search] [--out FILE]
+                                        [--designs drawn,search] [--turned DEG] [--out FILE]
 
 A search has 60 readings: ``drawn`` at the places of the trial's pattern, ``search`` half of them
 along a lawn mower, the rest at places that the readings so far suggest, ten at a time. One line of
 JSON for each search is added to FILE; searches that are there are not run again. What is drawn,
-splits and what is wrong for the estimator: release_families.py.
+splits and what is wrong for the estimator: release_families.py. ``--turned`` turns the wind that
+is told besides.
 
 Releases told are matched with true ones so that the sum of distances is the smallest.
 """
@@ -38,7 +39,7 @@ from release_families import (
 )
 from scipy.optimize import linear_sum_assignment
 
-from rocsafe_dispersion.estimation.gas_survey import GasSurvey
+from rocsafe_dispersion.estimation.gas_survey import BY_READING, GasSurvey
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places
 from rocsafe_dispersion.estimation.release_options import SearchArea
@@ -85,8 +86,9 @@ def flown(drawn: Trial, design: str) -> tuple[GasSurvey, LocatedReleases, float]
 
 def joined(first: GasSurvey, second: GasSurvey) -> GasSurvey:
     """Return the readings of both."""
-    names = [name for name in first.__dataclass_fields__ if name != 'weights']
-    parts = {name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in names}
+    parts = {
+        name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in BY_READING
+    }
     return replace(first, **parts)
 
 
@@ -108,9 +110,9 @@ def suggested(drawn: Trial, found: LocatedReleases) -> FloatArray:
     return np.array([one.place_m for one in chosen])
 
 
-def outcome(split: str, number: int, design: str) -> dict[str, Any]:
+def outcome(split: str, number: int, design: str, turned_deg: float = 0.0) -> dict[str, Any]:
     """Return one search as a row."""
-    drawn = trial(split, number)
+    drawn = trial(split, number, turned_deg)
     survey, found, spent = flown(drawn, design)
     told = np.array([one.place_m for one in found.releases]).reshape(-1, 2)
     offsets = told[:, None] - drawn.places_m
@@ -128,20 +130,22 @@ def outcome(split: str, number: int, design: str) -> dict[str, Any]:
         })  # fmt: skip
     values = survey.values_g_m3 - np.median(survey.values_g_m3)
     return {
-        'split': split, 'number': number, 'design': design, 'true': len(drawn.rates_g_s),
-        'found': len(found.releases), 'detector': drawn.detector, 'pattern': drawn.pattern,
+        'split': split, 'number': number, 'design': design, 'turned_deg': turned_deg,
+        'true': len(drawn.rates_g_s), 'found': len(found.releases),
+        'detector': drawn.detector, 'pattern': drawn.pattern,
         'hits': int((values > 6.0 * drawn.noise_g_m3).sum()), 'gains': list(found.gains),
         'probabilities': list(found.number_probabilities), 'releases': releases,
         'hidden': found.hidden.share, 'is_enough': ReleaseRule().verdict(found).is_enough,
-        'cpu_s': spent,
+        'wrong_wind': found.wrong_wind, 'cpu_s': spent,
     }  # fmt: skip
 
 
 def print_rows(rows: list[dict[str, Any]]) -> None:
     """Print a table of designs and true numbers."""
     print('| design | releases | searches | told 0, 1, 2, 3 | right number (expected) | error, m '
-          '| region held | region radius, m | rate held | enough | CPU-s, largest |')  # fmt: skip
-    print('|---|---|---|---|---|---|---|---|---|---|---|')
+          '| region held | region radius, m | rate held | enough | wind doubted '
+          '| CPU-s, largest |')  # fmt: skip
+    print('|---|---|---|---|---|---|---|---|---|---|---|---|')
     for design in dict.fromkeys(row['design'] for row in rows):
         for true in (0, 1, 2, 3, 'all'):
             own = [row for row in rows if row['design'] == design and true in (row['true'], 'all')]
@@ -164,6 +168,7 @@ def _cells(rows: list[dict[str, Any]]) -> str:
     cells = (
         len(rows), told, f'{right:.2f} ({expected:.2f})', median('error_m'), held('is_held'),
         median('region_m'), held('is_rate_held'), sum(row['is_enough'] for row in rows),
+        sum(row['wrong_wind'] > ReleaseRule().wrong_wind for row in rows),
         f'{max(row["cpu_s"] for row in rows):.1f}',
     )  # fmt: skip
     return ' | '.join(str(cell) for cell in cells)
@@ -176,20 +181,23 @@ def main() -> int:
     parser.add_argument('--first', type=int, default=0)
     parser.add_argument('--count', type=int, default=8)
     parser.add_argument('--designs', default='drawn')
+    parser.add_argument('--turned', type=float, default=0.0)
     parser.add_argument('--out', type=Path, default=Path('release_search.jsonl'))
     arguments = parser.parse_args()
     rows = []
     if arguments.out.exists():
         rows = [json.loads(line) for line in arguments.out.read_text().splitlines()]
-    done = {(row['split'], row['number'], row['design']) for row in rows}
+    names = ('split', 'number', 'design', 'turned_deg')
+    done = {tuple(row[name] for name in names) for row in rows}
     for number in range(arguments.first, arguments.first + arguments.count):
         for design in arguments.designs.split(','):
-            if (arguments.split, number, design) in done:
+            if (arguments.split, number, design, arguments.turned) in done:
                 continue
-            rows.append(outcome(arguments.split, number, design))
+            rows.append(outcome(arguments.split, number, design, arguments.turned))
             with arguments.out.open('a') as stream:
                 stream.write(json.dumps(rows[-1]) + '\n')
-    print_rows([row for row in rows if row['split'] == arguments.split])
+    wanted = arguments.split, arguments.turned
+    print_rows([row for row in rows if (row['split'], row['turned_deg']) == wanted])
     return 0
 
 

@@ -197,6 +197,7 @@ def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
     pilot.stop()
     view.wait('document.querySelectorAll(".vehicle.grey").length === 3')
     assert 'No word from the mission' in view.page.inner_text('#banner')
+    assert view.page.inner_text('#pulse') == 'not live'
     assert not view.faults
     view.page.close()
 

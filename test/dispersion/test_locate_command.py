@@ -47,6 +47,22 @@ def test_release_is_found_in_a_file(tmp_path: Path, capsys):
     assert 0.3 < release['rate_g_s'] / 2.0 < 3.0
 
 
+@pytest.mark.slow
+def test_start_and_another_release_are_told_in_words(tmp_path: Path, capsys):
+    """Flown twice, the first time in clean air."""
+    head, *rows = readings(tmp_path).read_text().splitlines()
+    fields = [row.split(',') for row in rows]
+    before = [[*row[:3], f'{1e-6 * (number % 3)}', *row[4:]] for number, row in enumerate(fields)]
+    lines = [','.join([*row, str(10 * n)]) for n, row in enumerate(before + fields)]
+    path = tmp_path / 'twice.csv'
+    path.write_text('\n'.join([head + ',time_s', *lines]) + '\n')
+    assert main([str(path), '--most', '1']) == 0
+    told = capsys.readouterr().out
+    assert '\nit started between ' in told
+    assert 'ended between' not in told
+    assert 'another of 0.5 g/s may be in' in told
+
+
 def test_ppm_and_places_on_the_globe(tmp_path: Path):
     """Are converted; the wind, too."""
     path = tmp_path / 'a.csv'

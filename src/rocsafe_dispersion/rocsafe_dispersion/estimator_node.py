@@ -14,6 +14,7 @@ from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
 from rocsafe_dispersion.mission_gas.release_assessment import (
     ReleaseAssessment,
     assess,
+    in_wind,
     suggested_places,
 )
 from rocsafe_dispersion.mission_gas.release_files import write_plume_files
@@ -39,7 +40,7 @@ class EstimatorNode(Node):
 
     Subscribes: for each vehicle ``gas`` and ``anemometer``, and ``region``. Publishes:
     ``hazard/release``, ``hazard/plume`` and ``hazard/threat_zones`` (all latched), after each
-    fit. Service: ``hazard/suggest_gas_viewpoints``.
+    fit and where the wind has changed. Service: ``hazard/suggest_gas_viewpoints``.
 
     A node that is started again has the readings in its spool directory.
     """
@@ -62,6 +63,7 @@ class EstimatorNode(Node):
             refusals=(NoSurveyError,),
             publish=self._publish,
             period_s=self._options.period_s,
+            renew=self._renew,
         )
         self._fits = FitCycle(self, self._log, steps)
         self._listen()
@@ -99,6 +101,14 @@ class EstimatorNode(Node):
             return assessment
 
         return fit
+
+    def _renew(
+        self, assessment: ReleaseAssessment
+    ) -> tuple[Callable[[], ReleaseAssessment], int] | None:
+        wind = self._log.recent_wind()
+        if assessment.is_of_wind(wind):
+            return None
+        return partial(in_wind, assessment, wind), self._log.newest_wind_ns
 
     def _publish(self, assessment: ReleaseAssessment, time_ns: int) -> None:
         self._releases.publish(releases_message(assessment, self._log.frame, time_ns))

@@ -106,6 +106,7 @@ def _release_message(
         rate_g_s=release.rate_g_s,
         rate_low_g_s=release.rate_low_g_s,
         rate_high_g_s=release.rate_high_g_s,
+        start_s=release.start.time_s,
         detection_gain=gain,
     )
 

@@ -17,6 +17,8 @@ AssessmentT = TypeVar('AssessmentT')
 
 # Period of looks at a running fit, on the wall clock: simulated time may stand still.
 LOOK_PERIOD_S = 0.1
+# Period of looks at news that need no fit, and at what is made of them.
+RENEW_PERIOD_S = 0.5
 
 # Fits that nobody asked for rest for so many times as long as the last one took: they get slower
 # with the number of readings, and would otherwise keep a core of the mission busy.
@@ -48,12 +50,16 @@ class FitSteps(Generic[AssessmentT]):
         Called with the result of a fit and the time of its newest reading, ns.
     period_s
         Least wall time between the beginnings of two fits, s.
+    renew
+        Given the newest result, returns what makes another one of it and the time that this is of,
+        ns, if there is news that needs no fit; called in a thread of its own.
     """
 
     prepare: Callable[[], Callable[[], AssessmentT]]
     refusals: tuple[type[Exception], ...]
     publish: Callable[[AssessmentT, int], None]
     period_s: float
+    renew: Callable[[AssessmentT], tuple[Callable[[], AssessmentT], int] | None] | None = None
 
 
 class FitCycle(Generic[AssessmentT]):
@@ -79,11 +85,14 @@ class FitCycle(Generic[AssessmentT]):
         self._assessment: AssessmentT | None = None
         self._why_none = 'too few readings'
         self._job: BackgroundJob[AssessmentT, None] | None = None
+        self._renewal: tuple[BackgroundJob[AssessmentT, None], AssessmentT, int] | None = None
         self._request = PendingRequest()
         self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._fitted = self._fitted_ns = self._evaluated = 0
         self._began_ns = self._next_ns = 0
         node.create_timer(LOOK_PERIOD_S, self._on_look, clock=self._steady)
+        if steps.renew is not None:
+            node.create_timer(RENEW_PERIOD_S, self._on_look_at_renewal, clock=self._steady)
 
     def note_reading(self) -> None:
         """Note that a reading came from a vehicle."""
@@ -117,6 +126,28 @@ class FitCycle(Generic[AssessmentT]):
             self._end(ended)
         if self._now_ns >= self._next_ns:
             self._begin()
+
+    def _on_look_at_renewal(self) -> None:
+        if self._renewal is None:
+            self._begin_renewal()
+            return
+        job, of, time_ns = self._renewal
+        if not job.is_done:
+            return
+        self._renewal = None
+        # A fit that ended meanwhile knows better.
+        if of is self._assessment:
+            self._assessment = job.result()
+            self._steps.publish(self._assessment, time_ns)
+
+    def _begin_renewal(self) -> None:
+        if self._steps.renew is None or self._assessment is None:
+            return
+        begun = self._steps.renew(self._assessment)
+        if begun is not None:
+            renew, time_ns = begun
+            job = BackgroundJob[AssessmentT, None](lambda _report: renew(), 'renewing', None)
+            self._renewal = job, self._assessment, time_ns
 
     def _begin(self) -> None:
         if self._job is not None or len(self._log) <= self._fitted:

@@ -153,7 +153,8 @@ setInterval(() => {
   if (isOld && !wasOld) sound.play('critical');
   wasOld = isOld;
   const pulse = $('#pulse');
-  const word = t(isLive ? 'live' : 'not_live');
+  pulse.classList.toggle('old', isOld);
+  const word = t(isOld ? 'not_live' : 'live');
   if (pulse.textContent !== word) pulse.textContent = word;
   const banner = $('#banner');
   banner.hidden = isLive && !isMissionOld;

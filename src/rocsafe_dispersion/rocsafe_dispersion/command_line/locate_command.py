@@ -40,6 +40,7 @@ from rocsafe_hazard.row_spool import SpoolError
 
 # More readings of a table are averaged: time and memory grow with their number.
 MOST_FITTED = 300
+MOMENTS = (('started', 'start_95_s'), ('ended', 'end_95_s'))
 EXIT_OK, EXIT_REFUSED = 0, 2
 PARAMETER_FILES = ('.yaml', '.yml')
 # Assumptions about a table of readings that says nothing of them.
@@ -221,6 +222,7 @@ def document_of(
             'width_factor': found.spread_y,
             'height_factor': found.spread_z,
             'wind_turned_anticlockwise_deg': round(float(np.degrees(found.turn_rad)), 3),
+            'wrong_wind_probability': round(found.wrong_wind, 3),
         },
     }
 
@@ -246,6 +248,10 @@ def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
         'rate_95_g_s': [release.rate_low_g_s, release.rate_high_g_s],
         'std_m': np.sqrt(np.diag(release.covariance_m2)).tolist(),
         'region_95_m2': release.region_m2,
+        'started_before_probability': release.start.beyond,
+        'start_95_s': release.start.bounds_s,
+        'ended_after_probability': release.end.beyond,
+        'end_95_s': release.end.bounds_s,
     }
 
 
@@ -267,6 +273,10 @@ def _text(document: dict[str, Any]) -> str:
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
         rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
+        for verb, when in MOMENTS:
+            if release[when] is not None:
+                first_s, last_s = release[when]
+                lines.append(f'it {verb} between {first_s:.0f} and {last_s:.0f} s (95 %)')
         if 'dense_gas' in release:
             lines.append(near_field_line(release['dense_gas']))
     where = f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground'

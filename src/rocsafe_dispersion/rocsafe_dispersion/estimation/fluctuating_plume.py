@@ -12,6 +12,7 @@ and v standard deviations beside and above the axis is
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import special
 
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.plume.spread import NEAREST_M, Travel, at_rows
@@ -58,33 +59,53 @@ class PlumeReadings:
         self, survey: GasSurvey, height_m: float, travel: Travel, reference_mps: float
     ) -> None:
         count = len(survey.weights)
-        self._points = survey.places_m.reshape(-1, 3).astype(np.float32)
-        self.points = len(self._points)
+        points = survey.places_m.reshape(-1, 3)
+        self.points, self._above = len(points), points[:, 2].astype(np.float32)
         winds = np.repeat(survey.wind_towards_mps, count, axis=0)
         speeds = np.maximum(np.hypot(winds[:, 0], winds[:, 1]), 1e-9)
-        self._heading = (winds / speeds[:, None]).astype(np.float32)
+        east, north = (winds / speeds[:, None]).T
+        self._middle_m = points[:, :2].mean(axis=0)
+        x, y = (points[:, :2] - self._middle_m).T
+        # Distances along and across a turned wind are sums of these four.
+        self._bases = np.stack([east * x + north * y, east * y - north * x, east, north]).astype(
+            np.float32
+        )
+        self._times_s = np.repeat(survey.times_s, count)
         slow = np.maximum(np.repeat(survey.speeds_mps, count), LEAST_SPEED_MPS)
         self._factor = (reference_mps / slow).astype(np.float32)
         self._weights, self._height_m, self._travel = survey.weights, height_m, travel
 
-    def of(self, places_m: FloatArray, shapes: Shapes) -> tuple[FloatArray, FloatArray]:
-        """Return mean and standard deviation for 1 g/s at places (p, 2), each (p, n), s/m^3."""
+    def of(
+        self, places_m: FloatArray, shapes: Shapes, spans_s: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return mean and standard deviation for 1 g/s at places (p, 2), each (p, n), s/m^3.
+
+        Releases start and end at `spans_s` (2, p), in the time of the readings; None: long before
+        and after. Their front and their end come with the plume, and are as long as it is wide.
+        """
         row, column, along, across = self._reached(places_m, shapes)
         rows = self._travel.rows(along)
         sigma_y = at_rows(self._travel.sigma_y_m, rows) * shapes.spread_y[row]
         sigma_z = at_rows(self._travel.sigma_z_m, rows) * shapes.spread_z[row]
         flow = at_rows(self._travel.airborne / self._travel.speeds_mps, rows)
-        above = self._points[column, 2]
+        above = self._above[column]
         middle = at_rows(self._travel.heights_m(), rows)
         u, v = across / sigma_y, (above - middle) / sigma_z
         reflected = np.exp(-2.0 * above * middle / sigma_z**2)
         shape = np.exp(-0.5 * (u**2 + v**2)) * (1.0 + reflected) / (2.0 * np.pi)
         mean = self._factor[column] * flow * shape / (sigma_y * sigma_z)
+        if spans_s is not None:
+            # How far the gas of the start and of the end has come beyond the reading, in widths.
+            slower = self._factor[column]
+            left_s = self._times_s[column] - slower * at_rows(self._travel.times_s, rows)
+            widths_s = sigma_y * slower / at_rows(self._travel.speeds_mps, rows)
+            begun, ended = special.ndtr((left_s - spans_s[:, row]) / widths_s)
+            mean = mean * np.maximum(begun - ended, 0.0)
         meander, relative = shapes.meander[row], shapes.relative[row]
         growth = np.minimum((u**2 + v**2) * meander / (1.0 + meander), _LARGEST_GROWTH)
         square = np.exp(growth) / (1.0 - meander**2)
         intensity = np.sqrt(np.minimum((1.0 + relative**2) * square - 1.0, LARGEST_SQUARE))
-        size = (len(places_m), len(self._points))
+        size = (len(places_m), self.points)
         return self._over_points(row, column, mean, size), self._over_points(
             row, column, mean * intensity, size
         )
@@ -93,19 +114,16 @@ class PlumeReadings:
         self, places_m: FloatArray, shapes: Shapes
     ) -> tuple[IndexArray, IndexArray, FloatArray, FloatArray]:
         """Return particles and points that a plume may reach, with distances along and across."""
-        cosine = np.cos(shapes.turn_rad).astype(np.float32)[:, None]
-        sine = np.sin(shapes.turn_rad).astype(np.float32)[:, None]
-        place = places_m.astype(np.float32)
-        first = self._points[:, 0] - place[:, :1]
-        second = self._points[:, 1] - place[:, 1:]
-        plain = first * self._heading[:, 0] + second * self._heading[:, 1]
-        beside = second * self._heading[:, 0] - first * self._heading[:, 1]
-        along, across = plain * cosine + beside * sine, beside * cosine - plain * sine
+        cosine, sine = np.cos(shapes.turn_rad), np.sin(shapes.turn_rad)
+        x, y = (places_m - self._middle_m).T
+        to, beside = x * cosine + y * sine, x * sine - y * cosine
+        along = np.stack([cosine, sine, -to, beside], axis=1).astype(np.float32) @ self._bases
+        across = np.stack([-sine, cosine, beside, to], axis=1).astype(np.float32) @ self._bases
         # sigma_y grows at most as fast as the distance.
         slope = float(self._travel.sigma_y_m[0] / self._travel.distances_m[0])
         wide = (_REACH * slope * shapes.spread_y.astype(np.float32))[:, None]
         row, column = np.nonzero((along > NEAREST_M) & (np.abs(across) < wide * along))
-        return row, column, along[row, column], across[row, column]
+        return row, column, np.asarray(along[row, column]), np.asarray(across[row, column])
 
     def _over_points(
         self, row: IndexArray, column: IndexArray, values: FloatArray, size: tuple[int, int]

@@ -34,11 +34,15 @@ class ReleaseSamples:
         Rates, g/s.
     shapes
         How the plume of each differs from the one that the air suggests.
+    spans_s : (2, s)
+        When they start and end, in the time of the readings; infinite: before and after them.
+        None: not known.
     """
 
     places_m: FloatArray
     rates_g_s: FloatArray
     shapes: Shapes
+    spans_s: FloatArray | None = None
 
     def thinned(self, count: int = SAMPLES) -> 'ReleaseSamples':
         """Return `count` of them, evenly taken; some repeatedly if there are fewer."""
@@ -47,7 +51,25 @@ class ReleaseSamples:
             places_m=self.places_m[index],
             rates_g_s=self.rates_g_s[index],
             shapes=self.shapes.at(index),
+            spans_s=None if self.spans_s is None else self.spans_s[:, index],
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Moment:
+    """When a release started or ended.
+
+    Attributes
+    ----------
+    beyond
+        Probability that it was not among the readings; None: their times are not known.
+    time_s, bounds_s
+        Where it rather was among them: median, and the bounds of the middle 0.95, in their time.
+    """
+
+    beyond: float | None = None
+    time_s: float = math.nan
+    bounds_s: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -87,6 +109,16 @@ class FoundRelease:
         return bool((offset <= self.cell_m / 2.0 + 1e-9).all(axis=1).any())
 
     @property
+    def start(self) -> Moment:
+        """When it started; beyond: before the readings."""
+        return _moment(self.samples.spans_s, 0)
+
+    @property
+    def end(self) -> Moment:
+        """When it ended; beyond: after the readings."""
+        return _moment(self.samples.spans_s, 1)
+
+    @property
     def region_m2(self) -> float:
         """Area of the region of 0.95."""
         return len(self.region_m) * self.cell_m**2
@@ -95,6 +127,18 @@ class FoundRelease:
     def region_radius_m(self) -> float:
         """Radius of a circle of that area, metres."""
         return math.sqrt(self.region_m2 / math.pi)
+
+
+def _moment(spans_s: FloatArray | None, which: int) -> Moment:
+    if spans_s is None:
+        return Moment()
+    among = spans_s[which][np.isfinite(spans_s[which])]
+    beyond = 1.0 - len(among) / spans_s.shape[1]
+    if beyond >= 0.5:
+        return Moment(beyond=beyond)
+    tail = (1.0 - REGION_SHARE) / 2.0
+    low, middle, high = np.quantile(among, (tail, 0.5, 1.0 - tail)).tolist()
+    return Moment(beyond=beyond, time_s=middle, bounds_s=(low, high))
 
 
 def found_release(samples: ReleaseSamples, area: SearchArea) -> FoundRelease:

@@ -101,6 +101,7 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
             column(rows, 'time_s') if 'time_s' in names else np.arange(len(rows), dtype=float)
         ),
         instruments=_instruments(rows, names),
+        has_times='time_s' in names,
     )
     if 'limit' not in names:
         survey, ends = _with_ends(survey)

@@ -43,9 +43,11 @@ class GasSurvey:
     is_above : (n,)
         The reading says only that the concentration is above its value.
     times_s : (n,)
-        Times of the readings, seconds.
+        Times of the readings, seconds; their order only, if not `has_times`.
     instruments : (n,)
         Number of the instrument of each reading, from 0: each has a background of its own.
+    has_times
+        Whether the times are known.
     """
 
     places_m: FloatArray
@@ -57,6 +59,7 @@ class GasSurvey:
     is_above: BoolArray
     times_s: FloatArray
     instruments: IndexArray
+    has_times: bool = True
 
     def __post_init__(self) -> None:
         count = len(self.values_g_m3)
@@ -117,6 +120,7 @@ def point_survey(
         is_above=none if is_above is None else is_above,
         times_s=np.arange(count, dtype=float) if times_s is None else times_s,
         instruments=np.zeros(count, int),
+        has_times=times_s is not None,
     )
 
 
@@ -125,12 +129,14 @@ def usual_noise(values: FloatArray) -> float:
 
     The larger one of two estimates for normal noise: what the lower half spreads, and how far
     readings that follow each other differ (a sensor that shows no value below 0 has no lower
-    half). At least `NOISE_SHARE` of the largest reading: readings that were computed have none.
+    half). At least `NOISE_SHARE` of the largest reading (of the lowest one where none is above 0):
+    readings that were computed have none.
     """
     low, middle = np.quantile(values, (LOWER_SIGMA, 0.5)).tolist()
     steps = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
     found = max(middle - low, steps / (PROBABLE_ERROR * math.sqrt(2.0)))
-    return max(found, NOISE_SHARE * float(np.abs(values).max()))
+    largest = float(values.max())
+    return max(found, NOISE_SHARE * (largest if largest > 0.0 else -float(values.min())))
 
 
 def averaged(survey: GasSurvey, most: int) -> GasSurvey:

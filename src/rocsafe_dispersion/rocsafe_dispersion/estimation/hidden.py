@@ -57,9 +57,7 @@ def hidden_releases(
     chosen = np.arange(repeats * len(places_m)) % count
     places = np.repeat(places_m, repeats, axis=0)
     rates = smallest_g_s * np.array(MULTIPLES)
-    gains = np.array([
-        sampler.gains_of_one_more(found, chosen, places, float(rate)) for rate in rates
-    ])  # fmt: skip
+    gains = sampler.gains_of_one_more(found, chosen, places, rates)
     weights = np.exp(np.minimum(gains, _LARGEST_GAIN))
     total = np.cumsum(weights.ravel())
     wanted = (np.arange(SAMPLES) + 0.5) / SAMPLES * total[-1]

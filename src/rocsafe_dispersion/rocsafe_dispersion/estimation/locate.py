@@ -9,11 +9,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
-from rocsafe_dispersion.estimation.fluctuating_plume import (
-    LEAST_SPEED_MPS,
-    PlumeReadings,
-    Shapes,
-)
+from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS, PlumeReadings
 from rocsafe_dispersion.estimation.found_release import (
     FoundRelease,
     ReleaseSamples,
@@ -22,7 +18,13 @@ from rocsafe_dispersion.estimation.found_release import (
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.hidden import HiddenReleases, hidden_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
-from rocsafe_dispersion.estimation.release_sampler import Bounds, Population, ReleaseSampler
+from rocsafe_dispersion.estimation.release_sampler import (
+    KIND,
+    Bounds,
+    Kind,
+    Population,
+    ReleaseSampler,
+)
 from rocsafe_dispersion.plume.spread import Travel, similarity_travel, vertical_shape
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
@@ -50,7 +52,11 @@ class LocatedReleases:
         told is that before the first which is not above 0.
     background_g_m3
         Backgrounds of the instruments at their last readings.
-    turn_rad, spread_y, spread_z
+    turn_rad
+        Mean angle by which the true wind is turned from the one told, as in `Shapes`.
+    wrong_wind
+        Probability that the direction of the wind told is wrong altogether.
+    spread_y, spread_z
         Medians of `Shapes`.
     hidden
         Where a release may still be that was not found, beside those that were.
@@ -61,6 +67,7 @@ class LocatedReleases:
     gains: tuple[float, ...]
     background_g_m3: FloatArray
     turn_rad: float
+    wrong_wind: float
     spread_y: float
     spread_z: float
     hidden: HiddenReleases
@@ -122,7 +129,7 @@ def locate_releases(
     >>> options = LocateOptions(most_releases=1)
     >>> found = locate_releases(survey, area, layer, options=options)
     >>> (release,) = found.releases
-    >>> math.dist(release.place_m, (-20.0, 5.0)) < 5.0
+    >>> release.holds(-20.0, 5.0)
     True
     >>> bool(release.rate_low_g_s < 5.0 < release.rate_high_g_s)
     True
@@ -134,6 +141,11 @@ def locate_releases(
     bounds = Bounds(
         edges_m=(area.west_m, area.south_m, area.east_m, area.north_m),
         rates_g_s=_rates(survey, area, travel, reference / speed),
+        times_s=(
+            (float(survey.times_s.min()), float(survey.times_s.max()))
+            if survey.has_times
+            else None
+        ),
     )
     sampler = ReleaseSampler(
         PlumeReadings(survey, area.height_m, travel, reference),
@@ -143,10 +155,34 @@ def locate_releases(
         np.random.default_rng(_SEED),
     )
     made = [sampler.sample(number) for number in range(options.most_releases + 1)]
-    evidence = np.array([each for _, each in made])
+    # The number told is that of hypotheses of all kinds. Where none is told, one was tried so.
+    number, tried = min(1, options.most_releases), {0}
+    while number not in tried:
+        tried.add(number)
+        made[number] = _of_all_kinds(sampler, made[number], number)
+        number = _number(_evidence(made), options)
+    return _located(sampler, made[number][0], area, _evidence(made), options)
+
+
+def _of_all_kinds(
+    sampler: ReleaseSampler, told: tuple[Population, float], number: int
+) -> tuple[Population, float]:
+    """Return hypotheses of all kinds by their evidence, and the logarithm of all."""
+    kinds = sampler.kinds
+    made = [told, *(sampler.sample(number, kind) for kind in kinds)]
+    logs = np.log([1.0 - sum(kinds.values()), *kinds.values()]) + _evidence(made)
+    shares = np.exp(logs - logsumexp(logs))
+    return Population.mixed([each for each, _ in made], shares), float(logsumexp(logs))
+
+
+def _evidence(made: list[tuple[Population, float]]) -> FloatArray:
+    return np.array([evidence for _, evidence in made])
+
+
+def _number(evidence: FloatArray, options: LocateOptions) -> int:
+    """Return the number of releases told."""
     gains = _gains(evidence, options)
-    number = next((index for index, gain in enumerate(gains) if gain <= 0.0), len(gains))
-    return _located(sampler, made[number][0], area, evidence, gains, options)
+    return next((index for index, gain in enumerate(gains) if gain <= 0.0), len(gains))
 
 
 def usual_speed_mps(survey: GasSurvey) -> float:
@@ -194,7 +230,6 @@ def _located(
     found: Population,
     area: SearchArea,
     evidence: FloatArray,
-    gains: tuple[float, ...],
     options: LocateOptions,
 ) -> LocatedReleases:
     own, shapes = _labelled(found.own), sampler.shapes_of(found.shared)
@@ -204,6 +239,7 @@ def _located(
                 places_m=sampler.places_of(own[:, number]),
                 rates_g_s=sampler.rates_of(own[:, number]),
                 shapes=shapes,
+                spans_s=sampler.spans_of(found.shared),
             ),
             area,
         )
@@ -212,16 +248,14 @@ def _located(
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         number_probabilities=tuple(np.exp(evidence - logsumexp(evidence)).tolist()),
-        gains=gains,
+        gains=_gains(evidence, options),
         background_g_m3=np.median(found.backgrounds, axis=0),
-        **_middle(shapes),
+        turn_rad=float(np.angle(np.exp(1j * shapes.turn_rad).mean())),
+        wrong_wind=float((found.shared[:, KIND] == Kind.WRONG_WIND).mean()),
+        spread_y=float(np.median(shapes.spread_y)),
+        spread_z=float(np.median(shapes.spread_z)),
         hidden=hidden_releases(sampler, found, area.cells_m(), options.smallest_g_s),
     )
-
-
-def _middle(shapes: Shapes) -> dict[str, float]:
-    names = ('turn_rad', 'spread_y', 'spread_z')
-    return {name: float(np.median(getattr(shapes, name))) for name in names}
 
 
 def _labelled(own: FloatArray) -> FloatArray:

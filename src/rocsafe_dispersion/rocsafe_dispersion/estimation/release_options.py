@@ -58,6 +58,12 @@ class LocateOptions:
     ----------
     turn_std_deg
         Standard deviation of the error of the wind direction before readings, degrees.
+    wrong_wind
+        Probability before readings that the direction of the wind that is told is wrong, and the
+        true one anything: signs or conventions mixed up, an anemometer turned on its mast.
+    limited
+        Probability before readings that releases start or end among them, where their times are
+        known.
     spread_std
         Standard deviation of the logarithm of the factors of the crosswind and of the vertical
         size of the plume before readings.
@@ -78,6 +84,8 @@ class LocateOptions:
     """
 
     turn_std_deg: float = 6.0
+    wrong_wind: float = 0.02
+    limited: float = 0.1
     spread_std: float = 0.7
     most_releases: int = 3
     least_gain: float = 4.6
@@ -88,6 +96,8 @@ class LocateOptions:
 
     def __post_init__(self) -> None:
         require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
+        require_between('wrong_wind', self.wrong_wind, 1e-6, 0.4)
+        require_between('limited', self.limited, 1e-6, 0.4)
         require_positive('spread_std', self.spread_std)
         require_between('smallest_g_s', self.smallest_g_s, 1e-9, 1e9, 'g/s')
         require_count('most_releases', self.most_releases, 0, 3)

@@ -7,8 +7,9 @@ and moved. Moves are differences of two other hypotheses (differential evolution
 which follow correlations and jump between separate modes.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from scipy import optimize, special
@@ -23,14 +24,21 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 # noise, and of the drift in the whole time, in noises. They are choices, wide enough for what
 # `benchmarks/release_families.py` draws.
 _MOST_MEANDER = 0.9
+# Of releases that start or end among the readings, the probability that they have started before,
+# and that they end after them.
+_LASTING = 0.5
+# Freedom of Student's t of the error of a wind direction that is about right.
+_TURN_FREEDOM = 4.0
 _RELATIVE, _RELATIVE_STD = 0.4, 0.5
 _NOISE_STD = 0.25
 # Nor is the noise further from the one told than this: readings that are all alike would make it
 # nothing, and then anything explains them.
 _MOST_NOISE_STDS = 4.0
 _DRIFT, _DRIFT_STD = 0.3, 1.5
-# Coordinates that all releases share, see `shapes_of`, and those of each release.
-SHARED, OWN = 7, 3
+# Coordinates that all releases share, see `shapes_of` and `spans_of`, and those of each release.
+# The last shared one is the kind of a hypothesis; it is not moved.
+SHARED, OWN = 10, 3
+KIND = 9
 _ESS_SHARE = 0.7
 # Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
 # as many as time allows.
@@ -39,18 +47,31 @@ _MOST_PAIRS, _FEWEST = 120_000, 200
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bounds:
-    """Where releases may be and how strong they are: west, south, east, north; g/s."""
+    """What releases may be.
+
+    Attributes
+    ----------
+    edges_m
+        Of the ground with releases: west, south, east, north.
+    rates_g_s
+        Least and largest rate.
+    times_s
+        Times of the first and the last reading: releases start between them, or before, and end
+        between them, or after, all at the same times; None: long before and after.
+    """
 
     edges_m: tuple[float, float, float, float]
     rates_g_s: tuple[float, float]
+    times_s: tuple[float, float] | None = None
 
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class Population:
     """Hypotheses (p): shared coordinates (p, SHARED), releases (p, k, OWN), and their readings.
 
-    Shared coordinates are standard normal before readings; those of a release are even in 0 to 1.
-    `means` and `spreads` (p, k, n) are for the rates; `backgrounds` (p, instruments).
+    Shared coordinates are standard normal before readings, but for `KIND`; those of a
+    release are even in 0 to 1. `means` and `spreads` (p, k, n) are for the rates; `backgrounds`
+    (p, instruments).
     """
 
     shared: FloatArray
@@ -65,10 +86,32 @@ class Population:
         for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
             setattr(self, name, getattr(self, name)[index])
 
+    @classmethod
+    def mixed(cls, parts: Sequence['Population'], shares: FloatArray) -> 'Population':
+        """Return as many hypotheses as each population has, some of each by their shares."""
+        count = len(parts[0].logs)
+        counts = np.diff(np.rint(np.cumsum([0.0, *shares]) * count).astype(int))
+        # Each stands in the order of its ancestors: those taken are spread evenly.
+        taken = [np.arange(own) * count // max(own, 1) for own in counts.tolist()]
+        return cls(**{
+            name: np.concatenate([
+                getattr(part, name)[index] for part, index in zip(parts, taken, strict=True)
+            ])
+            for name in cls.__dataclass_fields__
+        })  # fmt: skip
+
     def accept(self, other: 'Population', is_taken: BoolArray) -> None:
         """Take those hypotheses of another population."""
         for name in ('shared', 'own', 'means', 'spreads', 'logs', 'backgrounds'):
             getattr(self, name)[is_taken] = getattr(other, name)[is_taken]
+
+
+class Kind(IntEnum):
+    """What a hypothesis takes for true."""
+
+    AS_TOLD = 0
+    WRONG_WIND = 1
+    LIMITED = 2
 
 
 class ReleaseSampler:
@@ -88,8 +131,14 @@ class ReleaseSampler:
     def shapes_of(self, shared: FloatArray) -> Shapes:
         """Return the shapes of plumes of shared coordinates."""
         options = self._options
+        even = special.ndtr(shared[:, 0])
+        turn_deg = np.where(
+            shared[:, KIND] == Kind.WRONG_WIND,
+            360.0 * even,
+            options.turn_std_deg * special.stdtrit(_TURN_FREEDOM, even),
+        )
         return Shapes(
-            turn_rad=np.radians(options.turn_std_deg) * shared[:, 0],
+            turn_rad=np.radians(turn_deg),
             spread_y=np.exp(options.spread_std * shared[:, 1]),
             spread_z=np.exp(options.spread_std * shared[:, 2]),
             meander=_MOST_MEANDER * special.ndtr(shared[:, 3]),
@@ -106,11 +155,38 @@ class ReleaseSampler:
         low, high = self._bounds.rates_g_s
         return np.asarray(low * (high / low) ** own[..., 2])
 
-    def sample(self, number: int) -> tuple[Population, float]:
-        """Return hypotheses with a number of releases, and the logarithm of its evidence."""
+    def spans_of(self, shared: FloatArray) -> FloatArray | None:
+        """Return start and end of releases of shared coordinates, (2, p), s; None: not known.
+
+        Infinite: before the first reading, and after the last one.
+        """
+        if self._bounds.times_s is None:
+            return None
+        first_s, last_s = self._bounds.times_s
+        shares = (special.ndtr(shared[:, 7:9].T) - _LASTING) / (1.0 - _LASTING)
+        shares[(shares < 0.0) | (shared[:, KIND] != Kind.LIMITED)] = -np.inf
+        # Ends are counted back from the last reading.
+        long_s = shares * (last_s - first_s)
+        return np.stack([first_s + long_s[0], last_s - long_s[1]])
+
+    @property
+    def kinds(self) -> dict[Kind, float]:
+        """Kinds of hypotheses beside those as told, and their probabilities before readings."""
+        found = {Kind.WRONG_WIND: self._options.wrong_wind}
+        if self._bounds.times_s is not None:
+            found[Kind.LIMITED] = self._options.limited
+        return found
+
+    def sample(self, number: int, kind: Kind = Kind.AS_TOLD) -> tuple[Population, float]:
+        """Return hypotheses with a number of releases, and the logarithm of their evidence.
+
+        Their wind is about the one told, or, if that is wrong, from anywhere; they last all the
+        time, or start or end among the readings.
+        """
         most = _MOST_PAIRS // self._readings.points
         count = max(min(self._options.particles, most), min(_FEWEST, self._options.particles))
         shared = self._generator.standard_normal((count, SHARED))
+        shared[:, KIND] = kind
         own = self._generator.random((count, number, OWN))
         now = self._made(shared, own)
         power = evidence = 0.0
@@ -124,23 +200,24 @@ class ReleaseSampler:
         return now, evidence
 
     def gains_of_one_more(
-        self, now: Population, index: IndexArray, places_m: FloatArray, rate_g_s: float
+        self, now: Population, index: IndexArray, places_m: FloatArray, rates_g_s: FloatArray
     ) -> FloatArray:
-        """Return logarithms of the likelihood of a release more at places, (q, 2), over none.
+        """Return logarithms of the likelihood of a release more over none, (r, q).
 
-        Beside the hypotheses `index`, (q,).
+        One of each rate, (r,), at each place, (q, 2), beside the hypotheses `index`, (q,).
         """
-        found = np.empty(len(index))
+        found = np.empty((len(rates_g_s), len(index)))
         for start in range(0, len(index), len(now.logs)):
             rows = slice(start, start + len(now.logs))
             own = index[rows]
             mean, spread = self._readings.of(places_m[rows], self.shapes_of(now.shared[own]))
-            logs, _ = self._log_likelihoods(
-                now.shared[own],
-                np.concatenate([now.means[own], rate_g_s * mean[:, None]], axis=1),
-                np.concatenate([now.spreads[own], rate_g_s * spread[:, None]], axis=1),
-            )
-            found[rows] = logs - now.logs[own]
+            for number, rate_g_s in enumerate(rates_g_s.tolist()):
+                logs, _ = self._log_likelihoods(
+                    now.shared[own],
+                    np.concatenate([now.means[own], rate_g_s * mean[:, None]], axis=1),
+                    np.concatenate([now.spreads[own], rate_g_s * spread[:, None]], axis=1),
+                )
+                found[number, rows] = logs - now.logs[own]
         return found
 
     def _log_likelihoods(
@@ -156,11 +233,11 @@ class ReleaseSampler:
 
     def _made(self, shared: FloatArray, own: FloatArray) -> Population:
         """Return a population of coordinates."""
-        shapes = self.shapes_of(shared)
+        shapes, spans_s = self.shapes_of(shared), self.spans_of(shared)
         parts = []
         for release in range(own.shape[1]):
             place, rate = self.places_of(own[:, release]), self.rates_of(own[:, release])
-            mean, spread = self._readings.of(place, shapes)
+            mean, spread = self._readings.of(place, shapes, spans_s)
             parts.append((rate[:, None] * mean, rate[:, None] * spread))
         size = (len(shared), own.shape[1], self._backgrounds.readings)
         means = np.array([mean for mean, _ in parts]).swapaxes(0, 1) if parts else np.zeros(size)
@@ -206,6 +283,7 @@ class ReleaseSampler:
             / np.sqrt(2.0 * np.maximum(kept.sum(axis=1), 1))
             * 10.0 ** (generator.uniform(-0.7, 0.1, count))
         )
+        kept[:, KIND] = False
         # The whole difference leads from one mode to another.
         scale[generator.random(count) < 0.1] = 1.0
         shared, own = now.shared.copy(), now.own.copy()

@@ -22,6 +22,8 @@ LEAST_BLOCK_S = 4.0
 POINTS = 5
 # The wind of a block is the mean of this time before its end: a plume arrives with its past.
 WIND_S = 20.0
+# The wind that plumes and zones are told for, a mean of ten minutes, is that of the last so long.
+RECENT_S = 600.0
 # Rotors blow a sample down, never below this height above the ground, metres.
 LEAST_HEIGHT_M = 0.5
 
@@ -114,7 +116,7 @@ class GasLog:
         self.frame, self._sampling = frame, sampling
         self._gases: dict[str, dict[tuple[str, int], GasFlightReading]] = {}
         self._winds: dict[tuple[str, int], WindFlightReading] = {}
-        self.newest_ns = 0
+        self.newest_ns = self.newest_wind_ns = 0
         self._count = 0
 
     def __len__(self) -> int:
@@ -137,6 +139,7 @@ class GasLog:
         if key in self._winds or not reading.is_usable:
             return False
         self._winds[key] = reading
+        self.newest_wind_ns = max(self.newest_wind_ns, reading.time_ns)
         return True
 
     def readings(self) -> Iterator[GasFlightReading]:
@@ -170,7 +173,6 @@ class GasLog:
         places = np.array([block.places_m for block in blocks])
         places[:, :, 2] = np.maximum(places[:, :, 2], LEAST_HEIGHT_M)
         vehicles = sorted({block.vehicle for block in blocks})
-        east, north = towards.mean(axis=0).tolist()
         first_s = min(block.time_s for block in blocks)
         survey = GasSurvey(
             places_m=places,
@@ -188,10 +190,21 @@ class GasLog:
             survey=survey,
             sensor=sensor,
             agent=known,
-            wind_towards_mps=(east, north),
+            wind_towards_mps=self.recent_wind(),
             anemometer_m=max(float(np.median(heights)), 2.0),
             flight_height_m=float(np.median(places[:, :, 2])),
         )
+
+    def recent_wind(self) -> tuple[float, float]:
+        """Return the mean wind of the last `RECENT_S`, towards east and north, m/s."""
+        newest_ns = self.newest_wind_ns
+        recent = [
+            (one.towards_east_mps, one.towards_north_mps)
+            for one in self._winds.values()
+            if newest_ns - one.time_ns <= RECENT_S * NS_PER_S
+        ]
+        east, north = np.mean(recent, axis=0).tolist()
+        return east, north
 
     def _best_sensor(self) -> str:
         """Return the kind of sensor that shows the gas most clearly, and could see the agent."""

@@ -2,11 +2,12 @@
 """What the readings of a flight say: releases, verdict, map, where to measure next."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
 
+from rocsafe_dispersion.agents.agent_table import Agent
 from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
@@ -25,6 +26,8 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.stability import StabilityClass, layer_of_class
 
 LEAST_BLOCKS = 8
+# Plume and zones are made anew in a wind that is away from theirs by more than this share of it.
+CHANGED_WIND = 0.1
 # Places tried along the longer side of the area: for releases, and to measure at.
 CELLS_ACROSS, CANDIDATES_ACROSS = 25, 30
 
@@ -88,6 +91,12 @@ class ReleaseAssessment:
     verdict: ReleaseVerdict
     plume: PlumeMap | None
 
+    def is_of_wind(self, towards_mps: tuple[float, float]) -> bool:
+        """Return whether the plume is about that of a wind, or there is none to be told."""
+        speed = math.hypot(*towards_mps)
+        changed = math.dist(towards_mps, self.air.towards_mps) > CHANGED_WIND * speed
+        return self.plume is None or speed < LEAST_SPEED_MPS or not changed
+
     @property
     def zones(self) -> tuple[ThreatZone, ...]:
         """Threat zones, none without a release."""
@@ -118,7 +127,6 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         reference_mps=float(layer.speed_mps(flight.anemometer_m)),
         release_height_m=options.release_height_m,
     )
-    groups = [release.samples for release in found.releases]
     return ReleaseAssessment(
         flight=flight,
         area=area,
@@ -127,8 +135,23 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         found=found,
         rule=options.rule,
         verdict=options.rule.verdict(found),
-        plume=plume_map(groups, area, air, flight.agent) if groups else None,
+        plume=_plume(found, area, air, flight.agent),
     )
+
+
+def in_wind(assessment: ReleaseAssessment, towards_mps: tuple[float, float]) -> ReleaseAssessment:
+    """Return an assessment with plume and zones in another wind, its releases as they are."""
+    air = replace(assessment.air, towards_mps=towards_mps)
+    plume = _plume(assessment.found, assessment.area, air, assessment.flight.agent)
+    flight = replace(assessment.flight, wind_towards_mps=towards_mps)
+    return replace(assessment, flight=flight, air=air, plume=plume)
+
+
+def _plume(
+    found: LocatedReleases, area: SearchArea, air: MeanAir, known: Agent
+) -> PlumeMap | None:
+    groups = [release.samples for release in found.releases]
+    return plume_map(groups, area, air, known) if groups else None
 
 
 def search_area(places_m: FloatArray, margin_m: float, release_height_m: float) -> SearchArea:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Maps of a plume and its threat zones, from samples of releases."""
 
+import cmath
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,7 +51,10 @@ def plume_map(
 
     Levels hold for 60 minutes of exposure and a plume that has become steady.
     """
-    grid = _grid(area, air)
+    # The wind that the releases fit.
+    turn_rad = float(np.angle(np.exp(1j * groups[0].shapes.turn_rad).mean()))
+    fitting = replace(air, towards_mps=_turned(air.towards_mps, turn_rad))
+    grid = _grid(area, fitting)
     places = grid.places_m()
     totals = predicted(groups[0], places, air)
     for samples in groups[1:]:
@@ -63,9 +67,14 @@ def plume_map(
         grid=grid,
         mean_g_m3=mean,
         upper_g_m3=np.maximum(upper, mean),
-        arrival_s=_arrival(places, middle, air).reshape(mean.shape),
+        arrival_s=_arrival(places, middle, fitting).reshape(mean.shape),
         zones=tuple(threat_zones(grid, list(maps), response_levels(agent))),
     )
+
+
+def _turned(towards_mps: tuple[float, float], turn_rad: float) -> tuple[float, float]:
+    found = complex(*towards_mps) * cmath.rect(1.0, turn_rad)
+    return found.real, found.imag
 
 
 def _grid(area: SearchArea, air: MeanAir) -> MapGrid:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """When the readings of gas are enough."""
 
+import math
 from dataclasses import dataclass
 
 from rocsafe_dispersion.estimation.locate import LocatedReleases
@@ -25,14 +26,18 @@ class ReleaseRule:
         Radius of a circle as large as the region of 0.95 that is precise enough, metres.
     hidden_share
         Share of the ground where a release of the smallest rate may still be.
+    wrong_wind
+        Largest probability that the direction of the wind is wrong altogether.
     """
 
     region_m: float = 10.0
     hidden_share: float = 0.05
+    wrong_wind: float = 0.05
 
     def __post_init__(self) -> None:
         require_positive('region_m', self.region_m, 'm')
         require_between('hidden_share', self.hidden_share, 1e-3, 0.9)
+        require_between('wrong_wind', self.wrong_wind, 1e-3, 0.9)
 
     def verdict(self, found: LocatedReleases) -> ReleaseVerdict:
         """Return whether what was found is placed well enough, and no more is hidden."""
@@ -48,6 +53,8 @@ class ReleaseRule:
         count = len(found.releases)
         what = f'{count} release{"s" if count > 1 else ""}'
         what = f'{what}, placed within {widest_m(found):.0f} m (95 %)'
+        if found.wrong_wind > self.wrong_wind:
+            return ReleaseVerdict(is_enough=False, reason=f'{what}; {_doubted_wind(found)}')
         if not self.is_placed(found):
             wanted = f'{self.region_m:g} m are wanted'
             return ReleaseVerdict(is_enough=False, reason=f'{what}: {wanted}')
@@ -63,3 +70,12 @@ class ReleaseRule:
 def widest_m(found: LocatedReleases) -> float:
     """Return the radius of a circle as large as the largest region of 0.95, metres."""
     return max(release.region_radius_m for release in found.releases)
+
+
+def _doubted_wind(found: LocatedReleases) -> str:
+    turned = math.degrees(found.turn_rad)
+    side = 'anticlockwise' if turned > 0.0 else 'clockwise'
+    return (
+        f'the direction of the wind is wrong with a probability of {found.wrong_wind:.2f}: the '
+        f'readings fit wind turned {side} by {abs(turned):.0f} degrees'
+    )
