@@ -26,25 +26,31 @@ from rocsafe_radiation.readings.survey import RadiationSurvey
 
 # Fit of a survey in one setting: with the clock of the fixes or not, begun at another or at none.
 FirstFit = Callable[[RadiationSurvey, bool, Fit | None], tuple[Likelihood, Fit]]
+# Misses of readings that follow each other are alike by less than this where they are counts: four
+# standard deviations of 400 readings. Lines that begin anew on the same side look like noise.
+LARGEST_ALIKENESS = 0.2
 # Time constants looked for, seconds, and how well the logarithm of one is found.
 RANGE_S, RANGE_LOG = (0.7, 20.0), 0.5
 GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-# So many readings at the begin of the flight tell it: more are merged, which hides what follows
-# each other.
+# So many readings at the begin of the flight tell it.
 MOST_TRIED = 1500
 # Counts follow from means of the last N but for what all N-th of them have in common: this is the
 # mean of so many of them, so that roundings do not add up.
 MEMBERS = 45
 LARGEST_MISS = 3.0
-# Counts are fewer where readings scatter more, by a share that is told by so many fits.
-NOISE_ROUNDS = 3
+# Counts are fewer where readings scatter more, by a share that is told by so many fits, unless its
+# logarithm is less than this.
+NOISE_ROUNDS, LEAST_FALL = 3, 0.2
 
 
 def as_counted(survey: RadiationSurvey, first_fit: FirstFit) -> tuple[RadiationSurvey, float]:
     """Return the survey as counted, and the time over which readings are means, s, 0: none."""
     flight, found = survey.flight, running_mean(survey)
     smoothing_s = 0.0
-    if flight is not None and found is not None:
+    is_smooth = found is not None and (
+        _alikeness(*first_fit(_begin(survey), False, None)) > LARGEST_ALIKENESS
+    )
+    if flight is not None and found is not None and is_smooth:
         before, after = _neighbours(flight)
         step_s = float(np.median(flight.times_s[after] - flight.times_s[before]))
         smoothing_s = found.readings * step_s
@@ -109,7 +115,7 @@ def _with_noise(survey: RadiationSurvey, first_fit: FirstFit) -> RadiationSurvey
     """Return a survey of dose rates alone with no more counts than their noise tells."""
     for _ in range(NOISE_ROUNDS):
         share = 1.0 / _left(*first_fit(survey, False, None)) ** 2
-        if share >= 1.0:
+        if math.log(share) > -LEAST_FALL:
             break
         survey = replace(survey, counts=survey.counts * share, exposures=survey.exposures * share)
     return survey
@@ -153,6 +159,18 @@ def _misses(likelihood: Likelihood, fit: Fit) -> FloatArray:
 def _left(likelihood: Likelihood, fit: Fit) -> float:
     """Return the standard deviation of what a fit leaves unexplained."""
     return max(_std(_misses(likelihood, fit)), 1e-12)
+
+
+def _alikeness(likelihood: Likelihood, fit: Fit) -> float:
+    """Return the correlation of what is left of readings that follow each other."""
+    flight, misses = likelihood.survey.flight, _misses(likelihood, fit)
+    if flight is None:
+        return 0.0
+    before, after = _neighbours(flight)
+    limit = LARGEST_MISS * max(_std(misses), 1e-12)
+    clipped = np.clip(misses, -limit, limit)
+    squares = float((clipped**2).sum())
+    return float((clipped[before] * clipped[after]).sum()) / max(squares, 1e-12)
 
 
 def _std(misses: FloatArray) -> float:
