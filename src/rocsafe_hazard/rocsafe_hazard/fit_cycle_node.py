@@ -51,8 +51,9 @@ class FitSteps(Generic[AssessmentT]):
     period_s
         Least wall time between the beginnings of two fits, s.
     renew
-        Given the newest result, returns what makes another one of it and the time that this is of,
-        ns, if there is news that needs no fit; called in a thread of its own.
+        Called with the newest result. Returns None, or, where there is news that needs no fit, a
+        function that makes the result anew, and the time of the news, ns. The function is called
+        in a thread of its own.
     """
 
     prepare: Callable[[], Callable[[], AssessmentT]]

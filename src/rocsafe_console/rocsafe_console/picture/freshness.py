@@ -17,7 +17,7 @@ MARKS_KEPT = 120
 # What is kept comes at once; the mission's state comes twice a second.
 SETTLED_S = 0.9
 STALE_S = 3.0
-# Of a dose, which comes once a second of the mission.
+# A dose comes once a second of the mission: it is old after so long.
 DOSE_STALE_S = 10.0
 
 

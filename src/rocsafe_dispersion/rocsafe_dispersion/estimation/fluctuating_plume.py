@@ -47,6 +47,11 @@ class Shapes:
     meander: FloatArray
     relative: FloatArray
 
+    @property
+    def mean_turn_rad(self) -> float:
+        """Circular mean of the turns of the wind, radians anticlockwise."""
+        return float(np.angle(np.exp(1j * self.turn_rad).mean()))
+
     def at(self, index: IndexArray) -> 'Shapes':
         """Return those of an index."""
         return Shapes(**{name: getattr(self, name)[index] for name in self.__dataclass_fields__})

@@ -250,7 +250,7 @@ def _located(
         number_probabilities=tuple(np.exp(evidence - logsumexp(evidence)).tolist()),
         gains=_gains(evidence, options),
         background_g_m3=np.median(found.backgrounds, axis=0),
-        turn_rad=float(np.angle(np.exp(1j * shapes.turn_rad).mean())),
+        turn_rad=shapes.mean_turn_rad,
         wrong_wind=float((found.shared[:, KIND] == Kind.WRONG_WIND).mean()),
         spread_y=float(np.median(shapes.spread_y)),
         spread_z=float(np.median(shapes.spread_z)),

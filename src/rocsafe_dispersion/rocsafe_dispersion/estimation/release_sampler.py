@@ -24,8 +24,8 @@ from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 # noise, and of the drift in the whole time, in noises. They are choices, wide enough for what
 # `benchmarks/release_families.py` draws.
 _MOST_MEANDER = 0.9
-# Of releases that start or end among the readings, the probability that they have started before,
-# and that they end after them.
+# Probability that a release of the kind `LIMITED` has started before the readings; it is the same
+# that the release ends after them.
 _LASTING = 0.5
 # Freedom of Student's t of the error of a wind direction that is about right.
 _TURN_FREEDOM = 4.0

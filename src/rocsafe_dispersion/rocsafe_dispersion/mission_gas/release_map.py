@@ -52,8 +52,7 @@ def plume_map(
     Levels hold for 60 minutes of exposure and a plume that has become steady.
     """
     # The wind that the releases fit.
-    turn_rad = float(np.angle(np.exp(1j * groups[0].shapes.turn_rad).mean()))
-    fitting = replace(air, towards_mps=_turned(air.towards_mps, turn_rad))
+    fitting = replace(air, towards_mps=_turned(air.towards_mps, groups[0].shapes.mean_turn_rad))
     grid = _grid(area, fitting)
     places = grid.places_m()
     totals = predicted(groups[0], places, air)
