@@ -81,6 +81,21 @@ def test_signal_ends_the_node_without_a_word(child, number):
     assert (process.returncode, errors) == (0, '')
 
 
+def test_a_node_runs_without_standard_streams(own_domain, tmp_path):
+    """As under a service manager; libraries fail where there is no standard error."""
+    told = tmp_path / 'told'
+    code = NODE.replace("print('alive', flush=True)", f"open({str(told)!r}, 'w').close()")
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    shell = ['sh', '-c', 'exec "$0" -c "$1" 0<&- >&- 2>&-', sys.executable, code]
+    with subprocess.Popen(shell, env={**os.environ, 'PYTHONPATH': path}) as process:
+        end_s = time.monotonic() + DEADLINE_S
+        while not told.exists() and process.poll() is None and time.monotonic() < end_s:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(DEADLINE_S) == 0
+    assert told.exists()
+
+
 def test_wrong_parameter_is_one_line_and_exit_2(child):
     """No traceback for a user's mistake."""
     process = child('--ros-args', '-p', 'speed_mps:=9.0')

@@ -27,6 +27,7 @@ from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_ros.process_arguments import ArgumentError, help_wanted
+from rocsafe_ros.standard_streams import open_standard_streams
 
 EXIT_OK = 0
 EXIT_FAILURE = 1
@@ -86,6 +87,7 @@ def run(
     if outlives is None:
         _end_with_supervisor()
     stop = StopRequest()
+    open_standard_streams()
     try:
         if args is None and (text := help_wanted(sys.argv, make_node)):
             print(text, end='')  # noqa: T201

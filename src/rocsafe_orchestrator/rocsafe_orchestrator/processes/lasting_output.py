@@ -5,8 +5,9 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any, TextIO
+
+from rocsafe_ros.standard_streams import open_standard_streams
 
 
 class LastingStream:
@@ -53,16 +54,11 @@ class LastingStream:
 def lasting_output() -> Iterator[None]:
     """Let standard output and errors be lost without an exception inside of the block.
 
-    They may be closed from the begin: what is opened next would get their numbers.
+    They may be closed from the begin.
     """
+    open_standard_streams()
     former = sys.stdout, sys.stderr
-    for number in range(3):
-        with suppress(OSError):
-            os.fstat(number)
-            continue
-        os.open(os.devnull, os.O_RDWR)
-    nowhere = Path(os.devnull).open('w', encoding='utf-8')  # noqa: SIM115 - stays open
-    sys.stdout, sys.stderr = (LastingStream(stream or nowhere) for stream in former)
+    sys.stdout, sys.stderr = (LastingStream(stream) for stream in former)
     try:
         yield
     finally:
