@@ -22,6 +22,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.health import HealthReporter
@@ -124,7 +125,8 @@ def _spin(
     health = HealthReporter(nodes[0])
     try:
         while rclpy.ok() and not stop.is_set and (outlives is None or outlives(made)):
-            executor.spin_once(timeout_sec=POLL_S)
+            # All events of this time: `spin_once` comes back after each one, at its cost.
+            executor.spin_until_future_complete(Future(), POLL_S)
     except ExternalShutdownException:
         pass
     finally:
