@@ -202,6 +202,7 @@ def test_nothing_is_seen_or_marked_that_cannot_be_written_down(stage, caller, mo
     assert not stage.context.live.picture.sections.value('marks')
 
 
+@pytest.mark.slow
 def test_nobody_ends_the_sessions_of_others_by_his_own(tmp_path, people):
     """Not by links either, and not faster than a person."""
     stage = Stage(tmp_path, users=people)
@@ -431,6 +432,7 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('run', ['yard-1', ''], ids=['run known', 'run not known yet'])
 @pytest.mark.parametrize('visibility', ['everybody', 'named'])
 @pytest.mark.parametrize('members', [[], ['operator']])
@@ -481,6 +483,7 @@ def open_mission(tmp_path, people):
         yield stage, run, callers
 
 
+@pytest.mark.slow
 def test_a_mission_is_seen_and_commanded_by_those_who_are_named(open_mission):
     """Whoever is not on its list sees no run, picture or report, and commands nothing."""
     stage, run, callers = open_mission
@@ -510,6 +513,7 @@ def test_a_mission_is_seen_and_commanded_by_those_who_are_named(open_mission):
     assert [e['members'] for e in log if e['kind'] == 'assign'] == [['operator'], []]
 
 
+@pytest.mark.slow
 def test_a_link_for_other_programs_opens_nothing_else(open_mission):
     """Its secret is no cookie, a cookie is no link, and the list of a mission holds for it."""
     _, run, callers = open_mission
@@ -570,6 +574,7 @@ def test_passwords_cannot_be_tried_out(tmp_path, people):
         assert caller.ask('/api/token', {'token': ''})[0] in (401, 429)
 
 
+@pytest.mark.slow
 def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
     """By a commander; its cookie is for this server only."""
     stage = Stage(tmp_path, users=people)
@@ -612,6 +617,7 @@ def test_whoever_plans_keeps_nobody_else_waiting(caller, monkeypatch):
         assert [plan.result()[0] for plan in plans] == [200] * 16
 
 
+@pytest.mark.slow
 def test_a_user_who_was_removed_may_nothing_more(tmp_path, people):
     """Nor one who has another password: the console reads the changed file, and his page ends."""
     path = tmp_path / 'users.yaml'

@@ -56,6 +56,7 @@ def flown(settings: AirFile, where, seconds: int, *, first: int = 0, seed: int =
     return gases, [one.window for one in found if one.window]
 
 
+@pytest.mark.slow
 def test_gas_is_downwind():
     """East of the release in a wind towards the east, not west of it."""
     air = air_field(SETTINGS, 1)

@@ -48,6 +48,7 @@ def at(ground, east, north):
     return Reason(int(ground.ground.reasons.ravel()[ground.grid.cell_of(east, north)]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('colour', [SOIL, ROAD, (200, 180, 120), DARK, BESIDE])
 def test_small_thing_is_an_obstacle_whatever_its_colour(tmp_path, colour):
     """A person of 0.5 m in a coat of the colour of soil or of a road, on a meadow."""
