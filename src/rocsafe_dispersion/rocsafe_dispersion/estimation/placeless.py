@@ -17,12 +17,14 @@ from scipy import special
 
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.reading_density import FREEDOM
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 
 # Width of the kernels, in units of the scale, noises near the background; share of the kernels
 # of the neighbours in time where those tell a reading, the rest being those of any reading.
 _WIDTH, _NEIGHBOURS_SHARE, _NEIGHBOURS = 0.4, 0.7, 2
 _PEAK = 0.375
+# Probability that a reading is beyond a bound that another one is beyond: noise moves it across.
+_SAME_BOUND = 0.95
 _LEAST = 1e-12
 
 
@@ -62,16 +64,16 @@ def gain_of_places(survey: GasSurvey, backgrounds_g_m3: FloatArray, logs: FloatA
 
 
 def _kernels(
-    survey: GasSurvey, own: FloatArray, scaled: FloatArray, slope: FloatArray
+    survey: GasSurvey, own: IndexArray, scaled: FloatArray, slope: FloatArray
 ) -> FloatArray:
     """Return what each reading (rows) has from each other one (columns), (m, m).
 
-    A density per g/m^3 of a value, a probability of a bound: one, if both are the same bound.
+    A density per g/m^3 of a value, a probability of a bound.
     """
     offsets = np.subtract.outer(scaled[own], scaled[own]) / _WIDTH
     values = _PEAK * (1.0 + offsets**2 / FREEDOM) ** -2.5 / _WIDTH * slope[own, None]
     below = special.stdtr(FREEDOM, offsets)
     low, high = survey.is_below[own], survey.is_above[own]
     found = np.where(low[:, None], below, np.where(high[:, None], 1.0 - below, values))
-    found[(low[:, None] & low) | (high[:, None] & high)] = 1.0
+    found[(low[:, None] & low) | (high[:, None] & high)] = _SAME_BOUND
     return np.maximum(found, _LEAST)

@@ -9,9 +9,12 @@ from rocsafe_dispersion.estimation.locate import LocatedReleases
 from rocsafe_geo.limits import require_between, require_positive
 
 _PLACELESS = (
-    'doubted: the readings are explained about as well without the places where they were taken; '
+    'doubted: the readings are explained better without the places where they were taken; '
     'check coordinates, clocks and detector'
 )
+# Logarithm of the odds that readings without places need against a background alone: that follows
+# a zero that wanders less well than they do.
+_LEAST_AGAINST_NONE = 10.0
 # Probability beyond the ground from which a release is said to be there.
 _BEYOND = 0.5
 _SIDES = ('N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW')
@@ -37,21 +40,16 @@ class ReleaseRule:
         Share of the ground where a release of the smallest rate may still be.
     wrong_wind
         Largest probability that the direction of the wind is wrong altogether.
-    gain_of_places
-        Logarithm of the odds that releases need against readings that have nothing to do with
-        their places, and that these need against a background alone: 4.6 stands for 99 to 1.
     """
 
     region_m: float = 10.0
     hidden_share: float = 0.05
     wrong_wind: float = 0.05
-    gain_of_places: float = 4.6
 
     def __post_init__(self) -> None:
         require_positive('region_m', self.region_m, 'm')
         require_between('hidden_share', self.hidden_share, 1e-3, 0.9)
         require_between('wrong_wind', self.wrong_wind, 1e-3, 0.9)
-        require_between('gain_of_places', self.gain_of_places, 0.0, 1e3)
 
     def verdict(self, found: LocatedReleases) -> ReleaseVerdict:
         """Return whether what was found is placed well enough, and no more is hidden."""
@@ -62,14 +60,14 @@ class ReleaseRule:
         is_searched = share <= self.hidden_share
         if not found.releases:
             text = f'a release {where}'
-            if found.gain_of_places < -self.gain_of_places:
+            if found.gain_of_places < -_LEAST_AGAINST_NONE:
                 return ReleaseVerdict(is_enough=False, reason=f'{text}; {_PLACELESS}')
             reason = f'no release found: {text}' if is_searched else text
             return ReleaseVerdict(is_enough=is_searched, reason=reason)
         count = len(found.releases)
         what = f'{count} release{"s" if count > 1 else ""}'
         what = f'{what}, placed within {widest_m(found):.0f} m (95 %)'
-        if found.gain_of_places < self.gain_of_places:
+        if found.gain_of_places <= 0.0:
             return ReleaseVerdict(is_enough=False, reason=f'{what}; {_PLACELESS}')
         if found.wrong_wind > self.wrong_wind:
             return ReleaseVerdict(is_enough=False, reason=f'{what}; {_doubted_wind(found)}')
