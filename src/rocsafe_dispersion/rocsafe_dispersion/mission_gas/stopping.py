@@ -12,9 +12,6 @@ _PLACELESS = (
     'doubted: the readings are explained better without the places where they were taken; '
     'check coordinates, clocks and detector'
 )
-# Logarithm of the odds that readings without places need against a background alone: that follows
-# a zero that wanders less well than they do.
-_LEAST_AGAINST_NONE = 10.0
 # Probability beyond the ground from which a release is said to be there.
 _BEYOND = 0.5
 _SIDES = ('N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW')
@@ -60,8 +57,6 @@ class ReleaseRule:
         is_searched = share <= self.hidden_share
         if not found.releases:
             text = f'a release {where}'
-            if found.gain_of_places < -_LEAST_AGAINST_NONE:
-                return ReleaseVerdict(is_enough=False, reason=f'{text}; {_PLACELESS}')
             reason = f'no release found: {text}' if is_searched else text
             return ReleaseVerdict(is_enough=is_searched, reason=reason)
         count = len(found.releases)
