@@ -465,7 +465,7 @@ def test_a_translated_refusal_is_told_in_its_words(browser, flight):
     view = View(browser, address)
     told = view.page.evaluate(
         """async () => {
-            const { REFUSALS, told } = await import('/static/texts.js');
+            const { REFUSALS, told } = await import('/static/texts.js?again');
             REFUSALS['not planned anew: {0}'] = 'kein neuer Plan: {0}';
             REFUSALS['{0} has changed since you looked: look again'] = 'zu spät für {0}';
             return ['not planned anew: rav2 has changed since you looked: look again',

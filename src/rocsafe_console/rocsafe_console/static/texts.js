@@ -18,7 +18,7 @@ export const TEXTS = {
   saturated: 'at least: the detector is saturated',
   source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} g/s of {agent}, within {size} m',
   zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %', gas_zone_line: '{level}: {radius} m from release',
-  wind_line: 'from {from}° at {speed} m/s', wind_by: 'measured by {vehicle}', access_line: 'Approach from the {side}, upwind.',
+  wind_line: 'from {from}° at {speed} m/s', wind_by: 'by {vehicle}', access_line: 'Approach from upwind: {side}.',
   coverage_line: '{stored} of {expected} photographs stored', time_line: 'planned {planned}, at least {bound}',
   mosaic_line: '{count} photographs placed, {resolution} m a pixel', mosaic_draft: 'growing', mosaic_final: 'final',
   battery: 'battery', way_home: 'home in', battery_left: 'left for', dose: 'dose', link: 'link', led_by: 'led by {holder}', led_by_nobody: 'led by nobody',
@@ -184,10 +184,11 @@ export function fillTexts(within = document) {
   for (const element of within.querySelectorAll('[data-hint]')) element.placeholder = t(element.dataset.hint);
 }
 
-// A text of the server in the words of the catalogue; what it does not know stays as it is.
+// A text of the server in the words of the catalogue; what it does not know stays as it is. One
+// that begins with words comes first: what it says may end with another text.
 let patterns = null;
 export function told(text) {
-  patterns ??= Object.entries(REFUSALS).filter(([, own]) => own).map(([english, own]) => [new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{\d\}/g, '(.+)')}$`, 's'), own, english.replace(/\{\d\}/g, '').length]).sort((a, b) => b[2] - a[2]);
+  patterns ??= Object.entries(REFUSALS).filter(([, own]) => own).map(([english, own]) => [new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{\d\}/g, '(.+)')}$`, 's'), own, english.replace(/\{\d\}/g, '').length + (english.startsWith('{') ? 0 : 1000)]).sort((a, b) => b[2] - a[2]);
   for (const [pattern, own] of patterns) {
     const found = pattern.exec(text);
     if (found) return own.replace(/\{(\d)\}/g, (_, number) => told(found[Number(number) + 1]));

@@ -25,6 +25,7 @@ from rocsafe_console.web.guards import body_of
 ORDER_S = 7.0
 # Of a search for a way; large maps take some seconds.
 DRIVE_PLAN_S = 20.0
+DATUM = 'WGS84'
 NO_ROS = 'ROS has not started yet'
 Found = TypeVar('Found')
 Planned = tuple[dict[str, Any] | None, str]
@@ -183,7 +184,7 @@ async def _results(context: Context, request_id: str) -> web.Response:
 
 
 def _order_plain(order: Order, names: tuple[str, ...]) -> dict[str, Any]:
-    target = asdict(order.target) if order.target else None
+    target = {**asdict(order.target), 'datum': DATUM} if order.target else None
     return {
         'request_id': order.request_id,
         'verb': order.verb.value,
