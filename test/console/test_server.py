@@ -28,7 +28,7 @@ from rocsafe_console.runs.drafts import Drafts, Step
 from rocsafe_console.runs.launches import Launches
 from rocsafe_console.web import context as context_module
 from rocsafe_console.web import order_handlers
-from rocsafe_console.web.context import ORDERS, WebOptions
+from rocsafe_console.web.context import ORDERS, REFUSALS, REFUSALS_S, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
 from rocsafe_geo.storage.evidence_log import checked
 
@@ -430,6 +430,33 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             is_refused = status == 403 and f'the role {role.value} may not' in answer['error']
             assert is_refused == (action not in MAY[role]), action
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
+
+
+def test_what_a_role_is_refused_is_logged_and_fills_no_disk(tmp_path, people):
+    """With user, time, what was asked for and why not; a client that goes on has one line more."""
+    now = [time.time()]
+    stage = Stage(tmp_path, users=people)
+    stage.begin()
+    stage.context.clock = lambda: now[0]
+    with served(stage) as address:
+        caller = Caller(address)
+        assert caller.ask('/api/login', {'name': 'viewer', 'password': PASSWORD})[0] == 200
+        seen = {**revisions_of(stage), 'x' * 100_000: 0}
+        for _ in range(REFUSALS + 25):
+            assert caller.order('land', seen)[0] == 403
+        assert caller.ask('/api/marks', {})[0] == 403
+        now[0] += REFUSALS_S
+        assert caller.ask('/api/missions/yard/end', {})[0] == 403
+    entries = checked((tmp_path / 'console.jsonl').read_bytes().split(b'\n')[:-1])
+    refused = [entry for entry in entries if entry['kind'] == 'refused']
+    assert len(refused) == REFUSALS + 1
+    first, last = refused[0], refused[-1]
+    assert (first['by'], first['outcome'], first['refused_before']) == ('viewer', 'refused', 0)
+    assert first['asked'] == {'verb': 'land', 'vehicles': stage.names}
+    assert first['why'] == 'the role viewer may not land'
+    assert (last['path'], last['refused_before']) == ('/api/missions/yard/end', 26)
+    assert not stage.crew.sent
+    assert (tmp_path / 'console.jsonl').stat().st_size < 1000 * (REFUSALS + 2)
 
 
 @pytest.mark.slow
