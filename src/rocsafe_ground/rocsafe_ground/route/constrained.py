@@ -79,8 +79,8 @@ class BoundedPath:
         The fastest path found.
     bound_s
         No path on this grid within the budget takes less.
-    price_s_per_usv, price_s_per_load
-        Seconds that one more microsievert, or load, saves, about (multipliers of the dual).
+    price_s_per_usv
+        Seconds that one more microsievert saves, about (multiplier of the dual).
     label_count
         Labels that the exact search made; 0: the dual was enough.
     """
@@ -89,7 +89,6 @@ class BoundedPath:
     bound_s: float
     price_s_per_usv: float
     label_count: int
-    price_s_per_load: float = 0.0
 
     @property
     def gap_fraction(self) -> float:
@@ -275,18 +274,16 @@ class RouteSearch:
             label_count=int(count),
         )  # fmt: skip
 
-    def trade_off(
-        self, count: int, effort: SearchEffort | None = None
-    ) -> tuple[tuple[float, BoundedPath], ...]:
+    def trade_off(self, count: int) -> tuple[tuple[float, BoundedPath], ...]:
         """Return budgets from the cleanest to the fastest path with the best path of each.
 
-        The budgets are spaced evenly in logarithm. Without `effort` the dual is enough, whose gap
-        is mostly below a percent.
+        The budgets are spaced evenly in logarithm. The dual is enough: its gap is mostly below a
+        percent.
         """
         require_count('count', count, 2, 1000)
         low, high = self.cleanest.dose_usv, self.fastest.dose_usv
         require_positive('dose of the cleanest path', low, 'uSv')
-        effort = effort or SearchEffort(is_exact=False)
+        effort = SearchEffort(is_exact=False)
         budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
         return tuple((float(one), self.within(float(one), effort)) for one in budgets)
 

@@ -67,8 +67,8 @@ class Tour:
         With dwells.
     bound_s
         No trip on this grid through these points within the budgets takes less.
-    price_s_per_usv, price_s_per_load
-        Seconds that one more microsievert, or one more toxic load of the level, saves, about.
+    price_s_per_usv
+        Seconds that one more microsievert saves, about.
     left_out
         Points that do not fit.
     """
@@ -80,7 +80,6 @@ class Tour:
     load: float
     bound_s: float
     price_s_per_usv: float
-    price_s_per_load: float
     left_out: tuple[int, ...]
 
     @property
