@@ -26,7 +26,7 @@ AIRBORNE = frozenset({TAKING_OFF, FLYING, HOLDING, RETURNING, LANDING})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleNow:
-    """What was last heard of a vehicle.
+    """Last state of a vehicle.
 
     Attributes
     ----------

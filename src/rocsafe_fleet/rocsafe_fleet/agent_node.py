@@ -43,9 +43,9 @@ NAME = 'agents'
 STEP_S = 0.05
 LOOK_S = 0.05
 REPORT_S = 1.0
-# Without an orchestrator the agents end so long after the last landing.
+# If no orchestrator lives, the agents end this time after the last landing, seconds.
 LINGER_S = 10.0
-# Nor do they wait longer where all vehicles stand although points are left, or time stands still.
+# They also end if all vehicles stand, or simulated time does, for this time, seconds.
 IDLE_S = 300.0
 _NS = 1e-9
 

@@ -9,7 +9,7 @@ from typing import Any
 from rocsafe_airsim import values
 from rocsafe_airsim.methods.access import Access, at_least, parameters, served
 from rocsafe_airsim.methods.given import number, sequence
-from rocsafe_airsim.methods.moving import LONGEST_S, possible, vector_of
+from rocsafe_airsim.methods.given_motion import LONGEST_S, possible, vector_of
 from rocsafe_airsim.ned import yaw_of
 from rocsafe_airsim.vehicle import AIRBORNE, Vehicle
 

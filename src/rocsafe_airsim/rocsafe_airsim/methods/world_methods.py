@@ -8,7 +8,8 @@ from typing import Any
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import LONGEST_TEXT, Access, parameters, pen, served
 from rocsafe_airsim.methods.given import number, sequence, table
-from rocsafe_airsim.methods.moving import LONGEST_S, NS_PER_S, POLL_S, vector_of
+from rocsafe_airsim.methods.given_motion import LONGEST_S, vector_of
+from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S
 from rocsafe_airsim.ned import Vector
 from rocsafe_geo.pinhole import rotation_of_quaternion
 

@@ -33,7 +33,7 @@ LEAST_ROUGHNESS_M = 0.01
 
 
 class Reason(IntEnum):
-    """What a cell is: free, or why not; the first of these that holds."""
+    """State of a cell: free, or the first of these reasons that keeps a vehicle out."""
 
     FREE = 0
     UNKNOWN = 1
@@ -224,7 +224,7 @@ def _is_small_patch(
 def is_near(is_blocked: BoolArray, cell_m: float, reach_m: float) -> BoolArray:
     """Return which cells are within `reach_m` of a blocked cell or of the edge of the grid."""
     around = np.pad(is_blocked, 1, constant_values=True)
-    # From middle to middle; the blocked thing begins half a cell before.
+    # Distances are between middles of cells; an obstacle begins half a cell nearer.
     distance = distance_transform_edt(~around)[1:-1, 1:-1] * cell_m - 0.5 * cell_m
     return np.asarray(distance < reach_m)
 
@@ -235,7 +235,7 @@ def _roughest_m(vehicle: GroundVehicle, rules: GroundRules) -> float:
 
 
 def _ages(layers: Layers, grid: RouteGrid) -> FloatArray | None:
-    # Of a cell that several photographs show the oldest part counts.
+    # A cell that several photographs show is as old as its oldest part.
     return None if layers.ages is None else layers.ages.on(grid, Resampling.max)[0]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a route was planned on, as a GeoTIFF: whether cells are free, speeds, dose rates."""
+"""The ground of a route as a GeoTIFF: free cells, speeds, dose rates."""
 
 from pathlib import Path
 

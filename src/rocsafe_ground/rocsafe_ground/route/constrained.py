@@ -23,7 +23,7 @@ from rocsafe_ground.route.corridor import Corridor
 from rocsafe_ground.route.edges import Edges, GridPath, Searcher
 from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
-# Relative difference below which two costs are the same but for rounding.
+# Two costs whose relative difference is smaller are equal; the rest is rounding.
 ROUNDING = 1e-9
 # Labels that are tried in each round but the last.
 FEW_LABELS = 200_000
@@ -92,7 +92,7 @@ class BoundedPath:
 
     @property
     def gap_fraction(self) -> float:
-        """Bound of the share by which the time of the path is above the optimum."""
+        """Upper bound of the relative excess of the time of the path over the optimum."""
         if self.path.time_s <= 0.0:
             return 0.0
         return max(0.0, 1.0 - self.bound_s / self.path.time_s)

@@ -144,7 +144,7 @@ class TourSearch:
         if found is None:
             return None
         bound = self._orders_at(QUICKEST).bound(chosen)
-        return self._tour(chosen, found[1], found[2], bound, (0.0, 0.0))
+        return self._tour(chosen, found[1], found[2], bound, 0.0)
 
     @property
     def _has_gas(self) -> bool:
@@ -189,7 +189,7 @@ class TourSearch:
         return list(zip((0, *order), (*order, self._end), strict=True))
 
     def _pure(self, weights: Weights, chosen: int) -> Tour:
-        """Return the cheapest trip with one weight; of those as cheap it is the fastest."""
+        """Return the cheapest trip with one weight; the fastest if several are equally cheap."""
         legs, order = self._trip(weights, chosen)
         orders = self._orders_at(weights)
         is_proven = orders.bound(chosen) >= orders.cost(chosen) * (1.0 - ROUNDING)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.mosaic.mapmaker import Alignment
+from rocsafe_mapping.mosaic.map_alignment import Alignment
 from rocsafe_mapping.mosaic.survey import FoundPoint
 
 LEAST_FIXES = 3

@@ -11,10 +11,10 @@ import numpy as np
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.mosaic.mapmaker import Alignment
+from rocsafe_mapping.mosaic.map_alignment import Alignment
 from rocsafe_mapping.products.cog import write_values
 
 ERROR_TIF, ERROR_PNG = 'error.tif', 'error.png'

@@ -14,14 +14,10 @@ from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS, Placement
 from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment.model.state import State
-from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
-from rocsafe_mapping.products.control_points import (
-    LEAST_FIXES,
-    control_facts,
-    control_violations,
-)
+from rocsafe_mapping.mosaic.map_alignment import Alignment, by_gps
+from rocsafe_mapping.products.control_points import LEAST_FIXES, control_facts, control_violations
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px

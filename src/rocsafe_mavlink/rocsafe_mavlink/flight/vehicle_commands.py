@@ -11,14 +11,8 @@ from dataclasses import dataclass, replace
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
-from rocsafe_mavlink.flight.command_sequence import (
-    CommandSequence,
-    CommandStep,
-    Refusal,
-    Shown,
-    Step,
-    TransferStep,
-)
+from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.command_step import CommandStep, Refusal, Shown, Step, TransferStep
 from rocsafe_mavlink.flight.flight_signs import home_moved, mission_changed
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, fence_items

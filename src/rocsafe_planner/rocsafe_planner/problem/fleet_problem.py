@@ -24,14 +24,13 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.terrain.relief import Relief
 from rocsafe_geo.terrain.terrain import LocalGround
 from rocsafe_planner.plan.vehicle import Vehicle
-from rocsafe_planner.problem.airspace import Air, Detours
+from rocsafe_planner.problem.detours import Air, Detours
 from rocsafe_planner.problem.flight_motion import enu, flight_motion
 from rocsafe_planner.problem.flight_time import FlightTime
 from rocsafe_planner.problem.leg_times import MOST_KEPT, LegTimes, distances_m
 
 # A vehicle that begins so near to the height of its legs does not climb to it first, metres.
 LEVEL_M = 0.5
-
 Order = list[int]
 """Indices of points in flying order."""
 
