@@ -63,7 +63,7 @@ class ControlMethods:
     async def _reset(self) -> None:
         """Call all simulated vehicles home; nothing is teleported. Answers when they stand."""
         led = [self._at.vehicle(name) for name in sorted(self._at.controlled)]
-        self._at.world.clear_drawings()
+        self._at.world.drawings.clear()
         await asyncio.gather(*map(self._bring_home, led))
 
     async def _bring_home(self, vehicle: Vehicle) -> None:

@@ -92,11 +92,11 @@ class WorldMethods:
 
     @served('simSetTraceLine')
     async def _sim_set_trace_line(self, rgba: Any, thickness: float = 1.0, name: str = '') -> None:
-        self._at.world.trace(self._at.vehicle(name).name, *pen(rgba, thickness))
+        self._at.world.drawings.trace(self._at.vehicle(name).name, *pen(rgba, thickness))
 
     @served('simFlushPersistentMarkers')
     async def _sim_flush_persistent_markers(self) -> None:
-        self._at.world.clear_drawings()
+        self._at.world.drawings.clear()
 
     @served('simPrintLogMessage')
     async def _sim_print_log_message(

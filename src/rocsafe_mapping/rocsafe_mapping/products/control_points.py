@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far surveyed points are off on the map, and whether that forbids to trust it."""
+"""Errors of surveyed points on the map, and whether they make it unreliable."""
 
 from typing import Any
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How good a map is, measured on itself, and whether it may be called georeferenced."""
+"""Quality of a map from its own data, and whether it may be called georeferenced."""
 
 import math
 from collections.abc import Mapping
@@ -24,7 +24,7 @@ from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 
 FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
-# What a map must keep to be called georeferenced.
+# Limits that a georeferenced map must keep.
 LARGEST_FIX_FACTOR = 4.0
 # Error of a fix, where no photograph has one.
 HORIZONTAL_STD_M = 2.5

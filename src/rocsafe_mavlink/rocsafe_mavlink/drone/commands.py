@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Commands of an operator to one vehicle, started or refused with the reason.
 
-Nothing here is ever called by the suite itself, but by services and actions.
+The suite itself calls nothing here; services and actions do.
 """
 
 from collections.abc import Callable, Sequence

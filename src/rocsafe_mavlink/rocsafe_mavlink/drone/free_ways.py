@@ -58,7 +58,7 @@ class FreeWays:
     def stranded(self, settings: VehicleSettings) -> str:
         """Return why a vehicle in the air could not give up with other settings; empty: it could.
 
-        Not judged where it could not before: there is nothing to lose.
+        Empty, too, if it could not give up before: the change makes nothing worse.
         """
         session, plan, home = self._session, self._plan, self._session.telemetry.home
         if session.telemetry.is_on_ground or plan is None or home is None:

@@ -208,7 +208,7 @@ class CommandSequence:
         late = self.late_modes if now_s < self.late_until_s else frozenset[int]()
         if vehicle.custom_mode not in {self.mode, *own, *late}:
             return f'the vehicle was switched to {mode}'
-        # In another mode than these it returns or lands, by an order before this or by itself.
+        # In any other mode it returns or lands, by an earlier order or by itself.
         is_obeying = vehicle.custom_mode in own or is_commanded(vehicle, self.autopilot)
         if vehicle.is_in_failsafe and not (self.is_always_taken and is_obeying):
             return f'a failsafe has the vehicle, in {mode}'

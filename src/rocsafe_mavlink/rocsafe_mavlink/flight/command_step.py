@@ -12,7 +12,7 @@ from rocsafe_mavlink.protocols.mission_transfer import Transfer, TransferStage
 from rocsafe_mavlink.wire.authority import COMPONENT_ARM_DISARM
 from rocsafe_mavlink.wire.dialect import Message
 
-# A step waits so long for an obstacle to go away, e.g. a gap in the telemetry.
+# Time that a step waits for an obstacle to end, such as a gap in the telemetry, seconds.
 OBSTACLE_LASTS_S = 10.0
 Shown = Callable[[VehicleTelemetry], bool]
 Refusal = Callable[[VehicleTelemetry, float], str]

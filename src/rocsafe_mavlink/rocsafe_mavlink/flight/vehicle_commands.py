@@ -29,10 +29,10 @@ from rocsafe_mavlink.wire.units import e7_of_deg
 
 CHANGE_MODE = 1.0
 UNCHANGED = -1.0
-# A place that an autopilot tells as its aim is that of the order within this distance, metres.
+# An autopilot flies to the place of an order if its aim is within this distance of it, metres.
 AIM_M, AIM_HEIGHT_M = 2.0, 3.0
 SLOWEST_MPS, FASTEST_MPS = 0.5, 30.0
-# The motors wait so long until another vehicle has climbed out of the way, or a check is met.
+# Time that arming waits for a vehicle in the way, or for a check, seconds.
 ARMING_LASTS_S = 30.0
 
 

@@ -210,7 +210,7 @@ def _with_noise(equations: Equations, state: State) -> State:
         )
     )
     sway = float(np.median(np.linalg.norm(moved.height, axis=1)))
-    # Not the median: where most of the ground is level, trees and roofs are a minority.
+    # A high quantile: where most of the ground is level, trees and roofs are a minority.
     tall = np.quantile(np.abs(off_along), options.tall_share) / NORMAL_TALL
     flat = max(np.quantile(np.abs(off_across), options.tall_share) / NORMAL_TALL, tie_std)
     clutter = float(np.sqrt(max(tall**2 - (1.2 * flat) ** 2, 0.0))) / max(sway, 1e-9)
