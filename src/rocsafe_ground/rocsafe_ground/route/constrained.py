@@ -25,10 +25,6 @@ from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
 # Two costs whose relative difference is smaller are equal; the rest is rounding.
 ROUNDING = 1e-9
-# Labels that are tried in each round but the last.
-FEW_LABELS = 200_000
-# Factors of the prices in one round after the other: other prices tell more.
-TURNS = (1.0, 1.4, 0.7, 1.2, 0.85, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,13 +37,16 @@ class SearchEffort:
         Whether labels follow the dual.
     most_labels
         Labels after which the exact search gives up, in about a second; a label takes 40 bytes.
+    few_labels
+        Labels that are tried in each round but the last.
     most_duals
         Steps of the dual; 5 to 9 are usual.
     prices
         Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
         bounds cells and labels are dropped; none: the dual is the whole search, the fastest.
-    rounds
-        How often cells are dropped by all prices, at most.
+    turns
+        Factors of the prices, one for each round in which cells are dropped by all prices: further
+        prices give further bounds.
     enough_gap
         Proven gap at which the search ends; 0: at the optimum. Paths that are not better than the
         best one by so much are not looked for.
@@ -55,13 +54,13 @@ class SearchEffort:
 
     is_exact: bool = True
     most_labels: int = 3_000_000
+    few_labels: int = 200_000
     most_duals: int = 40
     prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
-    rounds: int = 5
+    turns: tuple[float, ...] = (1.0, 1.4, 0.7, 1.2, 0.85)
     enough_gap: float = 0.0
 
     def __post_init__(self) -> None:
-        require_count('rounds', self.rounds, 1, len(TURNS))
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
         require_count('most_duals', self.most_duals, 1, 1000)
         require_between('enough_gap', self.enough_gap, 0.0, 1.0)
@@ -154,14 +153,14 @@ class RouteSearch:
         last one all labels that the effort allows.
         """
         known, corridor = dual, Corridor(self._quick.costs, self._clean.costs)
-        for turn in TURNS[: effort.rounds] if effort.prices else ():
+        for turn in effort.turns if effort.prices else ():
             for share in effort.prices:
                 price = turn * share * dual.price_s_per_usv
                 known = self._one_price(budget, price, known, corridor, effort)
                 if known.gap_fraction > ROUNDING and _is_enough(known, effort):
                     return known
             if known.gap_fraction > ROUNDING and effort.is_exact:
-                few = replace(effort, most_labels=min(FEW_LABELS, effort.most_labels))
+                few = replace(effort, most_labels=min(effort.few_labels, effort.most_labels))
                 known = self._exact(budget, known, corridor, few)
             if known.gap_fraction <= ROUNDING:
                 return replace(known, bound_s=known.path.time_s)
@@ -169,7 +168,7 @@ class RouteSearch:
                 return known
             if not corridor.has_narrowed():
                 break
-        if effort.is_exact and effort.most_labels > FEW_LABELS:
+        if effort.is_exact and effort.most_labels > effort.few_labels:
             return self._exact(budget, known, corridor, effort)
         return known
 
