@@ -35,8 +35,6 @@ from rocsafe_fleet.membership.membership import NEVER, Membership
 from rocsafe_fleet.search.search_round import SearchRound
 
 Numbers = frozenset[int]
-FRESH_BEATS = 8
-"""A place counts as old if its vehicle has sent more packets since."""
 
 
 class Agent:
@@ -351,11 +349,11 @@ class Agent:
         """
         if members & self._membership.late(now_s):
             return self._options.patience_s
-        beats = self._membership.beats
+        beats, fresh = self._membership.beats, self._options.fresh_beats
         for member in members:
             known = self._places.get(member)
             beat = beats.get(member, (0, 0))
-            if known is None or known[0][0] != beat[0] or beat[1] - known[0][1] > FRESH_BEATS:
+            if known is None or known[0][0] != beat[0] or beat[1] - known[0][1] > fresh:
                 return self._options.patience_s
         return self._options.settle_s
 
