@@ -31,7 +31,7 @@ from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
-# The folder's lists are written when no photograph came for so long.
+# The folder's lists are written when no photograph came for this time, seconds.
 QUIET_S = 2.0
 # Between two looks for photographs that other hosts have handed over.
 ARRIVED_S = 0.1

@@ -83,7 +83,7 @@ class AirWindBlock(Block):
 
 
 class GasSearchBlock(Block):
-    """How releases are looked for, and when that is enough.
+    """How releases are searched for, and when the search stops.
 
     With `extra_rounds`, after the survey the vehicles fly up to so many more times to
     `viewpoints_a_round` places from which readings tell most, until it is enough. `agent` is what
