@@ -143,7 +143,7 @@ def test_node_that_stood_still_ends_to_be_started_again(own_domain, monkeypatch,
     process = start('import rocsafe_ros.run\nrocsafe_ros.run.STOOD_STILL_S = 0.5\n' + NODE)
     assert process.stdout.readline() == 'alive\n'
     process.send_signal(signal.SIGSTOP)
-    time.sleep(1.5)
+    time.sleep(3.0)
     process.send_signal(signal.SIGCONT)
     if is_supervised:
         _, errors = process.communicate(timeout=DEADLINE_S)

@@ -38,7 +38,7 @@ POLL_S = 0.1
 # Who is silent for 20 s is dead for the others, and some of them never find it again.
 STOOD_STILL_S = 15.0
 # Share of that time in which a process that blocks, and does not stand still, takes the processor.
-BUSY_SHARE = 0.01
+BUSY_SHARE = 0.05
 # The supervisor sets this to its process id; its nodes end when it ends.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 _PR_SET_PDEATHSIG = 1
