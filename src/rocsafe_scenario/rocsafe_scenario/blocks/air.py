@@ -16,7 +16,8 @@ ReleasedAgent = Literal[
 ]  # fmt: skip
 GasSensorKind = Literal[
     'electrochemical_ammonia', 'electrochemical_chlorine', 'electrochemical_hydrogen_sulphide',
-    'electrochemical_sulphur_dioxide', 'ion_mobility', 'metal_oxide', 'open_path_methane', 'pid_10_6_ev',
+    'electrochemical_sulphur_dioxide', 'ion_mobility', 'metal_oxide', 'open_path_methane',
+    'pid_10_6_ev',
 ]  # fmt: skip
 Amount = Annotated[float, Field(ge=0.0, le=1e15)]
 
