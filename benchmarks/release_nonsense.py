@@ -17,6 +17,7 @@ is made:
     steps      constant levels with steps, and noise
     late       readings 5 to 29 places late
     hour       the wind of one hour before (``turning`` only)
+    moving     no nonsense, but not of the model: the release moves by 80 m (``turning`` only)
 
 Splits have seeds of their own; ``opened`` is for stated figures and looked at once. A row of JSON
 for each survey is added to FILE; surveys that are there are not run again. In a wind that does not
@@ -52,7 +53,8 @@ from rocsafe_geo.wind.stability import CLASSES, layer_of_class
 
 SEEDS = {'develop': 21, 'validate': 22, 'opened': 23}
 HOUR_S, STEP_S, CONFIDENT_M = 3600.0, 10.0, 15.0
-OTHER = 500
+OTHER, MOVED_M = 500, 80.0
+ONLY_TURNING = ('hour', 'moving')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,8 +78,11 @@ def steady(split: str, number: int) -> Drawn:
     return Drawn(survey=survey, layer=layer, noise_g_m3=drawn.noise_g_m3)
 
 
-def turning(split: str, number: int) -> Drawn:
-    """Return readings of a plume along the wind of each, told with errors of direction and air."""
+def turning(split: str, number: int, moved_m: float = 0.0) -> Drawn:
+    """Return readings of a plume along the wind of each, told with errors of direction and air.
+
+    The release moves in the course of the survey.
+    """
     generator = np.random.default_rng([SEEDS[split], number])
     true = int(generator.integers(1, 5))
     told = (CLASSES[true], CLASSES[min(true + 1, 5)], 'D')[int(generator.integers(3))]
@@ -110,7 +115,9 @@ def turning(split: str, number: int) -> Drawn:
         meander=generator.uniform(0.0, 0.8, 1),
         relative=generator.uniform(0.2, 0.8, 1),
     )
-    mean, spread = (rate * each[0] for each in reader.of(release, shapes))
+    way = np.linspace(-0.5, 0.5, most)[:, None] * _vectors(moved_m, np.array([float(number)]))
+    each_shape = shapes.at(np.zeros(most, int))
+    mean, spread = (rate * np.diagonal(each) for each in reader.of(release + way, each_shape))
     form = 1.0 / np.clip((spread / np.maximum(mean, 1e-30)) ** 2, 0.05, 100.0)
     values = mean * generator.gamma(form) / form + noise * generator.standard_normal(most)
     values += generator.uniform(0.0, 5.0) * noise
@@ -151,6 +158,8 @@ def _turned(vectors: FloatArray, angles_rad: FloatArray) -> FloatArray:
 def nonsense(kind: str, family: str, split: str, number: int) -> tuple[GasSurvey, SurfaceLayer]:
     """Return a survey of a kind, and the air told."""
     drawn = FAMILIES[family](split, number)
+    if kind == 'moving':
+        drawn = turning(split, number, MOVED_M)
     survey, count = drawn.survey, len(drawn.survey.values_g_m3)
     generator = np.random.default_rng([SEEDS[split], number, sum(map(ord, kind))])
     values, is_below = survey.values_g_m3.copy(), survey.is_below.copy()
@@ -186,6 +195,7 @@ def nonsense(kind: str, family: str, split: str, number: int) -> tuple[GasSurvey
 
 KINDS = (
     'honest', 'permuted', 'swapped', 'mirrored', 'mixed', 'other', 'steps', 'late', 'hour',
+    'moving',
 )  # fmt: skip
 
 
@@ -245,7 +255,7 @@ def main() -> int:
         for kind in given.kinds.split(','):
             for family in FAMILIES:
                 own = (kind, family, given.split, number)
-                if own in done or (kind == 'hour' and family == 'steady'):
+                if own in done or (kind in ONLY_TURNING and family == 'steady'):
                     continue
                 rows.append(outcome(*own))
                 with given.out.open('a') as stream:
