@@ -17,6 +17,7 @@ import pytest
 from test.console.stage import TOKEN, Stage, place_of, served
 from test.console.test_video import jpeg_of
 
+from rocsafe_console.orders import order_book
 from rocsafe_console.people.roles import Action, Role
 from rocsafe_console.people.session_file import load_sessions
 from rocsafe_console.people.sessions import Sessions
@@ -758,10 +759,14 @@ def test_a_phone_shows_map_facts_and_orders_however_it_is_held(browser, flight, 
 
 
 @pytest.mark.parametrize('theme', ['light', 'dark'])
-def test_what_opens_over_the_page_and_what_is_old_can_be_read(browser, tmp_path, flight, theme):
+def test_what_opens_over_the_page_and_what_is_old_can_be_read(
+    browser, tmp_path, flight, theme, monkeypatch
+):
     """A place, an order and its results, keys, rights on a mission, a replay, a silent mission."""
     axe = pytest.importorskip('axe_playwright_python.sync_playwright')
     stage, pilot, address = flight
+    # Axe may look longer at the armed order than a person.
+    monkeypatch.setattr(order_book, 'CONFIRM_S', 120.0)
     make_run(tmp_path / 'yard-1')
     view = View(browser, address, color_scheme=theme)
     page = view.page

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The connection to the server: sections as JSON, vehicles as bytes (picture/frame_bytes.py).
-import { told } from './texts.js';
-
 export const STALE_S = 3;
 const [OLD_PLACE, OLD_DOSE] = [4, 8];
 const HEAD_BYTES = 24;
@@ -130,11 +128,14 @@ export class Link extends EventTarget {
   }
 }
 
-// A request to the server; a refusal is an Error with its reason.
+// A request to the server; a refusal is an Error with its reason, in the words of whoever set some:
+// this file stands alone, so that other programs can take it (examples/watch_fleet.mjs).
+let wordsOf = (text) => text;
+export function tellBy(words) { wordsOf = words; }
 export async function ask(path, body, deadline = LONGEST_S) {
   const options = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
   const answer = await fetch(path, { credentials: 'same-origin', signal: AbortSignal.timeout(deadline * 1000), ...options });
   const content = await answer.json().catch(() => ({}));
-  if (!answer.ok) throw Object.assign(new Error(told(content.error ?? answer.statusText)), { status: answer.status });
+  if (!answer.ok) throw Object.assign(new Error(wordsOf(content.error ?? answer.statusText)), { status: answer.status });
   return content;
 }

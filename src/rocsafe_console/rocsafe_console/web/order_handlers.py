@@ -25,7 +25,7 @@ from rocsafe_console.web.guards import body_of
 ORDER_S = 7.0
 # Of a search for a way; large maps take some seconds.
 DRIVE_PLAN_S = 20.0
-DATUM = 'WGS84'
+DATUM = 'WGS84, height above home'
 NO_ROS = 'ROS has not started yet'
 Found = TypeVar('Found')
 Planned = tuple[dict[str, Any] | None, str]
