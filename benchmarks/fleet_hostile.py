@@ -18,6 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from fleet import survey
@@ -31,11 +32,13 @@ from rocsafe_fleet.ledger.readings import DoseReading, readings_of
 from rocsafe_fleet.membership.identity import START_BITS
 from rocsafe_fleet.search.search_round import SearchRound
 from rocsafe_fleet.trial.radio import RadioOptions
-from rocsafe_fleet.trial.search_trial import SearchTrial, TrialSearch
 from rocsafe_fleet.trial.trial import Trial, TrialOptions
 from rocsafe_geo.position import level_offset_m, offset
 from rocsafe_planner.plan.plan import SurveyPlan
 from rocsafe_planner.plan.survey_options import Effort
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / 'test' / 'fleet'))
+from search_trial import SearchTrial, TrialSearch
 
 LAST_EVENT_S = 50.0
 SETTLE_S = 45.0

@@ -31,7 +31,8 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.block import BY_FEATURES
-from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker, MapOptions, Shot
+from rocsafe_mapping.mosaic.map_alignment import Alignment
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.photographs.label_images import LABELS
 from rocsafe_mapping.products.error_map import STANDING_M, error_map
 from rocsafe_mapping.products.map_products import ProductOptions, write_products

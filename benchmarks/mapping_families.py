@@ -30,7 +30,8 @@ from rocsafe_geo.pinhole import (
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mapping.alignment.model.photo import footprint
 from rocsafe_mapping.errors import PlacementError
-from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker, MapOptions, Shot
+from rocsafe_mapping.mosaic.map_alignment import Alignment
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 from rocsafe_mapping.products.quality import violations
 

@@ -71,6 +71,11 @@ class World:
         """Stop or start time."""
         self.paused = is_paused
 
+    @property
+    def drawings(self):
+        """Where it is drawn: here."""
+        return self
+
     def draw(self, lines, rgba, size_m, *, kind, duration_s):
         """Keep what is drawn."""
         self.drawn.append((lines, rgba, size_m, kind, duration_s))
@@ -83,7 +88,7 @@ class World:
         """Keep what is traced."""
         self.drawn.append((vehicle, rgba, size_m))
 
-    def clear_drawings(self):
+    def clear(self):
         """Forget it."""
         self.drawn.clear()
 

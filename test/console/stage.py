@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A console without ROS: a mission that flies on a stage, and vehicles that answer orders."""
 
+import functools
 import math
 import os
 import time
@@ -251,28 +252,34 @@ class Stage:
 
     def _images(self, now_s: float) -> None:
         live = self.context.live
-        cells = [
-            min(
-                100,
-                int(16 * math.log10(10 + 9e5 / (400 + (5 * x - 220) ** 2 + (5 * y - 210) ** 2))),
-            )
-            for y in range(CELLS)
-            for x in range(CELLS)
-        ]
-        grid = Grid(cells=cells, columns=CELLS, corner_m=(-200.0, -200.0), cell_m=5.0)
-        frame = LocalFrame(GeoPosition(*ORIGIN, 0.0))
-        live.images['dose_map'] = png_of(grid, DOSE)
-        buffer = BytesIO()
-        Image.linear_gradient('L').convert('RGB').save(buffer, 'PNG')
-        live.images['mosaic'] = buffer.getvalue()
+        images, corners = _drawn()
+        live.images.update(images)
         put = live.picture.sections.put
-        put('dose_map', {'stamp_s': now_s, 'heard_s': now_s, 'corners': corners_of(grid, frame)})
-        live.images['plume'] = png_of(grid, PLUME)
-        put('plume', {'stamp_s': now_s, 'heard_s': now_s, 'corners': corners_of(grid, frame)})
+        for name in ('dose_map', 'plume'):
+            put(name, {'stamp_s': now_s, 'heard_s': now_s, 'corners': corners})
         put('mosaic', {
             'stamp_s': now_s, 'heard_s': now_s, 'images_placed': 21, 'is_final': False,
             'ground_resolution_m': 0.1, 'corners': [place_of(-110, -70), place_of(60, 70)],
         })  # fmt: skip
+
+
+@functools.cache
+def _drawn() -> tuple[dict[str, bytes], list[list[float]]]:
+    """Return the images of a stage, and the corners of the two maps."""
+    cells = [
+        min(100, int(16 * math.log10(10 + 9e5 / (400 + (5 * x - 220) ** 2 + (5 * y - 210) ** 2))))
+        for y in range(CELLS)
+        for x in range(CELLS)
+    ]
+    grid = Grid(cells=cells, columns=CELLS, corner_m=(-200.0, -200.0), cell_m=5.0)
+    buffer = BytesIO()
+    Image.linear_gradient('L').convert('RGB').save(buffer, 'PNG')
+    images = {
+        'dose_map': png_of(grid, DOSE),
+        'plume': png_of(grid, PLUME),
+        'mosaic': buffer.getvalue(),
+    }
+    return images, corners_of(grid, LocalFrame(GeoPosition(*ORIGIN, 0.0)))
 
 
 @contextmanager

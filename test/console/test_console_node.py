@@ -114,6 +114,14 @@ def test_an_order_to_all_reaches_each_and_tells_who_refuses(console):
     assert [told(console, name) for name in NAMES] == [['hold'], ['hold']]
 
 
+def test_a_vehicle_that_says_nothing_has_refused_nothing(console):
+    """It may have obeyed: the page says that nobody knows."""
+    console.vehicles['rav2'].fall_silent()
+    results = console.order(Action.HOLD, *NAMES)
+    assert [results[name].outcome for name in NAMES] == [Outcome.DONE, Outcome.SILENT]
+    assert 'no answer within' in results['rav2'].text
+
+
 @pytest.mark.parametrize('console', [False], indirect=True)
 def test_without_the_node_of_the_fleet_the_vehicles_are_asked(console):
     """The hand on the fleet needs neither the orchestrator nor its verbs."""

@@ -92,6 +92,7 @@ def test_several_writers_make_one_chain(tmp_path):
     second.close()
 
 
+@pytest.mark.slow
 @given(st.data())
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=200)
 def test_any_changed_byte_of_a_log_is_found(tmp_path_factory, data):
@@ -217,6 +218,7 @@ def test_a_sealed_run_is_as_it_was(tmp_path, key):
     assert 'is not signed with the key' in verify_run(run, 'AAAA')[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', ['images/rav1-00000.jpg', 'mission.mcap', 'report.html'])
 def test_any_changed_byte_of_a_file_is_found(tmp_path, key, name):
     """By the name of the file: changed, gone or added."""

@@ -167,6 +167,7 @@ def test_a_name_that_there_is_not_takes_as_long_as_another():
     assert NOBODY.split('$')[:4] == hash_of(PASSWORD).split('$')[:4]
 
 
+@pytest.mark.slow
 def test_a_password_is_right_or_not():
     """Two hashes of one password differ; a short one is refused without being told."""
     first, second = hash_of(PASSWORD), hash_of(PASSWORD)

@@ -28,7 +28,7 @@ from rocsafe_console.runs.drafts import Drafts, Step
 from rocsafe_console.runs.launches import Launches
 from rocsafe_console.web import context as context_module
 from rocsafe_console.web import order_handlers
-from rocsafe_console.web.context import ORDERS, WebOptions
+from rocsafe_console.web.context import ORDERS, REFUSALS, REFUSALS_S, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
 from rocsafe_geo.storage.evidence_log import checked
 
@@ -202,6 +202,7 @@ def test_nothing_is_seen_or_marked_that_cannot_be_written_down(stage, caller, mo
     assert not stage.context.live.picture.sections.value('marks')
 
 
+@pytest.mark.slow
 def test_nobody_ends_the_sessions_of_others_by_his_own(tmp_path, people):
     """Not by links either, and not faster than a person."""
     stage = Stage(tmp_path, users=people)
@@ -431,6 +432,34 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
 
 
+def test_what_a_role_is_refused_is_logged_and_fills_no_disk(tmp_path, people):
+    """With user, time, what was asked for and why not; a client that goes on has one line more."""
+    now = [time.time()]
+    stage = Stage(tmp_path, users=people)
+    stage.begin()
+    stage.context.clock = lambda: now[0]
+    with served(stage) as address:
+        caller = Caller(address)
+        assert caller.ask('/api/login', {'name': 'viewer', 'password': PASSWORD})[0] == 200
+        seen = {**revisions_of(stage), 'x' * 100_000: 0}
+        for _ in range(REFUSALS + 25):
+            assert caller.order('land', seen)[0] == 403
+        assert caller.ask('/api/marks', {})[0] == 403
+        now[0] += REFUSALS_S
+        assert caller.ask('/api/missions/yard/end', {})[0] == 403
+    entries = checked((tmp_path / 'console.jsonl').read_bytes().split(b'\n')[:-1])
+    refused = [entry for entry in entries if entry['kind'] == 'refused']
+    assert len(refused) == REFUSALS + 1
+    first, last = refused[0], refused[-1]
+    assert (first['by'], first['outcome'], first['refused_before']) == ('viewer', 'refused', 0)
+    assert first['asked'] == {'verb': 'land', 'vehicles': stage.names}
+    assert first['why'] == 'the role viewer may not land'
+    assert (last['path'], last['refused_before']) == ('/api/missions/yard/end', 26)
+    assert not stage.crew.sent
+    assert (tmp_path / 'console.jsonl').stat().st_size < 1000 * (REFUSALS + 2)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize('run', ['yard-1', ''], ids=['run known', 'run not known yet'])
 @pytest.mark.parametrize('visibility', ['everybody', 'named'])
 @pytest.mark.parametrize('members', [[], ['operator']])
@@ -481,6 +510,7 @@ def open_mission(tmp_path, people):
         yield stage, run, callers
 
 
+@pytest.mark.slow
 def test_a_mission_is_seen_and_commanded_by_those_who_are_named(open_mission):
     """Whoever is not on its list sees no run, picture or report, and commands nothing."""
     stage, run, callers = open_mission
@@ -510,6 +540,7 @@ def test_a_mission_is_seen_and_commanded_by_those_who_are_named(open_mission):
     assert [e['members'] for e in log if e['kind'] == 'assign'] == [['operator'], []]
 
 
+@pytest.mark.slow
 def test_a_link_for_other_programs_opens_nothing_else(open_mission):
     """Its secret is no cookie, a cookie is no link, and the list of a mission holds for it."""
     _, run, callers = open_mission
@@ -570,6 +601,7 @@ def test_passwords_cannot_be_tried_out(tmp_path, people):
         assert caller.ask('/api/token', {'token': ''})[0] in (401, 429)
 
 
+@pytest.mark.slow
 def test_a_session_that_is_revoked_may_nothing_more(tmp_path, people):
     """By a commander; its cookie is for this server only."""
     stage = Stage(tmp_path, users=people)
@@ -612,6 +644,7 @@ def test_whoever_plans_keeps_nobody_else_waiting(caller, monkeypatch):
         assert [plan.result()[0] for plan in plans] == [200] * 16
 
 
+@pytest.mark.slow
 def test_a_user_who_was_removed_may_nothing_more(tmp_path, people):
     """Nor one who has another password: the console reads the changed file, and his page ends."""
     path = tmp_path / 'users.yaml'

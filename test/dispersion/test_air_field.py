@@ -56,6 +56,7 @@ def flown(settings: AirFile, where, seconds: int, *, first: int = 0, seed: int =
     return gases, [one.window for one in found if one.window]
 
 
+@pytest.mark.slow
 def test_gas_is_downwind():
     """East of the release in a wind towards the east, not west of it."""
     air = air_field(SETTINGS, 1)
@@ -79,6 +80,25 @@ def test_sensors_of_a_vehicle_read_gas_particles_and_wind():
     assert max(window.count.particles_per_l for window in windows) > 20_000.0
     east = np.mean([window.wind.towards_mps[0] for window in windows])
     assert 2.0 < east < 3.6
+
+
+@pytest.mark.slow
+def test_an_open_path_reads_what_is_below_and_not_what_the_rotors_take_in():
+    """Ten metres above a plume that is low, beside a lamp that is above it."""
+    leak = replace(CHLORINE, agent='methane', height_m=0.5, rate_g_s=2.0)
+    settings = replace(
+        SETTINGS, releases=(leak,), gas_sensors=('open_path_methane',), particle_counter=False
+    )
+    where = place(25.0, 0.0, 12.0)
+    air = air_field(settings, 1)
+    ((chemical, column),) = air.columns_g_m2(100.0, where)
+    heights = np.linspace(0.0, 12.0, 1201)
+    each = [air.gases_g_m3(100.0, place(25.0, 0.0, height))[0][1] for height in heights]
+    assert column == pytest.approx(np.trapezoid(each, heights), rel=0.02)
+    gases, _ = flown(replace(settings, dilution=0.01), where, 110)
+    shown = {one.time_ns: one.raw for sensor, one in gases if sensor.unit == 'ppm_m'}
+    assert max(shown.values()) > 100.0
+    assert shown[1100 * S] == pytest.approx(chemical.ppm(column), rel=0.5, abs=10.0)
 
 
 @pytest.mark.slow

@@ -115,6 +115,7 @@ def test_false_alarms_in_clean_air_are_rare():
     assert sum(not one.is_below_limit for one in readings) <= 0.01 * len(readings)
 
 
+@pytest.mark.slow
 def test_ion_mobility_needs_minutes_after_an_overload():
     """Clean air or not, it stays at its ceiling, and shows bars, not numbers."""
     readings = flown(IMS, lambda time: 500.0 if 250.0 < time < 255.0 else 0.0, 520.0)

@@ -114,11 +114,10 @@ def test_releases_zones_and_places_to_measure_come_from_readings(ros, tmp_path):
     *_, (_, turned) = readings()
     turned.header.stamp = stamp_of_ns(900_000_000_000)
     turned.towards_east_mps, turned.towards_north_mps = 0.0, SPEED_MPS
-    before = len(zones)
     wind.publish(turned)
     ros.spin_until(lambda: heard[-1].wind_towards_north_mps > 0.9 * SPEED_MPS, DEADLINE_S)
-    ros.spin_until(lambda: len(zones) > before, DEADLINE_S)
-    assert zones[-1].markers[0].header.stamp == turned.header.stamp
+    # Zones of the estimate before may come first.
+    ros.spin_until(lambda: zones[-1].markers[0].header.stamp == turned.header.stamp, DEADLINE_S)
     client = drone.create_client(SuggestViewpoints, calls.SUGGEST_GAS_VIEWPOINTS.name)
     ros.spin_until(client.service_is_ready, DEADLINE_S)
     answers = []

@@ -48,6 +48,7 @@ def test_mass_is_kept():
         assert float(cloud.at(time).masses_g.sum(dtype=float)) == pytest.approx(mass, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_restart_changes_nothing():
     """Nor do questions in between; another seed gives other filaments."""
     options = FilamentOptions(longest_s=60.0)

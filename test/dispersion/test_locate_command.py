@@ -89,6 +89,7 @@ def test_places_on_both_sides_of_180_degrees_are_neighbours(tmp_path: Path):
     assert np.ptp(read_gas(path).survey.places_m[:, 0, 0]) == pytest.approx(2.226, abs=0.01)
 
 
+@pytest.mark.slow
 def test_beams_are_means_along_their_way(tmp_path: Path):
     """A release is found by five beams across its plume that share one background."""
     release = Release(place_m=(-20.0, 5.0), height_m=0.5, rate_g_s=2.0)
@@ -231,6 +232,7 @@ def test_ends_of_the_scale_are_bounds_unless_a_column_says(tmp_path: Path):
     assert not read_gas(path).survey.is_below.any()
 
 
+@pytest.mark.slow
 def test_a_value_that_is_read_again_counts_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):

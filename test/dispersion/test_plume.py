@@ -47,6 +47,7 @@ def plume_of(layer: SurfaceLayer, height_m: float = 1.0, **options) -> SteadyPlu
     return SteadyPlume(release=release, travel=travel, wind=EASTWARDS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('layer', AIRS)
 @pytest.mark.parametrize('height', [0.0, 1.0, 8.0])
 def test_what_is_released_passes_every_plane(layer: SurfaceLayer, height: float):

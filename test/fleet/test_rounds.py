@@ -27,12 +27,12 @@ from rocsafe_fleet.search.search_round import (
     search_round_of,
 )
 from rocsafe_fleet.trial.radio import RadioOptions
-from rocsafe_fleet.trial.search_trial import SearchTrial, TrialSearch
 from rocsafe_fleet.trial.trial import KEY, TrialOptions, agreed, planner_of
 from rocsafe_geo.position import GeoPosition, level_offset_m, offset
 from rocsafe_radiation.localizer_options import LocalizerOptions
 
 from . import surveys
+from .search_trial import SearchTrial, TrialSearch
 from .surveys import CORNER
 
 LOSSY = RadioOptions(loss=0.2, duplicates=0.1, jitter_s=0.3)

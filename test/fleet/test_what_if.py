@@ -9,6 +9,7 @@ from rocsafe_fleet.trial.what_if import cases_of, what_if
 from . import surveys
 
 
+@pytest.mark.slow
 def test_every_vehicle_every_pair_the_head_and_a_cut_are_tried():
     """Three vehicles: three times each, three pairs, and the rest once."""
     names = [case.name for case in cases_of(surveys.survey(3, 4))]

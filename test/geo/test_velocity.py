@@ -31,6 +31,7 @@ def test_a_known_case():
     assert motion.state(99.0).position_enu == pytest.approx((40.0, 0.0, 30.0))
 
 
+@pytest.mark.slow
 @given(velocities, velocities, st.floats(0.0, 20.0))
 def test_limits_hold_and_nothing_jumps(before, after, flown_s):
     """Also where the time is too short to reach the velocity, and from another motion."""

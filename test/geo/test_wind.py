@@ -85,6 +85,7 @@ def test_gusts_are_a_function_of_seed_and_time():
     assert not np.allclose(forward[0], other.velocities_mps(times[0], PLACES))
 
 
+@pytest.mark.slow
 def test_gusts_have_their_variance_and_correlation():
     """Variance 1 also between steps, correlation 1/e after one time scale."""
     times = np.arange(0.0, 4000.0, 0.275)

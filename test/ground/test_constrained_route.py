@@ -48,6 +48,7 @@ def budget_between(search: RouteSearch, share: float) -> float:
     return float(low * (high / low) ** share)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(40))
 def test_route_equals_brute_force(seed):
     """On small grids, whatever the budget."""

@@ -13,7 +13,7 @@ from test.ground.villages import (
     write_village,
 )  # fmt: skip
 
-from rocsafe_ground.drivable.contrast import STRIP, is_unlike
+from rocsafe_ground.drivable.contrast import STRIP, ContrastRules, is_unlike
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.ground_map import MapFiles, read_ground_map
@@ -48,6 +48,7 @@ def at(ground, east, north):
     return Reason(int(ground.ground.reasons.ravel()[ground.grid.cell_of(east, north)]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('colour', [SOIL, ROAD, (200, 180, 120), DARK, BESIDE])
 def test_small_thing_is_an_obstacle_whatever_its_colour(tmp_path, colour):
     """A person of 0.5 m in a coat of the colour of soil or of a road, on a meadow."""
@@ -80,9 +81,9 @@ def test_strips_change_nothing():
     colours = np.random.default_rng(3).normal(120.0, 20.0, (3, STRIP + 120, 60))
     colours[:, STRIP - 2 : STRIP + 3, 20:25] = 250.0
     is_seen = np.ones(colours.shape[1:], np.bool_)
-    whole = is_unlike(colours, is_seen, PIXEL_M)
+    whole = is_unlike(colours, is_seen, PIXEL_M, ContrastRules())
     cut = STRIP // 2
-    part = is_unlike(colours[:, cut:], is_seen[cut:], PIXEL_M)
+    part = is_unlike(colours[:, cut:], is_seen[cut:], PIXEL_M, ContrastRules())
     assert (whole[cut + 30 :] == part[30:]).all()
     assert whole[STRIP - 2 : STRIP + 3, 20:25].all()
 
@@ -93,4 +94,4 @@ def test_what_was_not_seen_is_not_unlike():
     is_seen = np.zeros((60, 60), np.bool_)
     is_seen[:, :30] = True
     colours[:, ~is_seen] = 0.0
-    assert not is_unlike(colours, is_seen, PIXEL_M).any()
+    assert not is_unlike(colours, is_seen, PIXEL_M, ContrastRules()).any()

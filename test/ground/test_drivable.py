@@ -17,7 +17,7 @@ from rocsafe_ground.drive.drive_plan import DriveRequest
 from rocsafe_ground.drive.ground_map import MapFiles, MapReader, read_ground_map
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
-from rocsafe_ground.products.ground_file import write_ground
+from rocsafe_ground.products.files import write_ground
 
 SIDE_M = 20.0
 VEHICLE = GroundVehicle()

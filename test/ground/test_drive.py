@@ -114,6 +114,7 @@ def test_unseen_ground_is_not_free_and_walls_grow_by_the_vehicle(village):
     assert not ground.is_free[0].any()
 
 
+@pytest.mark.slow
 def test_route_stays_on_free_ground_and_its_figures_are_those_of_its_lines(village):
     """Whatever the budget."""
     ground = ground_of(village)
@@ -399,6 +400,7 @@ def test_marks_of_operators_propose_evidence(tmp_path, capsys):
     assert 'line 2: has been changed' in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_releases_propose_evidence(tmp_path, capsys):
     """The stronger the higher the priority; without any a clear refusal."""
     folder = write_village(tmp_path)

@@ -85,6 +85,7 @@ def test_what_the_map_shows_does_not_stop_it(planned, seed):
     assert end_of(*planned, seed=seed).outcome is DriveOutcome.COMPLETED
 
 
+@pytest.mark.slow
 def test_post_that_the_map_does_not_show_stops_it(planned):
     """Also if it stands beside the way, nearer than its clearance."""
     ground, plan = planned

@@ -35,6 +35,7 @@ def cost_of_best(costs, points):
     return min(trip_cost(costs, order) for order in itertools.permutations(points))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('kind', [ExactOrders, SearchedOrders])
 @pytest.mark.parametrize('seed', range(5))
 def test_order_equals_the_exhaustive_one(seed, kind):

@@ -67,6 +67,7 @@ def test_what_is_not_known_is_said(village: Path, capsys) -> None:
     assert 0.0 < plan['gas']['outside_the_map_s'] < plan['time_s']
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('content', ['', '[]', '{"features": [{"properties": {}}]}'])
 def test_files_of_gas_that_cannot_be_read_are_refused(village: Path, content: str, capsys) -> None:
     """In one line, with exit code 2: a drive without its gas would look harmless."""

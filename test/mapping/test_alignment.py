@@ -68,6 +68,7 @@ def usual():
     return shots, *aligned(shots)
 
 
+@pytest.mark.slow
 def test_all_photographs_are_tied(usual):
     """A third of overlap ties every photograph."""
     alignment = usual[2]
@@ -116,6 +117,7 @@ def test_map_may_be_called_georeferenced(usual):
     assert violations(usual[2], usual[1].block.state) == []
 
 
+@pytest.mark.slow
 def test_arrival_order_does_not_matter(usual):
     """The same photographs in another order come to the same places, to 0.05 pixels."""
     shots, _, alignment, _ = usual

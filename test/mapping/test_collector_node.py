@@ -2,6 +2,7 @@
 """The collector answers every photograph, and only with the truth."""
 
 import hashlib
+import math
 import secrets
 import threading
 
@@ -11,7 +12,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from sensor_msgs.msg import Image, NavSatStatus
+from sensor_msgs.msg import Image, NavSatFix, NavSatStatus
 from std_msgs.msg import String
 
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
@@ -21,7 +22,7 @@ from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.store import store
 from rocsafe_mapping.store.catalogue import read_shot
 from rocsafe_ros import topics
-from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
+from rocsafe_ros.conversions import ns_of_stamp, quaternion_message, stamp_of_ns
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0
@@ -110,6 +111,18 @@ def test_a_photograph_is_stored_and_acknowledged(bench, shot):
     assert receipt.sha256 == record.sha256
     assert receipt.path == str(bench.directory / 'rav1-00005.jpg')
     assert read_shot(bench.directory, 'rav1-00005').record == record
+    # A line of the evidence log stands by itself: when, where and how surely.
+    fix = receipt.fix
+    assert (fix.latitude, fix.longitude, fix.altitude) == (
+        record.latitude_deg, record.longitude_deg, record.altitude_m,
+    )  # fmt: skip
+    assert fix.position_covariance_type == NavSatFix.COVARIANCE_TYPE_KNOWN
+    assert tuple(fix.position_covariance) == record.position_covariance_m2
+    assert tuple(receipt.orientation_covariance) == record.orientation_covariance_rad2
+    assert (ns_of_stamp(receipt.taken), receipt.viewpoint_id) == (
+        record.time_ns, record.viewpoint_id,
+    )  # fmt: skip
+    assert receipt.height_agl_m == record.height_agl_m
 
 
 def test_a_photograph_sent_again_is_acknowledged_as_a_duplicate(bench, shot):
@@ -128,6 +141,8 @@ def test_a_photograph_that_makes_no_sense_is_rejected_and_kept_apart(bench, shot
     receipt = bench.send(message)
     assert receipt.status == ShotReceipt.REJECTED
     assert "must be 'rav1-00000'" in receipt.reason
+    assert (receipt.fix.latitude, receipt.fix.status.status) != (0.0, NavSatStatus.STATUS_FIX)
+    assert math.isnan(receipt.fix.latitude + receipt.height_agl_m)
     kept = bench.directory / 'rejected' / hashlib.sha256(image).hexdigest()
     assert kept.read_bytes() == image
 

@@ -12,7 +12,7 @@ from rocsafe_mapping.alignment.block import BY_FEATURES, Placement
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.model.surface import Surface, level_grid
 from rocsafe_mapping.alignment_options import AlignmentOptions
-from rocsafe_mapping.mosaic.mapmaker import Alignment
+from rocsafe_mapping.mosaic.map_alignment import Alignment
 from rocsafe_mapping.photographs.shot import Intrinsics
 
 HEIGHT_M = 32.0

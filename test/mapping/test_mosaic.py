@@ -93,6 +93,7 @@ def column_and_row_of_mark(grey, expected, reach=15):
     return np.sum(weights * columns) / weights.sum(), np.sum(weights * rows) / weights.sum()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('place', ORIGINS)
 def test_marks_lie_where_they_are_in_the_geotiff(tmp_path, place):
     """Within half a pixel, by PROJ's own transformation, in all four quadrants."""

@@ -101,6 +101,7 @@ def roofed():
     return drawn(ROOF_UP_M)
 
 
+@pytest.mark.slow
 def test_a_roof_has_its_height(roofed):
     """Within a quarter of a metre on the roof, none on the ground, nothing where one sees."""
     maker, renderer = roofed

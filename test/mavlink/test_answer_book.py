@@ -120,6 +120,7 @@ def test_go_to_is_obeyed_once_the_copter_tells_its_place():
     assert ended(air) == ''
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('phase', [0, 3])
 def test_hold_of_an_old_autopilot_is_believed_by_its_mode(phase):
     """Where no phase is told a pause cannot be seen: it is switched to BRAKE."""

@@ -112,6 +112,7 @@ def test_go_to_is_written_for_each_autopilot():
     assert OFFBOARD not in {only.call.command.fields.get('param2')}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('loss', [0.0, 0.2, 0.4])
 def test_orders_are_obeyed_over_a_lossy_link(loss):
     """Held, resumed, slowed: an order ends well only if the vehicle shows it."""
@@ -141,6 +142,7 @@ def test_landing_takes_the_place_of_a_slower_order():
     assert air.copters[1].mode == 9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('verb', ['hold', 'resume', 'return_home', 'land'])
 def test_order_that_is_given_twice_is_one_order(verb):
     """The first is not called off by the second, and nothing is sent twice."""
@@ -180,6 +182,7 @@ def test_refusal_carries_the_words_of_the_autopilot():
         commands.resume(air.now_s)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('unread', [{'home': None}, {'landed': Landed.UNDEFINED}, {}])
 def test_route_is_called_none_only_when_all_is_read_that_tells_of_one(unread):
     """A bridge that was started again finds its flight by mission, home and landed state."""
@@ -345,6 +348,7 @@ def test_fence_that_cannot_be_read_forbids_the_flight():
         air.fly()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('delay_s', [0.0, 0.1, 0.2, 0.3, 0.5, 5.0])
 def test_no_flight_begins_before_the_new_fence_was_read(delay_s):
     """Be the fence that it replaces unread, half read, or known: none is taken for the new one."""

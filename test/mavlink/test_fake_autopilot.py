@@ -84,6 +84,7 @@ def test_nominal_flight_ends_on_the_ground():
     assert sky.texts[-1] == 'Disarming motors'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('order', 'words'),
     [

@@ -98,6 +98,7 @@ def test_lost_reached_events_are_made_up_for():
     assert trip.end().outcome is FlightOutcome.COMPLETED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('fault', 'outcome'),
     [

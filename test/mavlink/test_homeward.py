@@ -197,6 +197,7 @@ def test_free_return_is_straight():
     air.until(lambda: air.copters[1].mode == RTL, 5.0)
 
 
+@pytest.mark.slow
 def test_place_behind_an_exclusion_is_refused():
     """Go-to flies straight."""
     air = flying_around()
@@ -265,6 +266,7 @@ def there(*waypoints):
     )
 
 
+@pytest.mark.slow
 def test_way_to_the_first_waypoint_of_a_new_route_is_checked_from_where_it_is():
     """From home this route is free of the square; behind it the vehicle must fly around first."""
     air = flying_around()
@@ -281,6 +283,7 @@ def test_way_to_the_first_waypoint_of_a_new_route_is_checked_from_where_it_is():
     commands.replace_route(there((60.0, 140.0), (60.0, 40.0), (0.0, 40.0)), air.now_s)
 
 
+@pytest.mark.slow
 def test_way_is_checked_again_when_the_new_route_lies_on_the_vehicle():
     """A gust has carried it behind the square during the upload: it is not started."""
     air = flying_around()
@@ -293,6 +296,7 @@ def test_way_is_checked_again_when_the_new_route_lies_on_the_vehicle():
     assert copter.mode == BRAKE
 
 
+@pytest.mark.slow
 def test_resumed_route_is_not_flown_across_an_exclusion():
     """Held and carried behind the square it is not resumed; brought back it is."""
     air = Air()

@@ -23,6 +23,7 @@ def field(north_m, south_m=-50.0):
     return tuple(offset(HOME_PLACE, *corner) for corner in corners)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('fence', 'words'),
     [

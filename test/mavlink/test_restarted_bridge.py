@@ -33,6 +33,7 @@ def started_again(air, path):
     return drone
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('mode', [AUTO, BRAKE])
 @pytest.mark.parametrize('order', ORDERS)
 def test_failsafe_that_was_announced_before_is_not_forgotten(tmp_path, order, mode):
@@ -97,6 +98,7 @@ def test_failsafe_that_cannot_be_read_counts_as_one(tmp_path):
     assert journal.failsafe is FlightOutcome.FAILSAFE_OTHER
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ['return_home', 'land'])
 def test_route_that_was_given_up_before_its_flight_was_found_is_not_resumed(tmp_path, order):
     """The new bridge is told to return or land before it has read the mission."""
@@ -139,6 +141,7 @@ def test_route_that_was_given_up_after_a_restart_of_the_autopilot_is_not_resumed
     assert 'was given up' in is_refused(air, 'resume')
 
 
+@pytest.mark.slow
 def test_new_route_after_one_that_was_given_up_may_be_resumed():
     """Its end is its own, too: the order to return was for the one before."""
     air = flying()

@@ -125,6 +125,16 @@ def test_rover_returns_on_its_own_tracks(ground):
     ground.until(lambda: not ground.air.is_armed(), ground.deadline_s)
 
 
+def test_drive_that_is_sent_again_joins_the_one_under_way(ground):
+    """Both goals end with the drive, as those of a flight do."""
+    route = drive(8.0, 20.0)
+    first = under_way(ground, route)
+    again = ground.ended(sent(ground, route), ground.deadline_s)
+    assert again.outcome == DriveRoute.Result.COMPLETED, again.error_msg
+    assert list(again.evidence_taken) == ['e1', 'e2']
+    assert ground.ended(first, ground.deadline_s).outcome == DriveRoute.Result.COMPLETED
+
+
 def test_cancelled_drive_stands(ground):
     """The vehicle holds where it is."""
     result = under_way(ground, drive(8.0, 60.0))

@@ -64,6 +64,7 @@ def two_on_a_pad():
     return air
 
 
+@pytest.mark.slow
 def test_two_that_are_started_together_take_off_one_after_the_other():
     """Both routes are sent; the motors of the second start when the first is high enough."""
     air = two_on_a_pad()
@@ -92,6 +93,7 @@ def test_goal_waits_while_a_pilot_hovers_above():
     assert air.flight(2) is not None
 
 
+@pytest.mark.slow
 def test_motors_stay_off_below_a_pilot_who_has_come_meanwhile():
     """After the route was sent; the start fails if he stays."""
     air = two_on_a_pad()

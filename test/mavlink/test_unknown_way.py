@@ -57,6 +57,7 @@ def is_refused(air, order):
     return ''
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('order', ORDERS)
 def test_no_height_is_flown_above_a_home_that_was_set_higher(order):
     """A route at 30 m would be flown at 55 m; it is told, set back it is taken again."""

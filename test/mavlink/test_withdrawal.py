@@ -315,6 +315,7 @@ def test_mission_that_is_changed_before_its_start_starts_no_motors():
     assert 400 not in air.copters[1].commands
 
 
+@pytest.mark.slow
 def test_flight_that_would_begin_in_the_middle_starts_no_motors():
     """Another station chooses an item between verification and arming; a moment does not count."""
     air = ready_air()
@@ -331,6 +332,7 @@ def test_flight_that_would_begin_in_the_middle_starts_no_motors():
     assert air.flight().outcome is FlightOutcome.COMPLETED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_shorter', [True, False])
 def test_mission_that_another_station_changes_in_flight_is_told(is_shorter):
     """At once where its length changes, else with the next reading; a hold is offered."""
@@ -348,6 +350,7 @@ def test_mission_that_another_station_changes_in_flight_is_told(is_shorter):
     assert 'it flies another mission than that of its plan' in status().text
 
 
+@pytest.mark.slow
 def test_mission_whose_reading_fails_stays_as_it_was_known():
     """A part of a list is no other mission."""
     air = flying(count=40)

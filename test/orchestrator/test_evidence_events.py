@@ -3,9 +3,11 @@
 
 import pytest
 
+from rocsafe_geo.storage.code_version import version_text
 from rocsafe_geo.storage.evidence_log import Event, EvidenceLog, read_log
 
 MESSAGE_ROOM = 3
+HASH_LETTERS = 64
 
 
 def filled(message_type: type, depth: int = MESSAGE_ROOM) -> object:
@@ -58,8 +60,38 @@ def test_every_kept_message_can_be_written_and_read(tmp_path):
     log = EvidenceLog(tmp_path / 'log')
     log.add(events)
     log.close()
-    told = {entry['topic'].removeprefix('rav1/') for entry in read_log(tmp_path / 'log')}
+    entries = read_log(tmp_path / 'log')
+    told = {entry['topic'].removeprefix('rav1/') for entry in entries}
+    for entry in entries:
+        assert entry['datum'].startswith('WGS84')
+        assert entry['code'] == version_text()
+        assert len(entry['recorded_sha256']) == HASH_LETTERS
     assert told == KEPT
+
+
+def test_a_photograph_is_told_with_place_and_uncertainty(tmp_path):
+    """A line stands by itself: nobody needs the picture, or its side file, to judge it."""
+    from rclpy.serialization import serialize_message
+
+    from rocsafe_interfaces.msg import ShotReceipt
+    from rocsafe_orchestrator.recording.evidence_events import EvidenceEvents
+    from rocsafe_ros import topics
+
+    receipt = ShotReceipt(vehicle='rav1', shot_id='rav1-00007', sha256='ab' * 32, viewpoint_id=12)
+    receipt.fix.latitude, receipt.fix.longitude, receipt.fix.altitude = 53.0, -9.0, 98.5
+    receipt.fix.position_covariance = [0.04, 0.0, 0.0, 0.0, 0.04, 0.0, 0.0, 0.0, 0.09]
+    receipt.taken.sec, receipt.orientation_covariance[8] = 1748772070, 0.01
+    made = EvidenceEvents(lambda: 1.0, set())
+    log = EvidenceLog(tmp_path / 'log')
+    log.add(list(made.of(topics.RECEIPTS, '', receipt, serialize_message(receipt))))
+    log.close()
+    (line,) = read_log(tmp_path / 'log')
+    told = line['message']
+    assert (line['kind'], line['by'], told['sha256']) == ('photograph', 'rav1', 'ab' * 32)
+    assert (told['fix']['latitude'], told['fix']['altitude']) == (53.0, 98.5)
+    assert told['fix']['position_covariance'][8] == 0.09
+    assert told['orientation_covariance'][8] == 0.01
+    assert (told['taken']['sec'], told['viewpoint_id']) == (1748772070, 12)
 
 
 @pytest.mark.parametrize(('count', 'told'), [(3, [1.0] * 3), (21, {'count': 21})])

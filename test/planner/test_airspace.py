@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from rocsafe_geo.motion.autopilot import DIRECT
 from rocsafe_geo.motion.performance import GRAVITY_MPS2, Performance
 from rocsafe_planner.errors import NoWayError, TooManyViewpointsError
-from rocsafe_planner.problem.airspace import MAX_SITES, Air, Airspace
+from rocsafe_planner.problem.airspace import MAX_SITES, Airspace
+from rocsafe_planner.problem.detours import Air
 from rocsafe_planner.problem.flight_time import FlightTime
 
 from .surveys import star

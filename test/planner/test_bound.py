@@ -131,6 +131,7 @@ def test_bound_holds_where_viewpoints_are_passed(points, home):
     assert bound_of(world).makespan_s <= best_makespan(world) + ROUNDING_S
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(4))
 def test_flights_through_a_grid_are_bounded_within_a_seventh(seed):
     """The turns at the ends of the rows are left, but neither the ramps nor the stops."""

@@ -16,7 +16,8 @@ from rocsafe_planner.checking.plan_checker import check_plan
 from rocsafe_planner.plan.situation import Situation
 from rocsafe_planner.plan.survey_options import UnheardVehicle
 from rocsafe_planner.plan.vehicle import Aloft
-from rocsafe_planner.problem.airspace import Airspace, Door
+from rocsafe_planner.problem.airspace import Airspace
+from rocsafe_planner.problem.detours import Door
 from rocsafe_planner.replanning import replan
 from rocsafe_planner.site.survey_site import frame_of, survey_site
 

@@ -91,6 +91,7 @@ def test_flights_keep_to_their_batteries(swapped):
         assert all(0.0 < place.duration_s(k, flight) <= 100.0 for flight in flights)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('objective', 'share'), [('total_distance', 0.99), ('energy', 1.0)])
 def test_other_objectives_count_the_flights_too(objective, share):
     """Routes that are cut afterwards cost no less, and often more, whatever is added up."""

@@ -33,6 +33,7 @@ def crowded(**changes):
     return plan_survey(request(vehicles=CROWD, distance_m=15.0, **changes))
 
 
+@pytest.mark.slow
 def test_layers_keep_apart():
     """Nobody comes nearer than asked for, some fly higher by whole separations, fewer wait."""
     waiting, layered = crowded(), crowded(by='layers')
@@ -256,6 +257,7 @@ def test_rest_of_a_rest_in_another_layer_is_planned():
     assert min(r.flight_height_m for r in last.routes if r.sorties) == 32.0
 
 
+@pytest.mark.slow
 def test_rest_above_a_silent_vehicle_is_planned_within_the_batteries():
     """The climb to the lowest free layer counts: what it leaves no time for is left out."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))

@@ -28,6 +28,7 @@ def spoilt(**changes):
     return dataclasses.replace(PLAN, routes=(route, *PLAN.routes[1:]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('altitude_m', [-400.0, 584.0, 4500.0])
 def test_plan_at_any_altitude_is_valid(altitude_m):
     """Areas and lengths are those of the plane of the homes, in the high Andes, too."""

@@ -172,6 +172,7 @@ def test_batteries_that_never_do_are_refused_without_a_search(endurance_s, messa
         plan_survey(request(vehicles=weak, method='solver'))
 
 
+@pytest.mark.slow
 def test_no_survey_is_refused_for_a_few_thousand_photographs():
     """From 18 m the field has 2000 viewpoints: the usual limit is for slips of the pen."""
     plan = plan_survey(

@@ -22,6 +22,7 @@ from . import tiny_routing
 from .fleets import problem, request, vehicle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(300, 315))
 def test_no_bound_exceeds_the_optimum(seed):
     """Of mixed fleets with limits, one-way legs and customers that few may serve."""
@@ -111,6 +112,7 @@ def test_flights_are_chained_as_well_as_can_be(seed):
     assert best.tolist() == [most(t, first) for t in range(moments)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('count', [1, 2])
 def test_each_change_of_a_battery_is_counted(count):
     """Eight far places, two a battery: what vehicles collect by a time is whole flights."""

@@ -125,6 +125,7 @@ def least_makespan(routes, apart):
     return max((sum(times[:k]) + apart * k * (k - 1) / 2) / k for k in range(1, len(times) + 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(6))
 def test_no_bound_exceeds_the_optimum_with_waits(seed):
     """All plans of six points and three vehicles, each with the least waits."""
@@ -148,6 +149,7 @@ def test_no_bound_exceeds_the_optimum_with_waits(seed):
     assert prices >= alone
 
 
+@pytest.mark.slow
 def test_a_fleet_at_one_home_shares_the_waits():
     """Who waits longer flies less: all are done before routes of equal length would be."""
     fleet = tuple(vehicle(f'rav{k}', STARTS[0]) for k in range(1, 5))

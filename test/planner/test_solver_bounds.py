@@ -13,6 +13,7 @@ from . import tiny_routing
 LOOKS = 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(200, 220))
 def test_no_bound_exceeds_the_optimum(seed):
     """Every bound of mixed problems, from every argument, against the best plan of all."""

@@ -93,6 +93,7 @@ def test_a_plan_with_swaps_is_valid():
     assert check_plan(plan) == []
 
 
+@pytest.mark.slow
 def test_flights_take_their_turns_to_keep_apart():
     """With another flight first, who would wait for 26 s takes off earlier; all is still true."""
     fleet = tuple(vehicle(f'rav{k}', endurance_s=190.0, battery_swap_s=60.0) for k in range(3))

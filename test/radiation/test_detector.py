@@ -40,6 +40,7 @@ def poisson_chi_square(counts, mean):
     return ((chi2 / dof) ** (1 / 3) - 1 + spread) / math.sqrt(spread)
 
 
+@pytest.mark.slow
 def test_counts_are_poisson():
     """Chi-square, p > 0.01, over windows each with its own generator."""
     counts = np.array(

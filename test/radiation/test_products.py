@@ -101,6 +101,7 @@ def test_doubt_makes_the_upper_cordon_larger():
     assert upper.area.buffer(1e-6).contains(mean.area)
 
 
+@pytest.mark.slow
 def test_the_same_seed_makes_the_same_map():
     """Nothing else is random."""
     readings = survey([(120.0, 170.0, 1e3)])
@@ -121,6 +122,7 @@ def test_a_level_of_nothing_is_refused():
         cordons(flat, [0.0])
 
 
+@pytest.mark.slow
 def test_files_agree_on_where_the_source_is(tmp_path):
     """GeoTIFF, GeoJSON and KML, in degrees."""
     readings = survey([(120.0, 170.0, 9250.0)])

@@ -137,6 +137,7 @@ def test_a_kernel_of_counts_has_that_of_the_dose():
     assert slopes == pytest.approx((ahead - values) / (0.001 * squares), rel=0.02)
 
 
+@pytest.mark.slow
 def test_each_reading_has_the_kernel_of_its_own_height():
     """As tabulated, to the interpolation over a metre, with its slope; and in blocks."""
     generator = np.random.default_rng(4)

@@ -75,6 +75,7 @@ def test_counts_need_no_correction():
     assert found.allowed_for == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_dose', [False, True])
 def test_a_running_mean_is_undone(is_dose):
     """It showed a source behind the true one, weaker, and others beside it."""
@@ -85,6 +86,7 @@ def test_a_running_mean_is_undone(is_dose):
     assert any('running means' in doubt for doubt in found.doubts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_dose', [False, True])
 def test_a_mean_of_the_last_readings_is_undone(is_dose):
     """All of them count alike; it was taken for one that forgets little by little."""
@@ -119,6 +121,7 @@ def test_what_was_counted_follows_from_means_of_the_last_readings():
     assert np.std(((halves.counts - counted.counts) / noise)[77:]) < 0.7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('late_s', 'side'), [(1.5, 'after'), (-1.5, 'before')])
 def test_a_clock_that_differs_is_found(late_s, side):
     """Lines flown to and fro tell it."""
@@ -128,6 +131,7 @@ def test_a_clock_that_differs_is_found(late_s, side):
     assert any(f's {side} the readings' in one for one in found.allowed_for)
 
 
+@pytest.mark.slow
 def test_a_gain_that_falls_is_found():
     """It is that of the start that the strength is told by."""
     found = localize(survey_of(flown(fall=0.35), SENSITIVITY_CPS), LOSSLESS)
@@ -135,6 +139,7 @@ def test_a_gain_that_falls_is_found():
     assert any('less at the end' in one for one in found.allowed_for)
 
 
+@pytest.mark.slow
 def test_dose_rates_of_few_counts_are_no_sources():
     """Their noise is that of the readings, not that of a large scintillator."""
     survey = survey_of(flown(sensitivity=3.0, is_dose=True))

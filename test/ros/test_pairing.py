@@ -17,6 +17,7 @@ def test_a_pair_is_complete_with_its_second_half():
     assert pairing.add_left(2, 'b') == ('b', 'B')
 
 
+@pytest.mark.slow
 @given(data=st.data(), count=st.integers(1, 30))
 def test_any_delay_between_the_streams_gives_each_pair_once_in_order(data, count):
     """Two ordered streams, merged in any way."""

@@ -135,6 +135,28 @@ def test_help_says_what_the_node_is_and_starts_nothing():
     assert errors == ''
 
 
+@pytest.mark.parametrize('is_supervised', [True, False])
+def test_node_that_stood_still_ends_to_be_started_again(own_domain, monkeypatch, is_supervised):
+    """The others have given it up; without a supervisor nobody would start it again."""
+    if is_supervised:
+        monkeypatch.setenv('ROCSAFE_SUPERVISOR_PID', str(os.getpid()))
+    process = start('import rocsafe_ros.run\nrocsafe_ros.run.STOOD_STILL_S = 0.5\n' + NODE)
+    assert process.stdout.readline() == 'alive\n'
+    process.send_signal(signal.SIGSTOP)
+    time.sleep(3.0)
+    process.send_signal(signal.SIGCONT)
+    if is_supervised:
+        _, errors = process.communicate(timeout=DEADLINE_S)
+        assert process.returncode == 1
+        assert errors.startswith('stood still for ')
+        return
+    for _ in range(40):
+        assert process.stdout.readline() == 'alive\n'
+    process.send_signal(signal.SIGTERM)
+    _, errors = process.communicate(timeout=DEADLINE_S)
+    assert (process.returncode, errors) == (0, '')
+
+
 def test_node_ends_when_its_supervisor_is_killed(own_domain):
     """No orphan is left, even when the supervisor had no chance to say anything."""
     supervisor = start(SUPERVISOR, NODE)

@@ -106,6 +106,7 @@ def test_text_that_is_not_yaml_is_refused_in_one_line():
     assert '\n' not in str(caught.value)
 
 
+@pytest.mark.slow
 @given(
     name=st.text(st.characters(codec='utf-8', exclude_categories=['Cc', 'Cs']), max_size=20),
     corners=st.lists(st.tuples(st.floats(-90, 90), st.floats(-180, 180)), max_size=4),

@@ -99,6 +99,7 @@ def test_depth_and_labels_as_messages():
     assert np.frombuffer(labels.data, '<u2').tolist() == [2, 0, 65_535, 65_535]
 
 
+@pytest.mark.slow
 def test_the_label_table_names_every_instance():
     """The sky first, then the things in the order of their numbers, then ground by its class."""
     pytest.importorskip('panda3d', reason='panda3d is not installed')

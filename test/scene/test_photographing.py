@@ -12,8 +12,8 @@ from rocsafe_scene.flat_ground.scene_box import boxes_of
 from rocsafe_scene.scene.sunlight import lighting
 
 pytest.importorskip('panda3d', reason='panda3d is not installed')
+from ground_photographs import PhotographOptions, photograph_of
 from rocsafe_scene.engine.renderer import Renderer
-from rocsafe_scene.flat_ground.photographing import PhotographOptions, photograph_of
 from rocsafe_scene.graphics.pipe import open_pipe
 
 OPTIONS = PhotographOptions(tiles=(2, 1), texel_m=0.05, oversampling=2)

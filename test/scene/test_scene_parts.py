@@ -46,6 +46,7 @@ def test_meshes_are_finite_lit_from_outside_and_of_a_sane_size(name):
         assert np.count_nonzero(facing < -1e-9) <= 0.01 * len(facing)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', MAKERS)
 def test_the_same_seed_makes_the_same_mesh(name):
     """Nothing comes from anywhere but the generator."""

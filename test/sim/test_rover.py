@@ -80,6 +80,7 @@ def test_right_angle_is_turned_in_place_and_a_slight_bend_driven_through():
     assert speeds == [0.0, 1.0, 0.0, 0.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(8))
 def test_drive_takes_the_time_that_was_planned(seed):
     """Within five in a hundred, with slip, drift and an imperfect receiver."""
@@ -136,6 +137,7 @@ def test_dose_that_was_predicted_is_the_dose_that_is_measured():
     assert rover.predicted_usv() == pytest.approx(predicted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(12))
 def test_budget_is_never_exceeded_where_the_field_is_worse_than_planned(seed):
     """It comes home on its own tracks, wherever it has to turn."""

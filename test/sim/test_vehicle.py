@@ -50,6 +50,7 @@ def level(route: FlightRoute, height_m: float) -> FlightRoute:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(airframes(), routes())
 def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: FlightRoute) -> None:
@@ -65,6 +66,7 @@ def test_flight_takes_the_time_the_planner_says(airframe: Airframe, drawn: Fligh
     assert summary.outcome is FlightOutcome.COMPLETED
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(airframes(), routes(), st.floats(0.3, 1.7))
 def test_never_faster_than_allowed_and_ends_at_home(
@@ -114,6 +116,7 @@ def test_velocity_is_the_slope_of_position() -> None:
             assert slope == pytest.approx(b.velocity_enu, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('step_s', [0.02, 0.37, 5.0, 1000.0])
 def test_step_size_changes_nothing(step_s: float) -> None:
     """Shots, their times and the pose at a given time are those of the finest steps."""
@@ -124,6 +127,7 @@ def test_step_size_changes_nothing(step_s: float) -> None:
     assert vehicle.summary() == reference.summary()
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.floats(0.0, 120.0), st.sampled_from(['', 'hold', 'return_home', 'land', 'cancel']))
 def test_restored_vehicle_has_the_same_future(killed_s: float, command: str) -> None:

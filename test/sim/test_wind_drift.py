@@ -117,6 +117,7 @@ def test_a_vehicle_that_flies_into_a_lee_is_pushed_upwind_and_comes_back():
     assert own.at(round(119.5 * SECOND), moving(), 'hold')[0] == pytest.approx((0.0, 0.0))
 
 
+@pytest.mark.slow
 def test_vehicle_is_pushed_in_the_air_and_not_on_the_ground(tmp_path: Path):
     """Its fix is where it is; another process of the same seed is at the same place."""
     wind = tmp_path / 'wind.yaml'

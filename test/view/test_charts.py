@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_view.charts import DOSE_BOTTOM, DOSE_TOP, FlightBar, TimeAxis, dose_lines, time_axes
-from rocsafe_view.map_view import DosePoint
+from rocsafe_view.map_marks import DosePoint
 from rocsafe_view.palette import DoseScale
 
 SCALE = DoseScale(low_usvh=1.0, high_usvh=100.0)

@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rocsafe_view.map_view import (
+from rocsafe_view.map_marks import (
     Cordon,
     DosePoint,
     GasZone,
-    MapView,
     PhotoPoint,
     ReleasePoint,
     ReplayTrack,
     SourcePoint,
 )
+from rocsafe_view.map_view import MapView
 from rocsafe_view.pages import render
 from rocsafe_view.palette import DoseScale, ramp_colour
 

@@ -3,7 +3,6 @@
 
 import asyncio
 import threading
-from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -43,7 +42,7 @@ class AirsimNode(Node):
         self._frame = options.frame()
         self._by_name: dict[str, RosVehicle] = {}
         self._is_paused = False
-        self._drawings = Drawings(self)
+        self.drawings = Drawings(self)
         self._run = self.create_client(calls.WORLD_RUN.call_type, calls.WORLD_RUN.name)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
@@ -97,36 +96,6 @@ class AirsimNode(Node):
             await asyncio.sleep(0.002)
         self._is_paused = is_paused
 
-    def draw(
-        self,
-        lines: Sequence[Sequence[Vector]],
-        rgba: Sequence[float],
-        size_m: float,
-        *,
-        kind: str,
-        duration_s: float,
-    ) -> None:
-        """Show points or lines to viewers of the topic drawings."""
-        self._drawings.draw(lines, rgba, size_m, kind=kind, duration_s=duration_s)
-
-    def write(
-        self,
-        texts: Sequence[tuple[str, Vector]],
-        rgba: Sequence[float],
-        size_m: float,
-        duration_s: float,
-    ) -> None:
-        """Show texts at places to viewers of the topic drawings."""
-        self._drawings.write(texts, rgba, size_m, duration_s)
-
-    def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
-        """Show where a vehicle flies from now on."""
-        self._drawings.trace(vehicle, rgba, size_m)
-
-    def clear_drawings(self) -> None:
-        """Remove what was drawn."""
-        self._drawings.clear()
-
     def destroy_node(self) -> None:
         """Stop serving."""
         with suppress(TimeoutError, RuntimeError):
@@ -172,7 +141,7 @@ class AirsimNode(Node):
             camera, _, call = rest.partition('/')
             if LOOK_TYPE in types and call == 'look' and vehicle in self._by_name:
                 self._by_name[vehicle].add_camera(camera)
-        self._drawings.follow(lambda name: self._by_name[name].now().true_enu)
+        self.drawings.follow(lambda name: self._by_name[name].now().true_enu)
         if not self.port and self._is_complete():
             self._open()
 

@@ -26,7 +26,7 @@ AIRBORNE = frozenset({TAKING_OFF, FLYING, HOLDING, RETURNING, LANDING})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VehicleNow:
-    """What was last heard of a vehicle.
+    """Last state of a vehicle.
 
     Attributes
     ----------
@@ -187,10 +187,29 @@ class Vehicle(Protocol):
         """
 
 
+class Drawings(Protocol):
+    """Drawings for viewers, in the frame of the mission."""
+
+    def draw(self, lines: Sequence[Sequence[Vector]], rgba: Sequence[float], size_m: float,
+             *, kind: str, duration_s: float) -> None:  # fmt: skip
+        """Show ``points`` or ``lines`` to viewers, places in the mission's frame."""
+
+    def write(self, texts: Sequence[tuple[str, Vector]], rgba: Sequence[float], size_m: float,
+              duration_s: float) -> None:  # fmt: skip
+        """Show texts at places in the mission's frame."""
+
+    def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
+        """Show where a vehicle flies from now on."""
+
+    def clear(self) -> None:
+        """Remove what was drawn."""
+
+
 class World(Protocol):
     """The vehicles and their time."""
 
     vehicles: Mapping[str, Vehicle]
+    drawings: Drawings
 
     def to_geodetic(self, place_enu: Vector) -> Vector:
         """Return latitude, longitude (degrees) and altitude (m) of a place."""
@@ -206,17 +225,3 @@ class World(Protocol):
 
     async def pause(self, *, is_paused: bool) -> None:
         """Stop or start time."""
-
-    def draw(self, lines: Sequence[Sequence[Vector]], rgba: Sequence[float], size_m: float,
-             *, kind: str, duration_s: float) -> None:  # fmt: skip
-        """Show ``points`` or ``lines`` to viewers, places in the mission's frame."""
-
-    def write(self, texts: Sequence[tuple[str, Vector]], rgba: Sequence[float], size_m: float,
-              duration_s: float) -> None:  # fmt: skip
-        """Show texts at places in the mission's frame."""
-
-    def trace(self, vehicle: str, rgba: Sequence[float], size_m: float) -> None:
-        """Show where a vehicle flies from now on."""
-
-    def clear_drawings(self) -> None:
-        """Remove what was drawn."""

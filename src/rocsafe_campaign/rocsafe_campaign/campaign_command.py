@@ -22,8 +22,8 @@ from rocsafe_campaign.results.metrics import METRICS
 from rocsafe_campaign.results.page import moving, result_of, write_page
 from rocsafe_campaign.results.row import COMPLETE, Row
 from rocsafe_campaign.results.table import write_table
+from rocsafe_geo.storage.code_version import git_revision
 from rocsafe_orchestrator.errors import OrchestratorError
-from rocsafe_orchestrator.provenance import git_revision
 from rocsafe_scenario.errors import ScenarioError
 
 EXIT_COMPLETE, EXIT_FAILED, EXIT_USAGE = 0, 1, 2

@@ -112,7 +112,8 @@ class Orders:
     def _send_to_fleet(self, client: Client, names: list[str], waiting: _Waiting) -> None:
         def on_answer(future: Any) -> None:
             for answer in future.result().answers:
-                self._note(waiting, answer.vehicle, answer.success, answer.message)
+                outcome = Outcome.SILENT if answer.is_silent else None
+                self._note(waiting, answer.vehicle, answer.success, answer.message, outcome)
 
         if names:
             request = FleetCommand.Request(vehicles=names)
@@ -195,8 +196,15 @@ class Orders:
 
         client.call_async(request).add_done_callback(on_answer)
 
-    def _note(self, waiting: _Waiting, name: str, success: bool, text: str) -> None:
-        outcome = Outcome.DONE if success else Outcome.REFUSED
+    def _note(
+        self,
+        waiting: _Waiting,
+        name: str,
+        success: bool,
+        text: str,
+        outcome: Outcome | None = None,
+    ) -> None:
+        outcome = outcome or (Outcome.DONE if success else Outcome.REFUSED)
         waiting.results.setdefault(name, Result(vehicle=name, outcome=outcome, text=text))
 
     def _is_held(self, name: str, user: str) -> bool:

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run
-from rocsafe_console.evidence.signing import code_version, key_path, usual_key
+from rocsafe_console.evidence.signing import key_path, usual_key
+from rocsafe_geo.storage.code_version import version_text
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
@@ -31,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return EXIT_USAGE
         # A key that was named must be there; the usual one may not have been made.
         key = read_key(path) if given.key else usual_key(os.environ)
-        seal = seal_run(given.run, time.time(), getpass.getuser(), code_version(), key)
+        seal = seal_run(given.run, time.time(), getpass.getuser(), version_text(), key)
     except (EvidenceError, OSError) as error:
         sys.stderr.write(f'error: {error}\n')
         return EXIT_FAILED

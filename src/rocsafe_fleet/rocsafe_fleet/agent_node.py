@@ -27,12 +27,12 @@ from rocsafe_fleet.ledger.records import FIRST_EPOCH
 from rocsafe_fleet.link.fleet_link import FleetLink
 from rocsafe_fleet.link.zenoh_link import ZenohLink
 from rocsafe_fleet.options import AgentOptions
+from rocsafe_fleet.stall_watch_node import StallWatch
 from rocsafe_fleet.vehicle_link_node import VehicleLink
-from rocsafe_interfaces.msg import RadiationReading, StepDone, SurveyPlan
+from rocsafe_interfaces.msg import RadiationReading, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
 from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
-from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
 from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_ros.lockstep import Participant
@@ -43,9 +43,9 @@ NAME = 'agents'
 STEP_S = 0.05
 LOOK_S = 0.05
 REPORT_S = 1.0
-# Without an orchestrator the agents end so long after the last landing.
+# If no orchestrator lives, the agents end this time after the last landing, seconds.
 LINGER_S = 10.0
-# Nor do they wait longer where all vehicles stand although points are left, or time stands still.
+# They also end if all vehicles stand, or simulated time does, for this time, seconds.
 IDLE_S = 300.0
 _NS = 1e-9
 
@@ -67,16 +67,14 @@ class AgentsNode(Node):
         self._flown = dict.fromkeys(options.vehicles, FIRST_EPOCH)
         self._missed: set[str] = set()
         self._kept: set[str] = set()
-        self._step_s = self._report_s = self._active_s = self._aloft_s = time.monotonic()
+        self._report_s = self._active_s = self._aloft_s = time.monotonic()
         self._needed_s = 0.0
         self._plan_id = ''
         self._has_flown = False
-        self._steps: dict[str, int] = {}
-        self._steps_watch: Any = None
         self._lock = _locked()
         self._link = self._linked(options)
         self._states = topics.create_publisher(self, topics.AGENTS)
-        self._done = topics.create_publisher(self, topics.STEP_DONE)
+        self._stall_watch = StallWatch(self, options, self._leave_out)
         leases = Leases(
             self, options.vehicles, options.mission, self._warn, role='agent', is_reserve=True
         )
@@ -138,7 +136,7 @@ class AgentsNode(Node):
         self._needed_s = now_s + LOOK_S
         if not all(link.is_down for link in self._links.values()):
             self._aloft_s = now_s
-        still_s = now_s - min(self._aloft_s, self._step_s)
+        still_s = now_s - min(self._aloft_s, self._stall_watch.step_s)
         is_flying = self._has_flown and not self._is_done() and still_s < IDLE_S
         if is_flying or not is_orphan():
             self._active_s = now_s
@@ -185,7 +183,7 @@ class AgentsNode(Node):
 
         None: the step is done when what is under way is.
         """
-        self._step_s = time.monotonic()
+        self._stall_watch.note_step()
         if self._fleet is None:
             return True
         fleet = self._fleet
@@ -259,7 +257,8 @@ class AgentsNode(Node):
             self._plan(self._fleet)
         if self._participant is not None and not self._is_busy:
             self._participant.finish(is_idle=self._is_done())
-        self._watch_time()
+        if self._options.lock_step and self._has_flown and not self._is_busy:
+            self._stall_watch.look()
         if time.monotonic() - self._report_s >= REPORT_S:
             self._report_s = time.monotonic()
             self._report(self._fleet)
@@ -288,36 +287,11 @@ class AgentsNode(Node):
         except ValueError as error:
             self.get_logger().error(str(error))
 
-    # Simulated time.
-
-    def _watch_time(self) -> None:
-        """Let time not wait for a vehicle whose process is gone."""
-        if not self._options.lock_step or not self._has_flown or self._is_busy:
-            return
-        limit_s = self._options.alone_after_s if is_orphan() else self._options.lost_after_s
-        stalled_s = time.monotonic() - self._step_s
-        if stalled_s < 0.5 * limit_s:
-            if self._steps_watch is not None:
-                self.destroy_subscription(self._steps_watch)
-                self._steps_watch = None
-                self._steps.clear()
-        elif self._steps_watch is None:
-            self._steps_watch = topics.create_subscription(self, topics.STEP_DONE, self._on_done)
-        elif stalled_s > limit_s and self._steps:
-            newest = max(self._steps.values())
-            for name in (*self._options.participants, *self._options.others):
-                if self._steps.get(name, -1) < newest:
-                    self._do_without(name)
-
-    def _do_without(self, name: str) -> None:
-        """Let time go on without a participant; its vehicle, if it is one of these, is lost."""
+    def _leave_out(self, name: str) -> None:
+        """Take a vehicle whose process is silent for lost."""
         self._warn(f'{name}: its process is silent, simulated time goes on without')
-        self._done.publish(StepDone(participant=name, has_left=True))
         if name in self._links:
             self._links[name].leave_out()
-
-    def _on_done(self, message: StepDone) -> None:
-        self._steps[message.participant] = ns_of_stamp(message.step)
 
     # What the agents tell.
 

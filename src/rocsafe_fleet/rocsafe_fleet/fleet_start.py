@@ -96,7 +96,8 @@ class FleetStart:
     def load(self) -> dict[str, dict[str, list[int]]]:
         """Take back what earlier agents knew; return their routes by vehicle and plan id.
 
-        What cannot be read is left out: the other agents know it, or it is photographed again.
+        Entries that cannot be read are left out: the other agents know them, or the viewpoints are
+        photographed again.
         """
         if self._folder is None:
             return {}

@@ -21,7 +21,7 @@ from rocsafe_ros.plan_digest import route_digest
 # A route is sent again if it is not accepted within this time, so often.
 REPEAT_S = 2.0
 MOST_TRIES = 5
-# A vehicle in the air that tells nothing for so long is lost, seconds.
+# A vehicle in the air that sends nothing for this time is lost, seconds.
 SILENT_S = 10.0
 
 

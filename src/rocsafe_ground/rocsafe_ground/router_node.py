@@ -6,7 +6,6 @@ from functools import partial
 from itertools import count, takewhile
 from pathlib import Path
 
-from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
@@ -27,7 +26,7 @@ from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePointArray, GroundRoute
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.calls import PLAN_GROUND_ROUTE
-from rocsafe_ros.goal_jobs_node import GoalJobs
+from rocsafe_ros.goal_jobs_node import GoalJob, GoalJobs
 from rocsafe_ros.parameters import declare_options
 from rocsafe_ros.run import run
 from rocsafe_ros.topics import (
@@ -60,26 +59,19 @@ class RouterNode(Node):
         self._costs = create_publisher(self, GROUND_COSTS)
         # A router that is started again keeps the drives of the one before.
         self._numbers = count(_written(self._options.export_directory))
-        self._jobs = GoalJobs[Planned, str](self, _feedback)
         self._reader = MapReader()
-        self._server = ActionServer(
-            self,
-            PlanGroundRoute,
-            PLAN_GROUND_ROUTE.name,
-            execute_callback=self._execute,
-            cancel_callback=lambda _goal: CancelResponse.ACCEPT,
-        )
+        self._jobs = GoalJobs(self, PLAN_GROUND_ROUTE, self._start, self._answer, _feedback)
 
     def destroy_node(self) -> None:
         """Take down the action server with the node."""
-        self._server.destroy()
+        self._jobs.destroy()
         super().destroy_node()
 
-    async def _execute(self, goal: ServerGoalHandle) -> PlanGroundRoute.Result:
-        """Plan in a thread, wait for it without blocking, publish the route."""
+    def _answer(
+        self, goal: ServerGoalHandle, job: GoalJob[Planned, str]
+    ) -> PlanGroundRoute.Result:
+        """End a goal whose job has ended; publish its route."""
         try:
-            job = self._jobs.begin(goal, partial(self._start, goal))
-            await self._jobs.ended(job, goal)
             plan, ground, number = job.result()
         except (GroundError, ValueError, OSError) as error:
             goal.abort()

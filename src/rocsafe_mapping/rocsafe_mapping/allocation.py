@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the process gets its memory."""
+"""Memory allocation of the process."""
 
 import ctypes
 

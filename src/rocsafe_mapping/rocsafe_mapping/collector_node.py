@@ -31,7 +31,7 @@ from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.parameters import ParameterError, declare_options
 from rocsafe_ros.run import run
 
-# The folder's lists are written when no photograph came for so long.
+# The folder's lists are written when no photograph came for this time, seconds.
 QUIET_S = 2.0
 # Between two looks for photographs that other hosts have handed over.
 ARRIVED_S = 0.1
@@ -121,10 +121,10 @@ class CollectorNode(Node):
         while self._arrived:
             record, answer = self._arrived.popleft()
             self._is_listed = self._is_quiet = False
-            self._tell(record.vehicle, record.shot_id, answer)
+            self._tell(record.vehicle, record.shot_id, answer, record)
 
-    def _tell(self, vehicle: str, shot_id: str, answer: Answer) -> None:
-        receipt = receipt_of_answer(vehicle, shot_id, answer)
+    def _tell(self, vehicle: str, shot_id: str, answer: Answer, record: ShotRecord | None) -> None:
+        receipt = receipt_of_answer(vehicle, shot_id, answer, record)
         receipt.header.stamp = self.get_clock().now().to_msg()
         self._receipts.publish(receipt)
 
@@ -167,7 +167,7 @@ class CollectorNode(Node):
 
     def _on_shot(self, message: GeotaggedImage) -> None:
         try:
-            answer = self._stored(message)
+            record, answer = self._stored(message)
         except StoreError as error:
             self._note_failure(error)
             return
@@ -181,7 +181,7 @@ class CollectorNode(Node):
             self._keep_labels_of(message)
             if self._copier is not None:
                 self._copier.wake()
-        self._tell(message.vehicle, message.shot_id, answer)
+        self._tell(message.vehicle, message.shot_id, answer, record)
 
     def _keep_labels_of(self, message: GeotaggedImage) -> None:
         if self._labels is None:
@@ -192,19 +192,19 @@ class CollectorNode(Node):
         except StoreError as error:
             self.get_logger().warning(str(error), once=True)
 
-    def _stored(self, message: GeotaggedImage) -> Answer:
+    def _stored(self, message: GeotaggedImage) -> tuple[ShotRecord | None, Answer]:
         if self._repository is None:
             return self._put(message)
         with self._repository.lock:
             return self._put(message)
 
-    def _put(self, message: GeotaggedImage) -> Answer:
+    def _put(self, message: GeotaggedImage) -> tuple[ShotRecord | None, Answer]:
         image = bytes(message.image.data)
         try:
             record = record_of_message(message)
         except ValueError as error:
-            return self._store.reject(image, str(error))
-        return self._store.put(record, image)
+            return None, self._store.reject(image, str(error))
+        return record, self._store.put(record, image)
 
     def _note_failure(self, error: StoreError) -> None:
         """Say so once, not with every photograph that comes again."""

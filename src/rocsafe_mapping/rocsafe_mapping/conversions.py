@@ -5,13 +5,27 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from sensor_msgs.msg import CameraInfo, Image, NavSatFix
+from sensor_msgs.msg import CameraInfo, Image, NavSatFix, NavSatStatus
+from std_msgs.msg import Header
 
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
 from rocsafe_mapping.photographs.shot import Intrinsics, ShotRecord
 from rocsafe_mapping.store.store import Answer, Status
-from rocsafe_ros.conversions import has_position, ns_of_stamp, quaternion_values
+from rocsafe_ros.conversions import (
+    EARTH_FRAME,
+    has_position,
+    ns_of_stamp,
+    quaternion_message,
+    quaternion_values,
+    stamp_of_ns,
+)
 
+_NO_FIX = NavSatFix(
+    status=NavSatStatus(status=NavSatStatus.STATUS_NO_FIX),
+    latitude=math.nan,
+    longitude=math.nan,
+    altitude=math.nan,
+)
 RECEIPT_STATUS = {
     Status.STORED: ShotReceipt.STORED,
     Status.DUPLICATE: ShotReceipt.DUPLICATE,
@@ -87,16 +101,44 @@ def numbers_of(message: Image) -> NDArray[np.uint16]:
     return numbers.astype(np.uint16)
 
 
-def receipt_of_answer(vehicle: str, shot_id: str, answer: Answer) -> ShotReceipt:
-    """Return the receipt, without a stamp, for a photograph of a vehicle."""
-    return ShotReceipt(
+def receipt_of_answer(
+    vehicle: str, shot_id: str, answer: Answer, record: ShotRecord | None
+) -> ShotReceipt:
+    """Return the receipt, without a stamp, for a photograph of a vehicle.
+
+    Parameters
+    ----------
+    record
+        None of a photograph whose record cannot be read.
+    """
+    receipt = ShotReceipt(
         vehicle=vehicle,
         shot_id=shot_id,
         sha256=answer.sha256,
         status=RECEIPT_STATUS[answer.status],
         path='' if answer.path is None else str(answer.path),
         reason=answer.reason,
+        fix=_NO_FIX,
     )
+    if record is None:
+        receipt.height_agl_m = math.nan
+        return receipt
+    receipt.taken = stamp_of_ns(record.time_ns)
+    receipt.viewpoint_id = record.viewpoint_id
+    receipt.height_agl_m = record.height_agl_m
+    receipt.orientation = quaternion_message(record.orientation_xyzw)
+    receipt.orientation_covariance = record.orientation_covariance_rad2
+    if record.has_fix:
+        receipt.fix = NavSatFix(
+            header=Header(stamp=receipt.taken, frame_id=EARTH_FRAME),
+            status=NavSatStatus(status=NavSatStatus.STATUS_FIX, service=NavSatStatus.SERVICE_GPS),
+            latitude=record.latitude_deg,
+            longitude=record.longitude_deg,
+            altitude=record.altitude_m,
+            position_covariance=record.position_covariance_m2,
+            position_covariance_type=NavSatFix.COVARIANCE_TYPE_KNOWN,
+        )
+    return receipt
 
 
 def _floats(values: object) -> tuple[float, ...]:

@@ -32,6 +32,7 @@ from rocsafe_mavlink.vehicle_interface.drive_route_node import DriveRouteServer
 from rocsafe_mavlink.vehicle_interface.drone_node import TelemetryPublisher
 from rocsafe_mavlink.vehicle_interface.fly_route_node import FlyRouteServer
 from rocsafe_mavlink.vehicle_interface.node_timing import TIMING
+from rocsafe_mavlink.vehicle_interface.route_goals_node import RouteGoals
 from rocsafe_mavlink.vehicle_interface.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_ros import topics
@@ -64,7 +65,7 @@ class DroneInterface:
         self.shots = ShotSender(node, drone, geotagger, options.horizontal_fov_rad)
         self._telemetry = TelemetryPublisher(node, drone, lambda: self.shots.counts)
         self._commands = CommandServices(node, drone, self._lease, time.monotonic)
-        self._routes: FlyRouteServer | DriveRouteServer
+        self._routes: RouteGoals
         if drives:
             self._routes = DriveRouteServer(node, drone, self._lease)
         else:

@@ -6,12 +6,12 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from rocsafe_geo.storage.code_version import version_text
 from rocsafe_orchestrator.command_line import passed_on
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.processes.interrupt import Interrupted, ended_by_signals
 from rocsafe_orchestrator.processes.lasting_output import lasting_output
 from rocsafe_orchestrator.processes.memory_limit import require_memory
-from rocsafe_orchestrator.provenance import version_text
 from rocsafe_scenario.errors import ScenarioError
 
 DESCRIPTION = """\

@@ -70,6 +70,7 @@ class Call:
             return None
         for name in silent:
             self.note(name, success=False, message=f'{name}: no answer within {ANSWER_S:g} s')
+            self.answers[name].is_silent = True
         self._response.answers = [self.answers[name] for name in sorted(self._vehicles)]
         self._response.success = all(answer.success for answer in self._response.answers)
         return self._response

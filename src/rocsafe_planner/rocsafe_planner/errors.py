@@ -15,7 +15,7 @@ class BeyondEnduranceError(PlannerError):
 
 
 class NoFreeHeightError(PlannerError):
-    """No flight height is free of vehicles that nobody hears."""
+    """No flight height is free of unheard vehicles."""
 
 
 class PlanningCancelledError(PlannerError):

@@ -4,7 +4,6 @@
 from collections.abc import Callable
 from functools import partial
 
-from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 
@@ -59,31 +58,23 @@ class PlannerNode(Node):
         self._options = declare_options(self, PlannerOptions)
         self._plan_publisher = create_publisher(self, PLAN)
         self._plans: dict[str, PlanValue] = {}
-        self._searches = GoalJobs[SurveyPlan, Figures](self, _feedback, replaces=True)
         # While the other nodes start: the first goal need not wait for it.
         BackgroundJob(_load_solver, 'loading', None)
-        self._server = ActionServer(
-            self,
-            PlanSurvey,
-            PLAN_SURVEY.name,
-            execute_callback=self._execute,
-            cancel_callback=lambda _goal: CancelResponse.ACCEPT,
+        self._searches = GoalJobs(
+            self, PLAN_SURVEY, self._start, self._answer, _feedback, replaces=True
         )
 
     def destroy_node(self) -> None:
         """Take down the action server with the node."""
-        self._server.destroy()
+        self._searches.destroy()
         super().destroy_node()
 
-    async def _execute(self, goal: ServerGoalHandle) -> PlanSurvey.Result:
-        """Plan in a thread, wait for it without blocking, publish the plan."""
-        search: Search | None = None
+    def _answer(self, goal: ServerGoalHandle, search: Search) -> PlanSurvey.Result:
+        """End a goal whose search has ended; publish its plan."""
         try:
-            search = self._searches.begin(goal, partial(self._start, goal))
-            await self._searches.ended(search, goal)
             message = search.result()
         except (PlannerError, ValueError) as error:
-            return self._refuse(goal, error, is_replaced=search is not None and search.is_replaced)
+            return self._refuse(goal, error, is_replaced=search.is_replaced)
         message.header.stamp = self.get_clock().now().to_msg()
         if goal.is_cancel_requested:
             goal.canceled()

@@ -172,7 +172,7 @@ def _shortage(site: SurveySite, needed_s: float) -> str:
 
 
 def _stranded(site: SurveySite, found: Optimised) -> set[int]:
-    """Return who would land in an exclusion: it begins there, serves nobody, and is open."""
+    """Return the vehicles without viewpoints that would land in the exclusion they begin in."""
     problem = site.problem
     return {
         k
@@ -191,7 +191,8 @@ def _bound(
     has_proof = site.request.effort.minimises_makespan and found.bound > 0.0
     proven = LowerBound(makespan_s=found.bound, method=found.bound_name)
     if has_proof and len(site.problem.points) > MANY_POINTS:
-        return proven  # a forest of so many points takes longer than it is worth beside a proof
+        # The bound by a forest takes too long here: that of the search is enough.
+        return proven
     later = lower_bound(
         site.problem,
         makespan_s,
@@ -240,7 +241,7 @@ def _found(
     found = optimised_with_swaps(
         site.problem,
         request.effort,
-        # What is not a time is not told.
+        # A value that is no time is not reported.
         on_progress if is_time else lambda _value, _bound: on_progress(math.nan, math.nan),
         known,
     )

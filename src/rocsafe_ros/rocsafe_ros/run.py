@@ -22,6 +22,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 
 from rocsafe_ros.domain.network import bind_interfaces
 from rocsafe_ros.health import HealthReporter
@@ -34,6 +35,10 @@ EXIT_FAILURE = 1
 EXIT_USAGE = 2
 # Longest delay between a signal and the end of an idle node.
 POLL_S = 0.1
+# Who is silent for 20 s is dead for the others, and some of them never find it again.
+STOOD_STILL_S = 15.0
+# Share of that time in which a process that blocks, and does not stand still, takes the processor.
+BUSY_SHARE = 0.05
 # The supervisor sets this to its process id; its nodes end when it ends.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 _PR_SET_PDEATHSIG = 1
@@ -79,8 +84,10 @@ def run(
     -------
     int
         0 after SIGINT or SIGTERM, when ROS is shut down, or after ``--help``; 2, with one line on
-        standard error, if an argument or a parameter is wrong. Any other exception ends the
-        process with its traceback, and its supervisor decides whether to start it again.
+        standard error, if an argument or a parameter is wrong; 1, with one line, if the process
+        stood still for so long that the others have given it up, and there is a supervisor to
+        start it again. Any other exception ends the process with its traceback, and its supervisor
+        decides whether to start it again.
     """
     if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
         outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE]).is_needed
@@ -115,6 +122,7 @@ def _spin(
     stop: StopRequest,
     outlives: Callable[[Any], bool] | None,
 ) -> int:
+    watch = _StandstillWatch()
     made = make_node()
     nodes = [made] if isinstance(made, Node) else list(made)
     executor = EventsExecutor()
@@ -124,7 +132,13 @@ def _spin(
     health = HealthReporter(nodes[0])
     try:
         while rclpy.ok() and not stop.is_set and (outlives is None or outlives(made)):
-            executor.spin_once(timeout_sec=POLL_S)
+            # All events of this time: `spin_once` comes back after each one, at its cost.
+            executor.spin_until_future_complete(Future(), POLL_S)
+            stood_s = watch.look_s()
+            if stood_s and os.environ.get(SUPERVISOR_VARIABLE) and not is_orphan():
+                text = f'stood still for {stood_s:.0f} s: ends, to be started again'
+                print(text, file=sys.stderr)  # noqa: T201
+                return EXIT_FAILURE
     except ExternalShutdownException:
         pass
     finally:
@@ -133,6 +147,21 @@ def _spin(
             executor.remove_node(node)
             node.destroy_node()
     return EXIT_OK
+
+
+class _StandstillWatch:
+    """Notices that the process was stopped and goes on: by SIGSTOP, or a container's pause."""
+
+    def __init__(self) -> None:
+        self._looked_s, self._taken_s = time.monotonic(), time.process_time()
+
+    def look_s(self) -> float:
+        """Return for how long it stood still since the last look, 0 if it did not."""
+        before_s, taken_s = self._looked_s, self._taken_s
+        self._looked_s, self._taken_s = time.monotonic(), time.process_time()
+        passed_s = self._looked_s - before_s
+        is_busy = self._taken_s - taken_s > BUSY_SHARE * passed_s
+        return 0.0 if passed_s < STOOD_STILL_S or is_busy else passed_s
 
 
 def is_orphan() -> bool:

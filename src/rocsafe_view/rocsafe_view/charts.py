@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from rocsafe_view.map_view import DosePoint
+from rocsafe_view.map_marks import DosePoint
 from rocsafe_view.palette import DoseScale
 from rocsafe_view.svg import number
 

@@ -131,7 +131,7 @@ def upper_percent(fraction: float | None) -> str:
     """Return a fraction in per cent, rounded up to a tenth: a limit stays one."""
     if fraction is None or not math.isfinite(fraction):
         return UNKNOWN
-    # What floating point adds to a whole tenth is no reason to go one up.
+    # A rounding error above a whole tenth does not round up.
     return f'{math.ceil(1000.0 * fraction - 1e-6) / 10.0:.1f}{GAP}%'
 
 

@@ -47,6 +47,25 @@ def test_an_order_is_told_with_who_gave_it_and_what_became_of_it(tmp_path):
     ]
 
 
+def test_what_somebody_was_refused_is_told_with_the_reason(tmp_path):
+    """An inquiry asks who tried what, too."""
+    asked = {'verb': 'land', 'vehicles': ['rav1', 'rav2']}
+    why = 'the role viewer may not land'
+    run = written(
+        tmp_path,
+        (
+            'refused',
+            'ben',
+            {'outcome': 'refused', 'path': '/api/orders', 'asked': asked, 'why': why},
+        ),
+        ('refused', 'ben', {'path': '/api/missions/yard/end', 'asked': None, 'why': 'no'}),
+    )
+    assert people_rows(run) == [
+        ('12:00:00', 'ben', 'was refused: land: rav1, rav2', why),
+        ('12:00:01', 'ben', 'was refused: /api/missions/yard/end', 'no'),
+    ]
+
+
 def test_a_damaged_line_is_told(tmp_path):
     """The other lines are read."""
     run = written(tmp_path, ('acknowledge', 'anna', {'alarm': 'rav1 is lost', 'number': 1}))

@@ -142,7 +142,7 @@ class Access:
         lines = [[origin.to_enu(place) for place in line] for line in lines_ned]
         duration_s = 0.0 if lasting[1] else shown_s(lasting[0])
         colour, size_m = pen(rgba, size)
-        self.world.draw(lines, colour, size_m, kind=kind, duration_s=duration_s)
+        self.world.drawings.draw(lines, colour, size_m, kind=kind, duration_s=duration_s)
 
     def write(
         self,
@@ -159,7 +159,7 @@ class Access:
             for text, place in zip(texts, places_ned, strict=True)
         ]
         size_m = max(number(scale, 'scale') * _LETTER_M, 0.05)
-        self.world.write(placed, pen(rgba, 0.0)[0], size_m, shown_s(duration_s))
+        self.world.drawings.write(placed, pen(rgba, 0.0)[0], size_m, shown_s(duration_s))
 
 
 def shown_s(duration_s: Any) -> float:

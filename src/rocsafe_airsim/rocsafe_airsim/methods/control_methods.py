@@ -9,7 +9,7 @@ from typing import Any
 from rocsafe_airsim import values
 from rocsafe_airsim.methods.access import Access, at_least, parameters, served
 from rocsafe_airsim.methods.given import number, sequence
-from rocsafe_airsim.methods.moving import LONGEST_S, possible, vector_of
+from rocsafe_airsim.methods.given_motion import LONGEST_S, possible, vector_of
 from rocsafe_airsim.ned import yaw_of
 from rocsafe_airsim.vehicle import AIRBORNE, Vehicle
 
@@ -63,7 +63,7 @@ class ControlMethods:
     async def _reset(self) -> None:
         """Call all simulated vehicles home; nothing is teleported. Answers when they stand."""
         led = [self._at.vehicle(name) for name in sorted(self._at.controlled)]
-        self._at.world.clear_drawings()
+        self._at.world.drawings.clear()
         await asyncio.gather(*map(self._bring_home, led))
 
     async def _bring_home(self, vehicle: Vehicle) -> None:

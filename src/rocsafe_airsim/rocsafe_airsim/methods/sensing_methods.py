@@ -10,7 +10,7 @@ from rocsafe_airsim import images, values
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, matches, served
 from rocsafe_airsim.methods.given import number, sequence, shown, table, text
-from rocsafe_airsim.methods.moving import vector_of
+from rocsafe_airsim.methods.given_motion import vector_of
 from rocsafe_airsim.ned import Quaternion, attitude_ned, heading, product
 from rocsafe_airsim.vehicle import DISARMED, Picture
 

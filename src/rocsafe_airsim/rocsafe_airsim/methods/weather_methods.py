@@ -8,7 +8,8 @@ from typing import Any
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import Access, parameters, served
 from rocsafe_airsim.methods.given import number, shown
-from rocsafe_airsim.methods.moving import NS_PER_S, vector_of
+from rocsafe_airsim.methods.given_motion import vector_of
+from rocsafe_airsim.methods.moving import NS_PER_S
 from rocsafe_airsim.ned import swapped
 from rocsafe_airsim.vehicle import Light
 
@@ -73,7 +74,7 @@ class WeatherMethods:
         shown = light if is_enabled else light.changed(fog=0.0, wetness=0.0)
         for vehicle in self._at.all_simulated():
             await vehicle.set_light(shown)
-        # What a vehicle has refused is not kept.
+        # An order that a vehicle refused is not kept.
         self._light, self._is_enabled = light, is_enabled
 
 

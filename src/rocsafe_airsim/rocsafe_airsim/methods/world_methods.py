@@ -8,7 +8,8 @@ from typing import Any
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.methods.access import LONGEST_TEXT, Access, parameters, pen, served
 from rocsafe_airsim.methods.given import number, sequence, table
-from rocsafe_airsim.methods.moving import LONGEST_S, NS_PER_S, POLL_S, vector_of
+from rocsafe_airsim.methods.given_motion import LONGEST_S, vector_of
+from rocsafe_airsim.methods.moving import NS_PER_S, POLL_S
 from rocsafe_airsim.ned import Vector
 from rocsafe_geo.pinhole import rotation_of_quaternion
 
@@ -91,11 +92,11 @@ class WorldMethods:
 
     @served('simSetTraceLine')
     async def _sim_set_trace_line(self, rgba: Any, thickness: float = 1.0, name: str = '') -> None:
-        self._at.world.trace(self._at.vehicle(name).name, *pen(rgba, thickness))
+        self._at.world.drawings.trace(self._at.vehicle(name).name, *pen(rgba, thickness))
 
     @served('simFlushPersistentMarkers')
     async def _sim_flush_persistent_markers(self) -> None:
-        self._at.world.clear_drawings()
+        self._at.world.drawings.clear()
 
     @served('simPrintLogMessage')
     async def _sim_print_log_message(

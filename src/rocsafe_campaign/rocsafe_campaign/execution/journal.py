@@ -91,7 +91,7 @@ class Journal:
             os.fsync(self._file.fileno())
         except OSError as error:
             raise CampaignError(f'{self._path}: {error.strerror}') from error
-        # As it will be read: the table of a campaign that was broken off has the same bytes.
+        # As it is read back, so that the table of an interrupted campaign has the same bytes.
         self.rows[row.key] = Row.of_plain(json.loads(line))
 
     def collect(self, patience_s: float) -> None:

@@ -22,7 +22,7 @@ from rocsafe_radiation.errors import RadiationError
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_sim.errors import SimError
 
-# What a run may fail by without a fault of the software.
+# Outcomes of a failed run that are no fault of the software.
 _REASONS = (CampaignError, PlannerError, RadiationError, ScenarioError, SimError, ValueError)
 
 # A full or broken disk, too many files.

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Identity of a seal: the key of the user of this machine and the version of the code."""
+"""Where the key lives that signs seals: one of each user of a machine."""
 
 from collections.abc import Mapping
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -20,11 +19,3 @@ def usual_key(environment: Mapping[str, str]) -> Ed25519PrivateKey | None:
     """Return the signing key of this user, None if none was made; raises `EvidenceError`."""
     path = key_path(environment)
     return read_key(path) if path.exists() else None
-
-
-def code_version() -> str:
-    """Return the version of this package, ``unknown`` if it is not installed."""
-    try:
-        return version('rocsafe_console')
-    except PackageNotFoundError:
-        return 'unknown'

@@ -138,5 +138,27 @@ class AttemptLimit:
         self._tried.pop(key, None)
 
 
+class RefusalCount:
+    """Counts what users were refused, and says which of it is worth a line of a log.
+
+    Parameters
+    ----------
+    most, within_s
+        Lines of one user in some seconds.
+    """
+
+    def __init__(self, most: int, within_s: float) -> None:
+        self._limit = AttemptLimit(most, within_s)
+        self._left_out: dict[str, int] = {}
+
+    def note(self, user: str, now_s: float) -> int | None:
+        """Note a refusal; return how many before it have no line, None: it has none, either."""
+        if self._limit.wait_s(user, now_s):
+            self._left_out[user] = self._left_out.get(user, 0) + 1
+            return None
+        self._limit.note(user, now_s)
+        return self._left_out.pop(user, 0)
+
+
 def _key(secret: str) -> str:
     return hashlib.sha256(secret.encode()).hexdigest()

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The ten facts that an incident commander asks for, in their order.
-import { t } from './texts.js';
+import { t, told } from './texts.js';
 import { age, dose, doseRate, duration, figures, isNumber, make, missionClock, percent, placeText } from './format.js';
 import { VEHICLE_COLOURS, worldOf } from './map.js';
 import { STALE_S } from './link.js';
 
 export const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
 const SHAPES = { holding: '■', returning: '▼', landing: '▼', lost: '✕', crashed: '✕', flying: '●', taking_off: '▲' };
+const IN_THE_AIR = new Set(['taking_off', 'flying', 'holding', 'returning', 'landing']);
 // The same states on wheels.
 const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', landed: 'arrived' };
-// Beside each other where there is room, so that all are seen at a glance; else one after the other.
-const COLUMNS = [['alarms', 'worst', 'sources', 'zones'], ['coverage', 'picture', 'camera', 'vehicles', 'decisions']];
+// Beside each other where there is room, so that all ten are seen at a glance; else one after the
+// other. What was decided is no fact, and lies below them.
+const COLUMNS = [['alarms', 'worst', 'sources', 'zones'], ['coverage', 'picture', 'camera', 'vehicles'], ['decisions']];
 // Rows that are made in one go: the page answers between them.
 const ROWS_AT_ONCE = 12;
 // A wind that was measured longer ago is not the wind now.
@@ -72,8 +74,8 @@ export class Facts {
     this.drawWorst(sections.dose, sections.gas ?? []);
     this.drawSources(sections.sources, sections.releases);
     this.drawZones(sections);
-    this.drawCoverage(sections.progress, sections.plan);
-    this.drawPicture(sections.photograph, sections.mosaic, sections.mission);
+    this.drawCoverage(sections.progress, sections.plan, sections.mission);
+    this.drawPicture(sections.photograph, sections.mosaic);
     this.drawAlarms(sections.alarms ?? []);
     this.drawVehicles(sections.vehicle_facts ?? {});
     this.drawDecisions(sections.decisions ?? []);
@@ -96,11 +98,11 @@ export class Facts {
   gasLines(gas) {
     return gas.flatMap(({ unit, worst, newest }) => {
       const [mark, isOld] = this.ageMark(newest.heard_s);
-      const told = (one) => (one.is_below_limit ? t('below_limit') : `${one.is_saturated ? '≥ ' : ''}${t('gas_reading', { value: figures(one.value), unit })}`);
+      const words = (one) => (one.is_below_limit ? t('below_limit') : `${one.is_saturated ? '≥ ' : ''}${t('gas_reading', { value: figures(one.value), unit })}`);
       const place = this.lookButton(worst.latitude_deg, worst.longitude_deg, placeText(worst.forms));
-      return [make('h3', { text: t('fact_gas') }), make('p', { class: isOld ? 'big grey' : 'big', text: told(worst) }),
+      return [make('h3', { text: t('fact_gas') }), make('p', { class: isOld ? 'big second grey' : 'big second', text: words(worst) }),
         make('p', { class: lineOf(isOld) }, `${t('by_at', { vehicle: worst.vehicle, detector: [worst.sensor, worst.calibration_gas].filter(Boolean).join(', ') })} `, isNumber(worst.latitude_deg) ? place : '', ' ', this.ageMark(worst.heard_s, Infinity)[0]),
-        make('p', { class: lineOf(isOld) }, `${t('fact_now')}: `, make('strong', { text: told(newest) }), ` ${newest.vehicle} `, mark)];
+        make('p', { class: lineOf(isOld) }, `${t('fact_now')}: `, make('strong', { text: words(newest) }), ` ${newest.vehicle} `, mark)];
     });
   }
 
@@ -109,13 +111,13 @@ export class Facts {
     if (!worst && gas.length) { fill(this.boxes.worst, ...this.gasLines(gas)); return; }
     if (!worst) { fill(this.boxes.worst, make('p', { class: 'none', text: t('no_reading') })); return; }
     const [mark, isOld] = this.ageMark(newest.heard_s);
-    const now = make('p', { class: lineOf(isOld) }, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
+    const now = make('p', { class: lineOf(isOld) }, `${t('fact_now')}: `, make('strong', { text: doseRate(newest.dose_rate_usvh) }), ` ${newest.vehicle} `, trend ? make('span', { text: `${{ rising: '↗', falling: '↘', steady: '→' }[trend]} ${t(`trend_${trend}`)} ` }) : '', mark);
     const place = this.lookButton(worst.latitude_deg, worst.longitude_deg, placeText(worst.forms));
     const [worstMark] = this.ageMark(worst.heard_s, Infinity);
     fill(this.boxes.worst,
       make('p', { class: isOld ? 'big grey' : 'big', text: doseRate(worst.dose_rate_usvh) }),
       make('p', { class: lineOf(isOld) }, `${t('by_at', { vehicle: worst.vehicle, detector: worst.detector })} `, isNumber(worst.latitude_deg) ? place : '', ' ', worstMark, worst.is_saturated ? make('span', { class: 'warn', text: ` ${t('saturated')}` }) : ''),
-      make('h3', { text: t('fact_now') }), now, ...this.gasLines(gas));
+      now, ...this.gasLines(gas));
   }
 
   drawSources(value, gas) {
@@ -152,12 +154,12 @@ export class Facts {
       arrow.style.transform = `rotate(${wind.from_deg}deg)`;
       const from = `${Math.round(wind.from_deg)}`;
       const [windMark, isWindOld] = this.ageMark(wind.heard_s, WIND_OLD_S);
-      line = make('p', { class: lineOf(isWindOld) }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${t('compass').split(' ')[Math.round(wind.from_deg / 45) % 8]}), ${t('wind_by', { vehicle: wind.vehicle })} `, windMark);
+      line = make('p', { class: lineOf(isWindOld) }, arrow, ` ${t('wind_line', { from, speed: figures(wind.speed_mps, 2) })} (${compassOf(wind.from_deg)}), ${t('wind_by', { vehicle: wind.vehicle })}. ${t('access_line', { side: compassOf(wind.from_deg) })} `, windMark);
     }
     fill(this.boxes.zones, list, make('h3', { text: t('fact_wind') }), line);
   }
 
-  drawCoverage(progress, plan) {
+  drawCoverage(progress, plan, mission) {
     const fraction = progress?.images_expected ? progress.images_stored / progress.images_expected : NaN;
     const left = plan && isNumber(progress?.mission_time_s) ? Math.max(plan.makespan_s - progress.mission_time_s, 0) : NaN;
     const meter = make('div', { class: 'meter', role: 'img', 'aria-label': percent(fraction) }, make('span'));
@@ -167,10 +169,11 @@ export class Facts {
       make('p', { class: 'big', text: percent(fraction) }), meter,
       make('p', { class: 'line', text: progress ? t('coverage_line', { stored: progress.images_stored, expected: progress.images_expected }) : t('no_mission') }),
       make('h3', { text: t('fact_time') }),
-      make('p', { class: 'line' }, make('strong', { text: duration(left) }), ` ${planned}`));
+      make('p', { class: 'line' }, make('strong', { text: duration(left) }), ` ${planned}`),
+      make('p', { class: 'report' }, reportOf(mission)));
   }
 
-  drawPicture(photograph, mosaic, mission) {
+  drawPicture(photograph, mosaic) {
     const parts = [];
     if (photograph) {
       const url = `/api/photograph/${encodeURIComponent(photograph.shot_id)}`;
@@ -184,7 +187,6 @@ export class Facts {
       const size = isNumber(mosaic.ground_resolution_m) && mosaic.ground_resolution_m > 0 ? figures(mosaic.ground_resolution_m, 2) : '–';
       parts.push(make('p', { class: lineOf(isOld) }, `${t('fact_mosaic')}: ${t('mosaic_line', { count: mosaic.images_placed, resolution: size })}, ${t(mosaic.is_final ? 'mosaic_final' : 'mosaic_draft')} `, mark));
     }
-    if (mission && ['complete', 'failed', 'cancelled'].includes(mission.phase)) parts.push(make('p', {}, make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') })));
     fill(this.boxes.picture, ...parts);
   }
 
@@ -193,7 +195,7 @@ export class Facts {
     const seen = alarms.filter((alarm) => alarm.seen_by).reverse().slice(0, 5);
     const row = (alarm) => make('li', { class: `alarm ${alarm.severity}${alarm.seen_by ? ' seen' : ''}` },
       make('span', { class: 'sign', text: alarm.severity === 'critical' ? '▲' : '●', 'aria-hidden': 'true' }),
-      make('span', { class: 'alarm-text' }, make('strong', { text: `${t(alarm.severity)}: ` }), alarm.text, ' ', this.ageMark(alarm.time_s, Infinity)[0]),
+      make('span', { class: 'alarm-text' }, make('strong', { text: `${t(alarm.severity)}: ` }), told(alarm.text), ' ', this.ageMark(alarm.time_s, Infinity)[0]),
       alarm.seen_by ? make('span', { class: 'note', text: t('seen_by', { who: alarm.seen_by }) }) : make('button', { type: 'button', class: 'small', 'data-alarm': alarm.number, text: t('acknowledge'), onclick: () => this.actions.acknowledge(alarm.number) }));
     // Ages change each second: the list is made again only if the alarms differ, or once in five.
     const key = `${open.map((one) => one.number)}|${seen.map((one) => one.number)}|${Math.floor(this.link.now / 5)}`;
@@ -208,7 +210,8 @@ export class Facts {
   drawVehicles(facts) {
     const box = this.boxes.vehicles;
     if (!this.link.vehicles.size) { fill(box, make('p', { class: 'none', text: t('no_vehicle') })); this.rows.clear(); return; }
-    if (!this.rows.size) { box.replaceChildren(this.list = make('ul', { class: 'vehicles' })); }
+    if (!this.rows.size) { box.replaceChildren(this.fleet = make('p', { class: 'line fleet' }), this.list = make('ul', { class: 'vehicles' })); }
+    fill(this.fleet, ...this.fleetWords(facts));
     for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
     let room = ROWS_AT_ONCE;
     for (const vehicle of this.link.vehicles.values()) {
@@ -218,6 +221,26 @@ export class Facts {
       row.classList.toggle('grey', this.link.isStale(vehicle));
       if (row.isSeen !== false) this.drawRow(row, vehicle, facts[vehicle.name] ?? {});
     }
+  }
+
+  // The fleet in a line, for more vehicles than can be seen at once: the worst of each fact.
+  fleetWords(facts) {
+    const all = [...this.link.vehicles.values()];
+    const heard = all.filter((one) => !this.link.isStale(one));
+    const counts = new Map();
+    for (const one of heard) {
+      const state = wordOf(one);
+      counts.set(state, (counts.get(state) ?? 0) + 1);
+    }
+    const words = [...counts].sort((a, b) => b[1] - a[1]).map(([state, count]) => `${count} ${t(`state_${state}`)}`).join(', ');
+    const worst = (key, valueOf, of) => {
+      const known = of.map((one) => [valueOf(one), one.name]).filter(([value]) => isNumber(value)).sort((a, b) => b[0] - a[0]);
+      return known.length ? t(key, { vehicle: known[0][1], value: key === 'fleet_dose' ? dose(known[0][0]) : duration(Math.abs(known[0][0])) }) : '';
+    };
+    const margin = ({ name }) => -Math.max((facts[name]?.battery_left_s ?? NaN) - (facts[name]?.way_home_s ?? NaN), 0);
+    const parts = [words, worst('fleet_turn', margin, heard.filter((one) => IN_THE_AIR.has(stateOf(one)))), worst('fleet_link', (one) => this.link.ageOf(one), all), worst('fleet_dose', ({ name }) => facts[name]?.dose_usv, all)].filter(Boolean);
+    const silent = all.length - heard.length;
+    return [silent ? make('strong', { class: 'old', text: t('fleet_stale', { count: silent }) }) : '', `${silent ? ' ' : ''}${parts.join(' · ')}`];
   }
 
   makeRow(vehicle) {
@@ -231,15 +254,15 @@ export class Facts {
   drawRow(row, vehicle, facts) {
     const frame = vehicle.frame;
     const isStale = this.link.isStale(vehicle);
-    const told = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, frame?.flags, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
-    if (row.told === told) return;
-    row.told = told;
-    const state = STATES[frame?.state ?? vehicle.facts.state] ?? 'unknown';
+    const shown = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, frame?.flags, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
+    if (row.shown === shown) return;
+    row.shown = shown;
+    const state = stateOf(vehicle);
     row.classList.toggle('bad', state === 'lost' || state === 'crashed');
     row.querySelector('input').checked = this.actions.isSelected(vehicle.name);
     const heard = this.link.ageOf(vehicle);
     const seconds = heard === Infinity ? t('never') : age(Math.round(heard));
-    fill(row.querySelector('.state'), `${SHAPES[state] ?? '○'} ${t(`state_${(vehicle.facts.is_ground && ON_WHEELS[state]) || state}`)}`, vehicle.facts.taken_by ? make('strong', { class: 'warn', text: ` ${t('taken_by', { who: vehicle.facts.taken_by })}` }) : '', isStale ? make('strong', { class: 'old', text: ` ${t('stale')}` }) : '');
+    fill(row.querySelector('.state'), `${SHAPES[state] ?? '○'} ${t(`state_${wordOf(vehicle)}`)}`, vehicle.facts.taken_by ? make('strong', { class: 'warn', text: ` ${t('taken_by', { who: vehicle.facts.taken_by })}` }) : '', isStale ? make('strong', { class: 'old', text: ` ${t('stale')}` }) : '');
     const pair = (key, text, isOld) => make('span', { class: isOld ? 'pair grey' : 'pair', 'data-fact': key }, make('span', { class: 'key', text: key ? `${t(key)} ` : '' }), make('b', { text }), isOld ? make('span', { class: 'old', text: t('stale') }) : '');
     // What is known of the whole row need not be said of its parts.
     const [isPlaceOld, isDoseOld] = [!isStale && this.link.isPlaceOld(vehicle), !isStale && this.link.isDoseOld(vehicle)];
@@ -257,7 +280,19 @@ export class Facts {
   }
 }
 
+// The report of a mission that has ended; before that, when there is one.
+function reportOf(mission) {
+  if (!['complete', 'failed', 'cancelled'].includes(mission?.phase)) return make('span', { class: 'note', text: `${t('fact_report')}: ${t('report_later')}` });
+  return make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') });
+}
+
+// The eighth of the compass in which a bearing lies.
+const compassOf = (degrees) => t('compass').split(' ')[Math.round(degrees / 45) % 8];
+
 const lineOf = (isOld) => (isOld ? 'line grey' : 'line');
+
+const stateOf = (vehicle) => STATES[vehicle.frame?.state ?? vehicle.facts.state] ?? 'unknown';
+const wordOf = (vehicle) => (vehicle.facts.is_ground && ON_WHEELS[stateOf(vehicle)]) || stateOf(vehicle);
 
 // The planned drive of a ground vehicle: the route that it drives, else the newest offer.
 function driveLine(vehicle, drive) {

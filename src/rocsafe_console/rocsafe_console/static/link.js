@@ -128,11 +128,14 @@ export class Link extends EventTarget {
   }
 }
 
-// A request to the server; a refusal is an Error with its reason.
+// A request to the server; a refusal is an Error with its reason, in the words of whoever set some:
+// this file stands alone, so that other programs can take it (examples/watch_fleet.mjs).
+let wordsOf = (text) => text;
+export function tellBy(words) { wordsOf = words; }
 export async function ask(path, body, deadline = LONGEST_S) {
   const options = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
   const answer = await fetch(path, { credentials: 'same-origin', signal: AbortSignal.timeout(deadline * 1000), ...options });
   const content = await answer.json().catch(() => ({}));
-  if (!answer.ok) throw Object.assign(new Error(content.error ?? answer.statusText), { status: answer.status });
+  if (!answer.ok) throw Object.assign(new Error(wordsOf(content.error ?? answer.statusText)), { status: answer.status });
   return content;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: log-in, views, keys, theme, alarms, and the word whether it is live.
-import { fillTexts, t } from './texts.js';
+import { fillTexts, t, told } from './texts.js';
 import { age, clockText, isNumber, make, missionClock, placeForm, turnPlaces } from './format.js';
-import { Link, ask } from './link.js';
+import { Link, ask, tellBy } from './link.js';
 import { MissionMap } from './map.js';
 import { Facts } from './facts.js';
 import { Orders } from './orders.js';
@@ -28,6 +28,7 @@ function turnTheme() {
 try { if (localStorage.rocsafeTheme) root.dataset.theme = localStorage.rocsafeTheme; } catch { /* storage refused */ }
 
 fillTexts();
+tellBy(told);
 nameTheme();
 const link = new Link();
 const map = new MissionMap($('#map'), link);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Orders in two steps: a button arms the order, a second press within some seconds sends it.
-import { t } from './texts.js';
+import { t, told } from './texts.js';
 import { dose, duration, make } from './format.js';
 import { ask } from './link.js';
 
@@ -105,7 +105,7 @@ export class Orders {
     try {
       const { results, unlogged } = await this.confirmed(armed.id);
       const done = results.filter((one) => one.outcome === 'done').length;
-      this.tell(results, [t('sent', { verb, done, all: results.length }), unlogged ? t('unlogged', { why: unlogged }) : ''].join(' '));
+      this.tell(results, [t('sent', { verb, done, all: results.length }), unlogged ? t('unlogged', { why: told(unlogged) }) : ''].join(' '));
     } catch (error) { this.tell([], error.isUnknown ? t('sent_unknown', { verb }) : t('refused', { why: error.message })); }
     this.disarm();
   }
@@ -139,7 +139,7 @@ export class Orders {
   tell(results, title) {
     const bad = results.filter((one) => one.outcome !== 'done');
     const good = results.filter((one) => one.outcome === 'done');
-    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${one.text}`));
+    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${told(one.text)}`));
     this.report.replaceChildren(make('div', { class: 'results-head' }, make('b', { text: title }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { this.report.hidden = true; } })), make('ul', {}, ...rows));
     this.report.hidden = false;
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The runs in the folder, and the replay of a finished one on the same map.
-import { t } from './texts.js';
+import { t, told } from './texts.js';
 import { doseRate, make, missionClock } from './format.js';
 import { ask } from './link.js';
 import { worldOf } from './map.js';
@@ -101,7 +101,7 @@ export class Runs {
     await this.told(button, async () => {
       const { faults, seal, signer, notes } = await ask(`/api/runs/${encodeURIComponent(name)}/verify`);
       const whole = `${t('run_whole', { seal })}, ${[signer ? t('run_signed', { signer }) : t('run_unsigned'), ...notes].join('; ')}`;
-      return faults.length ? t('run_changed', { what: faults.join('; ') }) : whole;
+      return faults.length ? t('run_changed', { what: faults.map(told).join('; ') }) : whole;
     });
   }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every text of the page, in one catalogue. A translation replaces the values; {name} is filled in.
+// Every text of the page, in one catalogue. A translation replaces the values of TEXTS, {name} is
+// filled in, and writes beside each of REFUSALS what it is to be; '' leaves it as it is.
 export const TEXTS = {
   skip: 'To the facts', view_live: 'Live', view_runs: 'Runs', view_draft: 'New mission',
   sound_on: 'Sound on', sound_off: 'Sound off', sound_waiting: 'No sound', places: 'Places', places_decimal: 'Deg', places_dms: 'DMS', places_mgrs: 'MGRS', theme: 'Theme', theme_dark: 'Night', theme_light: 'Day',
@@ -7,20 +8,21 @@ export const TEXTS = {
   live: 'live', not_live: 'not live', stale: 'stale', place_old: 'its place is old', ago: '{age} ago', never: 'not heard yet',
   banner_lost: 'Not live: no word from the server for {age}. What you see is old.',
   banner_mission: 'No word from the mission for {age}. Grey is old.',
-  fact_worst: 'Worst reading', fact_now: 'Newest reading', fact_sources: 'Sources', fact_zones: 'Zones', fact_wind: 'Wind',
+  fact_worst: 'Worst reading', fact_now: 'Newest', fact_sources: 'Sources', fact_zones: 'Zones', fact_wind: 'Wind',
   fact_coverage: 'Coverage', fact_time: 'Time left', fact_picture: 'Newest picture', fact_camera: 'Camera', video_vehicle: 'Camera of', video_none: 'no camera', video_scene: 'Scene (rocsafe scene show)', video_of: 'Camera of {vehicle}', video_waiting: 'no picture heard yet', video_live: 'taken {age} ago', video_old: 'old: taken {age} ago', fact_vehicles: 'Vehicles',
   fact_alarms: 'Alarms', fact_mosaic: 'Mosaic', fact_report: 'Incident report',
+  report_later: 'at the end of the mission',
   no_reading: 'no reading yet', no_source: 'no source is supported by the readings', no_zone: 'no ground above a level',
   no_wind: 'no wind measured', no_picture: 'no photograph yet', no_plan: 'no plan yet', no_alarm: 'no alarm', no_vehicle: 'no vehicle is heard',
   by_at: '{vehicle}, {detector}', trend_rising: 'rising', trend_falling: 'falling', trend_steady: 'steady',
   saturated: 'at least: the detector is saturated',
   source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} g/s of {agent}, within {size} m',
-  zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %', gas_zone_line: '{level} up to {radius} m from the release',
-  wind_line: 'from {from}° at {speed} m/s', wind_by: 'measured by {vehicle}',
+  zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %', gas_zone_line: '{level}: {radius} m from release',
+  wind_line: 'from {from}° at {speed} m/s', wind_by: 'by {vehicle}', access_line: 'Approach from upwind: {side}.',
   coverage_line: '{stored} of {expected} photographs stored', time_line: 'planned {planned}, at least {bound}',
   mosaic_line: '{count} photographs placed, {resolution} m a pixel', mosaic_draft: 'growing', mosaic_final: 'final',
   battery: 'battery', way_home: 'home in', battery_left: 'left for', dose: 'dose', link: 'link', led_by: 'led by {holder}', led_by_nobody: 'led by nobody',
-  taken_by: 'taken by its {who}', visited: '{done} of {all}', select: 'Select {name}', acknowledge: 'Seen', seen_by: 'seen by {who}',
+  taken_by: 'taken by its {who}', visited: '{done} of {all}', select: 'Select {name}', fleet_stale: '{count} stale', fleet_turn: 'first to turn home: {vehicle}, in {value}', fleet_link: 'oldest link: {vehicle}, {value}', fleet_dose: 'most dose: {vehicle}, {value}', acknowledge: 'Seen', seen_by: 'seen by {who}',
   simulated: 'simulated', advice: 'advice: {advice}', unknown: '–',
   verb_hold: 'Hold', verb_resume: 'Resume', verb_return: 'Return', verb_land: 'Land', verb_take: 'Take over', verb_release: 'Give back', verb_go_to: 'Go here', verb_send: 'Drive', verb_replan: 'Plan anew',
   place_send: 'Plan a drive of {vehicle} here', place_dose: 'Dose budget, µSv', planning_drive: 'planning the drive …',
@@ -56,6 +58,119 @@ export const TEXTS = {
   critical: 'critical', warning: 'warning', refused: 'Refused: {why}',
 };
 
+// What the server refuses and tells in alarms; test_texts.py compares it with the code.
+export const REFUSALS = {
+  "MGRS {0} {1}: both numbers must have as many digits": "",
+  "MGRS {0}{1} {2}{3}: there is no such square": "",
+  "a ring must have 3 to {0} corners": "",
+  "alarm {0}: there is none": "",
+  "campaign {0}: has no page yet": "",
+  "cell_m = {0}: must be positive": "",
+  "collection {0}: there is none": "",
+  "command {0}: there is none": "",
+  "confirm: must be hashes as the log of the mission tells them": "",
+  "dose_budget_usv = {0}: must be above 0 and at most {1} uSv": "",
+  "evidence log damaged: {0}": "",
+  "files must be a mapping, lines a number": "",
+  "height_m = {0}: must be within {1} and {2} m": "",
+  "latitude {0}, longitude {1}: must be within -90 and 90, -180 and 180 degrees": "",
+  "log in first": "",
+  "marks: there are {0} already, which is the most": "",
+  "members: must be a list of names": "",
+  "members: {0}, must be {1} at most": "",
+  "name {0}: must be up to 61 letters, digits, \"_\" and \"-\"": "",
+  "no answer within {0} s": "",
+  "no way was found within {0} s": "",
+  "not as it was written": "",
+  "not confirmed within {0} s: nothing was sent": "",
+  "not ended": "",
+  "not on disk within {0} s": "",
+  "not planned anew: {0}": "",
+  "nothing is launched: the evidence log: {0}": "",
+  "nothing was sent: the evidence log cannot be written: {0}": "",
+  "number = {0}, state = {1}: must be within 0 and {2}, and 0 and {3}": "",
+  "order {0}: none is waiting for you to confirm it": "",
+  "order {0}: there is another one of this id": "",
+  "place {0}, {1}: must be on the earth": "",
+  "place {0}: must be like {1}": "",
+  "place {0}: write a point for decimals, and two numbers": "",
+  "request_id must be 16 to 64 letters, digits and \"-\"": "",
+  "run {0}: there is none": "",
+  "session {0}: there is none": "",
+  "target {0}, {1}: must be on the earth": "",
+  "target: go_to and send need one of their own, nothing else has one": "",
+  "target: must be a place to drive to": "",
+  "target: {0} has none": "",
+  "text has {0} letters: must have 1 to {1}": "",
+  "the body did not come within {0} s": "",
+  "the body is nested too deeply": "",
+  "the body must be a JSON object": "",
+  "the body must be application/json": "",
+  "the command rocsafe is not on the PATH: source the workspace": "",
+  "the mission cannot be reached": "",
+  "the mission has failed: {0}": "",
+  "the name of a log must be that of a file": "",
+  "the name or the password is not right": "",
+  "the password has {0} letters: must have {1} to {2}": "",
+  "the request does not come from this page": "",
+  "the role {0} may not {1}": "",
+  "the token is not right: take the address that the console has printed": "",
+  "there is no base map": "",
+  "there is none yet": "",
+  "this is no link": "",
+  "this mission is commanded by {0}: take its command first": "",
+  "this page is not served as {0}: name it by --name": "",
+  "this photograph is not on this machine": "",
+  "too many attempts": "",
+  "too many attempts: wait {0} s": "",
+  "too many pages look at cameras": "",
+  "too many requests: wait {0} s": "",
+  "user {0}: there is none": "",
+  "vehicle {0}: there is none": "",
+  "vehicle {0}: there is none that it could be like": "",
+  "vehicles: must be one or more": "",
+  "verb {0} is no order to a vehicle": "",
+  "visibility = {0}: must be {1} or {2}": "",
+  "you are not on the list of this mission": "",
+  "zone {0}: must be 1 to 60": "",
+  "{0} cells: must be full rows of {1}": "",
+  "{0} does not drive": "",
+  "{0} has changed since you looked: look again": "",
+  "{0} has no file {1} to fetch": "",
+  "{0} has not ended: it is sealed at its end": "",
+  "{0} holds no signing key: make one by seal --make-key": "",
+  "{0} is flying: end it first": "",
+  "{0} is not on the list of those who command this mission": "",
+  "{0} is not part of this mission": "",
+  "{0} is not sealed": "",
+  "{0} is signed with {1}: sign with this key, too": "",
+  "{0} is taken by its {1}": "",
+  "{0} of {1} is in no evidence log: {2}": "",
+  "{0} {1} m are not in zone {2}, band {3}": "",
+  "{0}: cannot be reached": "",
+  "{0}: cannot be read: {1}": "",
+  "{0}: cannot be shown: {1}": "",
+  "{0}: has a signature and no public key": "",
+  "{0}: has been changed": "",
+  "{0}: has {1} lines, {2} were sealed": "",
+  "{0}: is not signed with the key {1}": "",
+  "{0}: is not the log that was sealed": "",
+  "{0}: its format is {1}": "",
+  "{0}: more than {1} vehicles": "",
+  "{0}: must be a mapping": "",
+  "{0}: must be for one vehicle: two would meet": "",
+  "{0}: must be one of {1}": "",
+  "{0}: not done within {1} s": "",
+  "{0}: photograph {1} rejected: {2}": "",
+  "{0}: the signature is not right": "",
+  "{0}: there is none": "",
+  "{0}: this console has no such mission running": "",
+  "{0}: {1} does not lead it": "",
+  "{0}: {1} reached {2}, {3}": "",
+  "{0}; it turns back": "",
+  "{0}′ {1}″: must be below 60": ""
+};
+
 export function t(key, values = {}) {
   const text = TEXTS[key];
   if (text === undefined) throw new Error(`no text: ${key}`);
@@ -67,4 +182,16 @@ export function fillTexts(within = document) {
   for (const element of within.querySelectorAll('[data-text]')) element.textContent = t(element.dataset.text);
   for (const element of within.querySelectorAll('[data-label]')) element.setAttribute('aria-label', t(element.dataset.label));
   for (const element of within.querySelectorAll('[data-hint]')) element.placeholder = t(element.dataset.hint);
+}
+
+// A text of the server in the words of the catalogue; what it does not know stays as it is. One
+// that begins with words comes first: what it says may end with another text.
+let patterns = null;
+export function told(text) {
+  patterns ??= Object.entries(REFUSALS).filter(([, own]) => own).map(([english, own]) => [new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{\d\}/g, '(.+)')}$`, 's'), own, english.replace(/\{\d\}/g, '').length + (english.startsWith('{') ? 0 : 1000)]).sort((a, b) => b[2] - a[2]);
+  for (const [pattern, own] of patterns) {
+    const found = pattern.exec(text);
+    if (found) return own.replace(/\{(\d)\}/g, (_, number) => told(found[Number(number) + 1]));
+  }
+  return text;
 }

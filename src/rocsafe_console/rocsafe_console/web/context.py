@@ -19,7 +19,7 @@ from rocsafe_console.outward.event_target import EventTarget
 from rocsafe_console.people.missions import Missions
 from rocsafe_console.people.roles import Action, Role, require
 from rocsafe_console.people.session_file import save_sessions
-from rocsafe_console.people.sessions import AttemptLimit, Session, Sessions
+from rocsafe_console.people.sessions import AttemptLimit, RefusalCount, Session, Sessions
 from rocsafe_console.people.users import Users
 from rocsafe_console.picture.alarms import WARN
 from rocsafe_console.picture.live import Live
@@ -28,8 +28,11 @@ from rocsafe_geo.storage.evidence_log import Event
 
 # Orders, marks and links of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0
+# Lines of the evidence log for what one user was refused: no client fills the disk with them.
+REFUSALS, REFUSALS_S = 10, 60.0
 # For a line of the evidence log, before somebody in an emergency does not wait for it.
 LOG_S = 1.0
+MOST_PATH = 200
 
 
 class Fleet(Protocol):
@@ -124,6 +127,7 @@ class Context:
     sessions: Sessions = field(default_factory=Sessions)
     orders: OrderBook = field(default_factory=OrderBook)
     logins: AttemptLimit = field(default_factory=AttemptLimit)
+    refusals: RefusalCount = field(default_factory=lambda: RefusalCount(REFUSALS, REFUSALS_S))
     order_rate: AttemptLimit = field(default_factory=lambda: AttemptLimit(ORDERS, ORDERS_S))
 
     def end_former(self) -> None:
@@ -170,6 +174,16 @@ class Context:
             return str(error)
         return ''
 
+    async def note_refusal(self, session: Session, path: str, why: str, asked: object) -> None:
+        """Write to the evidence log that somebody was refused, as often as a person can ask.
+
+        The line after others that were left out has their number.
+        """
+        left_out = self.refusals.note(session.user, self.clock())
+        if left_out is not None:
+            what = {'outcome': 'refused', 'path': path[:MOST_PATH], 'why': why, 'asked': asked}
+            await self.note('refused', session.user, **what, refused_before=left_out)
+
     @property
     def mission(self) -> str:
         """Name of the mission that is heard, empty before there is one."""
@@ -185,6 +199,8 @@ def _forgotten(writing: asyncio.Future[None]) -> None:
 
 CONTEXT: web.AppKey[Context] = web.AppKey('context', Context)
 SESSION: web.RequestKey[Session] = web.RequestKey('session', Session)
+# What a request asks for, as far as its body has been read: for the line of its refusal.
+ASKED: web.RequestKey[dict[str, Any]] = web.RequestKey('asked', dict)
 
 
 def context_of(request: web.Request) -> Context:

@@ -9,7 +9,7 @@ from typing import Any
 from aiohttp import web
 
 from rocsafe_console.errors import ConsoleError, RefusedError, TooManyError
-from rocsafe_console.web.context import SESSION, WebOptions, context_of
+from rocsafe_console.web.context import ASKED, SESSION, WebOptions, context_of
 from rocsafe_console.web.door import DOOR
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
@@ -42,6 +42,7 @@ STATUSES: Mapping[type[Exception], int] = {
     ValueError: 400, LookupError: 400, TypeError: 400, ArithmeticError: 400, AttributeError: 400,
 }  # fmt: skip
 BODY_S = 10.0
+FORBIDDEN = 403
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -68,6 +69,10 @@ async def _guarded(request: web.Request, handler: Handler) -> web.StreamResponse
         answer = refused(error.status, error.reason)
     except tuple(STATUSES) as error:
         status = next(code for kind, code in STATUSES.items() if isinstance(error, kind))
+        if status == FORBIDDEN and SESSION in request and request.method != 'GET':
+            asked = request.get(ASKED)
+            context = context_of(request)
+            await context.note_refusal(request[SESSION], request.path, str(error), asked)
         answer = refused(status, str(error) or type(error).__name__)
     if not answer.prepared:
         for name, value in HEADERS.items():

@@ -13,6 +13,7 @@ from rocsafe_console.orders.order_book import TARGETS, Order, Outcome, Result, s
 from rocsafe_console.people.missions import SAFE
 from rocsafe_console.people.roles import Action
 from rocsafe_console.web.context import (
+    ASKED,
     Context,
     context_of,
     limited,
@@ -24,6 +25,7 @@ from rocsafe_console.web.guards import body_of
 ORDER_S = 7.0
 # Of a search for a way; large maps take some seconds.
 DRIVE_PLAN_S = 20.0
+DATUM = 'WGS84, height above home'
 NO_ROS = 'ROS has not started yet'
 Found = TypeVar('Found')
 Planned = tuple[dict[str, Any] | None, str]
@@ -33,6 +35,7 @@ async def prepare_order(request: web.Request) -> web.Response:
     """First step of an order: it waits for its confirmation."""
     context, body = context_of(request), await body_of(request)
     verb = Action(body['verb'])
+    request[ASKED] = {'verb': verb.value, 'vehicles': _known(context, body.get('revisions'))}
     session = mission_session(request, verb)
     limited(request, session)
     target, kind = body.get('target'), TARGETS.get(verb)
@@ -91,6 +94,13 @@ async def confirm_order(request: web.Request) -> web.Response:
     if unlogged_outcome:
         answer['unlogged'] = unlogged_outcome
     return web.json_response(answer)
+
+
+def _known(context: Context, wanted: object) -> list[str]:
+    """Return the vehicles of this mission among the keys of what somebody sends."""
+    with context.live.lock:
+        names = context.live.picture.vehicles.keys()
+    return sorted(names & wanted.keys()) if isinstance(wanted, dict) else []
 
 
 async def _write_down(context: Context, order: Order, kind: str, what: dict[str, Any]) -> str:
@@ -174,7 +184,7 @@ async def _results(context: Context, request_id: str) -> web.Response:
 
 
 def _order_plain(order: Order, names: tuple[str, ...]) -> dict[str, Any]:
-    target = asdict(order.target) if order.target else None
+    target = {**asdict(order.target), 'datum': DATUM} if order.target else None
     return {
         'request_id': order.request_id,
         'verb': order.verb.value,

@@ -7,11 +7,12 @@ from aiohttp import web
 
 from rocsafe_console.errors import RefusedError
 from rocsafe_console.evidence.seal import notes_of, seal_run, seals_of, signer_of, verify_run
-from rocsafe_console.evidence.signing import code_version, usual_key
+from rocsafe_console.evidence.signing import usual_key
 from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.run_folder import is_flying, run_in
 from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of
+from rocsafe_geo.storage.code_version import version_text
 from rocsafe_geo.storage.evidence_log import EvidenceError
 
 # Hashing a run keeps a disk busy: one at a time.
@@ -46,7 +47,7 @@ async def seal(request: web.Request) -> web.Response:
         try:
             key = usual_key(context.environment)
             made = await asyncio.to_thread(
-                seal_run, run, context.clock(), session.user, code_version(), key
+                seal_run, run, context.clock(), session.user, version_text(), key
             )
         except (EvidenceError, OSError) as error:
             raise RefusedError(str(error)) from error

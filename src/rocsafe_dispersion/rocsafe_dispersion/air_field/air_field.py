@@ -15,6 +15,8 @@ from rocsafe_geo.wind.wind_field import WindField
 # Latitude and longitude in degrees, altitude in metres.
 GeoPlace = tuple[float, float, float]
 L_PER_M3 = 1000.0
+# Points of the air below a vehicle over which an open path sums.
+COLUMN_POINTS = 40
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,6 +68,18 @@ class AirField:
         at = self.place_m(place)
         return [
             (released.agent, float(filaments.concentrations_g_m3(at)[0]))
+            for released, filaments in zip(self._clouds, self._at(time_s), strict=True)
+            if released.agent is not None
+        ]
+
+    def columns_g_m2(self, time_s: float, place: GeoPlace) -> list[tuple[Agent, float]]:
+        """Return each release's chemical and its sum straight down to the ground, g/m^2."""
+        at = self.place_m(place)
+        step_m = float(at[0, 2]) / COLUMN_POINTS
+        column = np.repeat(at, COLUMN_POINTS, axis=0)
+        column[:, 2] = step_m * (np.arange(COLUMN_POINTS) + 0.5)
+        return [
+            (released.agent, step_m * float(filaments.concentrations_g_m3(column).sum()))
             for released, filaments in zip(self._clouds, self._at(time_s), strict=True)
             if released.agent is not None
         ]

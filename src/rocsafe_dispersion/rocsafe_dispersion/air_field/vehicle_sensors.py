@@ -71,8 +71,9 @@ class VehicleSensors:
         self._window_ns = round(window_s * NS_PER_S)
         self._name = zlib.crc32(f'{vehicle}/anemometer'.encode())
         self._gas = [
-            (GAS_SENSORS[name], WindowSensor(GAS_SENSORS[name], intake, vehicle, window_s, seed))
-            for name in settings.gas_sensors
+            (kind, WindowSensor(kind, own, vehicle, window_s, seed))
+            for kind in (GAS_SENSORS[name] for name in settings.gas_sensors)
+            for own in (Intake() if kind.is_open_path else intake,)
         ]
         self._counter = CountingWindows(ParticleCounter(), vehicle, window_s, seed)
         self._window: int | None = None
@@ -81,9 +82,15 @@ class VehicleSensors:
 
     def add(self, moment: Moment, time_s: float) -> Readings:
         """Take a moment, later than all before, `time_s` after the start of the mission."""
-        gases = self._air.gases_g_m3(time_s, moment.place) if self._gas else []
+        # What is beside the vehicle, and what is below it.
+        kinds = {sensor.is_open_path for sensor, _ in self._gas}
+        beside, below = (
+            look(time_s, moment.place) if is_path in kinds else []
+            for is_path, look in ((False, self._air.gases_g_m3), (True, self._air.columns_g_m2))
+        )
         found = []
         for sensor, windows in self._gas:
+            gases = below if sensor.is_open_path else beside
             value = sum(sensor.response(agent) * _amount(sensor, agent, c) for agent, c in gases)
             sample = GasSample(time_ns=moment.time_ns, value=value, believed=moment.believed)
             reading = windows.add(sample)

@@ -217,6 +217,7 @@ def document_of(
         },
         'number_probabilities': [round(one, 4) for one in found.number_probabilities],
         'gains_of_one_release_more': [round(gain, 2) for gain in found.gains],
+        'gain_of_places': round(found.gain_of_places, 2),
         'backgrounds_g_m3': found.background_g_m3.tolist(),
         'plume': {
             'width_factor': found.spread_y,
@@ -248,6 +249,7 @@ def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
         'rate_95_g_s': [release.rate_low_g_s, release.rate_high_g_s],
         'std_m': np.sqrt(np.diag(release.covariance_m2)).tolist(),
         'region_95_m2': release.region_m2,
+        'beyond_probability': round(release.beyond, 3),
         'started_before_probability': release.start.beyond,
         'start_95_s': release.start.bounds_s,
         'ended_after_probability': release.end.beyond,

@@ -13,6 +13,8 @@ from rocsafe_geo.limits import require_between, require_not_negative, require_po
 
 # A sensor forgets what it saw so many time constants ago.
 CONSTANTS_KEPT = 8.0
+# Unit of a sensor that looks down through the air instead of taking it in.
+OPEN_PATH = 'ppm_m'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +46,8 @@ class GasSensor:
     name, technology
         Name of the kind and its physical principle.
     unit
-        What it reads: ``ppm`` or ``mg_m3`` of its calibration gas.
+        What it reads: ``ppm`` or ``mg_m3`` of its calibration gas, or ``ppm_m``, the sum along a
+        beam from the vehicle straight down to the ground, ppm times metres.
     calibration_gas
         Gas whose concentration it would read right.
     responses
@@ -93,8 +96,8 @@ class GasSensor:
     is_selective: bool = False
 
     def __post_init__(self) -> None:
-        if self.unit not in ('ppm', 'mg_m3'):
-            raise ValueError(f'{self.name}: unit is {self.unit!r}: must be ppm or mg_m3')
+        if self.unit not in ('ppm', 'mg_m3', OPEN_PATH):
+            raise ValueError(f'{self.name}: unit is {self.unit!r}: must be ppm, mg_m3 or ppm_m')
         for name in ('rise_s', 'fall_s', 'limit', 'noise', 'ceiling', 'drift_s', 'overload'):
             value = getattr(self, name)
             if value != math.inf:
@@ -103,6 +106,11 @@ class GasSensor:
             require_not_negative(f'{self.name}: {name}', getattr(self, name))
         if list(self.bars) != sorted(set(self.bars)):
             raise ValueError(f'{self.name}: bars must ascend')
+
+    @property
+    def is_open_path(self) -> bool:
+        """Whether it looks down to the ground: rotors neither dilute nor delay what it sees."""
+        return self.unit == OPEN_PATH
 
     @property
     def memory_s(self) -> float:

@@ -112,6 +112,21 @@ _KINDS = (
         drift=0.3,
         drift_s=900.0,
     ),
+    # A laser of an absorption line of methane that looks down and back from the ground.
+    GasSensor(
+        name='open_path_methane',
+        is_selective=True,
+        technology='open path laser absorption',
+        calibration_gas='methane',
+        unit='ppm_m',
+        responses={'methane': 1.0},
+        rise_s=0.1,
+        fall_s=0.1,
+        limit=5.0,
+        noise=2.0,
+        relative_noise=0.1,
+        ceiling=50_000.0,
+    ),
     # Toxic industrial chemicals by ion mobility: bars, and a long clear-down after overload.
     GasSensor(
         name='ion_mobility',

@@ -53,7 +53,12 @@ class BackgroundFilter:
         self._blocks = [block for one in instruments for block in _blocks(survey, one)]
 
     def log_likelihoods(
-        self, means: FloatArray, spreads: FloatArray, noise: FloatArray, drift: FloatArray
+        self,
+        means: FloatArray,
+        spreads: FloatArray,
+        noise: FloatArray,
+        drift: FloatArray,
+        each: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Return logarithms of the likelihood, (p,), and last backgrounds, (p, instruments).
 
@@ -64,6 +69,8 @@ class BackgroundFilter:
         noise, drift : (p,)
             Factor of the detector's noise; how far the background wanders in the whole time,
             in noises.
+        each : (p, n)
+            Takes the logarithm of the likelihood of each reading, given those before.
         """
         background = np.tile(self._start[:, 0], (len(means), 1))
         variance = np.tile(self._start[:, 1] ** 2, (len(means), 1))
@@ -77,7 +84,10 @@ class BackgroundFilter:
             logs, slopes, curves = _terms(
                 x, means[:, numbers] / scale, spreads[:, numbers] / scale, block.kind
             )
-            total += (logs - (np.log(scale) if block.kind == 0 else 0.0)).sum(axis=1)
+            own_logs = logs - (np.log(scale) if block.kind == 0 else 0.0)
+            total += own_logs.sum(axis=1)
+            if each is not None:
+                each[:, numbers] = own_logs
             # What each reading adds to the precision and to the precision times the mean.
             before = variance[:, own]
             bent = np.clip(-curves / scale**2, 0.0, _MOST_TOLD / before[:, None])

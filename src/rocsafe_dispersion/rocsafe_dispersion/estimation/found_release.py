@@ -89,6 +89,10 @@ class FoundRelease:
         Cells that together hold the place with a probability of 0.95.
     cell_m
         Size of the cells.
+    beyond
+        Probability that it is beyond the ground that was searched.
+    beyond_deg
+        Direction from the middle of that ground to it, degrees clockwise from north.
     samples
         Releases drawn from the posterior.
     """
@@ -101,6 +105,8 @@ class FoundRelease:
     rate_high_g_s: float
     region_m: FloatArray
     cell_m: float
+    beyond: float
+    beyond_deg: float
     samples: ReleaseSamples
 
     def holds(self, east_m: float, north_m: float) -> bool:
@@ -158,6 +164,14 @@ def found_release(samples: ReleaseSamples, area: SearchArea) -> FoundRelease:
         rate_high_g_s=high,
         region_m=_region(places, area),
         cell_m=area.cell_m,
+        beyond=1.0 - float(area.holds(places).mean()),
+        beyond_deg=math.degrees(
+            math.atan2(
+                east - (area.west_m + area.east_m) / 2.0,
+                north - (area.south_m + area.north_m) / 2.0,
+            )
+        )
+        % 360.0,
         samples=samples.thinned(),
     )
 
@@ -173,19 +187,19 @@ def _spatial_median(places_m: FloatArray) -> FloatArray:
 
 
 def _region(places_m: FloatArray, area: SearchArea) -> FloatArray:
-    """Return the middles of the fewest cells that hold 0.95 of the places, (r, 2)."""
-    middles = area.cells_m()
-    east, north = (np.unique(middles[:, axis]) for axis in (0, 1))
-    column, row = (
-        np.clip(((places_m[:, axis] - axis_m[0]) / area.cell_m + 0.5).astype(int), 0,
-                len(axis_m) - 1)
-        for axis, axis_m in ((0, east), (1, north))
-    )  # fmt: skip
-    counts = np.zeros((len(north), len(east)))
-    np.add.at(counts, (row, column), 1.0)
+    """Return the middles of the fewest cells that hold 0.95 of the places, (r, 2).
+
+    The grid is that of the area, continued as far as there are places.
+    """
+    first_m = np.array([area.west_m, area.south_m])
+    index = np.floor((places_m - first_m) / area.cell_m).astype(int)
+    low, high = index.min(axis=0) - 1, index.max(axis=0) + 1
+    counts = np.zeros(high - low + 1)
+    np.add.at(counts, tuple((index - low).T), 1.0)
     for axis in (0, 1):
-        counts = ndimage.convolve1d(counts, _SMOOTHING, axis=axis, mode='nearest')
+        counts = ndimage.convolve1d(counts, _SMOOTHING, axis=axis, mode='constant')
     order = np.argsort(-counts.ravel(), kind='stable')
     total = np.cumsum(counts.ravel()[order])
     count = int(np.searchsorted(total, REGION_SHARE * total[-1])) + 1
-    return middles[order[:count]]
+    cells = np.stack(np.unravel_index(order[:count], counts.shape), axis=-1) + low
+    return np.asarray(first_m + (cells + 0.5) * area.cell_m)

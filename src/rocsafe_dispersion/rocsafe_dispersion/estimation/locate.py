@@ -17,6 +17,7 @@ from rocsafe_dispersion.estimation.found_release import (
 )
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_dispersion.estimation.hidden import HiddenReleases, hidden_releases
+from rocsafe_dispersion.estimation.placeless import gain_of_places
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.estimation.release_sampler import (
     KIND,
@@ -50,6 +51,9 @@ class LocatedReleases:
         Logarithm of the odds of any release against none, less `LocateOptions.least_gain`; then
         of 2, 3, ... releases against one fewer, less `LocateOptions.least_gain_more`. The number
         told is that before the first which is not above 0.
+    gain_of_places
+        Logarithm of the odds of what is told against readings that have nothing to do with the
+        places where they were taken.
     background_g_m3
         Backgrounds of the instruments at their last readings.
     turn_rad
@@ -65,6 +69,7 @@ class LocatedReleases:
     releases: tuple[FoundRelease, ...]
     number_probabilities: tuple[float, ...]
     gains: tuple[float, ...]
+    gain_of_places: float
     background_g_m3: FloatArray
     turn_rad: float
     wrong_wind: float
@@ -161,7 +166,7 @@ def locate_releases(
         tried.add(number)
         made[number] = _of_all_kinds(sampler, made[number], number)
         number = _number(_evidence(made), options)
-    return _located(sampler, made[number][0], area, _evidence(made), options)
+    return _located(sampler, made[number][0], survey, area, _evidence(made), options)
 
 
 def _of_all_kinds(
@@ -228,6 +233,7 @@ def _gains(evidence: FloatArray, options: LocateOptions) -> tuple[float, ...]:
 def _located(
     sampler: ReleaseSampler,
     found: Population,
+    survey: GasSurvey,
     area: SearchArea,
     evidence: FloatArray,
     options: LocateOptions,
@@ -245,11 +251,13 @@ def _located(
         )
         for number in range(own.shape[1])
     ]
+    backgrounds = np.median(found.backgrounds, axis=0)
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         number_probabilities=tuple(np.exp(evidence - logsumexp(evidence)).tolist()),
         gains=_gains(evidence, options),
-        background_g_m3=np.median(found.backgrounds, axis=0),
+        gain_of_places=gain_of_places(survey, backgrounds, sampler.reading_logs(found)),
+        background_g_m3=backgrounds,
         turn_rad=shapes.mean_turn_rad,
         wrong_wind=float((found.shared[:, KIND] == Kind.WRONG_WIND).mean()),
         spread_y=float(np.median(shapes.spread_y)),

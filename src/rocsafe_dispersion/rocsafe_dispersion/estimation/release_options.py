@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.limits import require_between, require_count, require_positive
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SearchArea:
-    """Ground on which releases may be.
+    """Ground on which releases are searched; that one is beyond it is possible, too.
 
     Attributes
     ----------
@@ -39,6 +39,11 @@ class SearchArea:
         sides = self.east_m - self.west_m, self.north_m - self.south_m
         cells = math.prod(max(side / self.cell_m, 1.0) for side in sides)
         require_between('number of cells of the area', cells, 4.0, 40_000.0)
+
+    def holds(self, places_m: FloatArray) -> BoolArray:
+        """Return which of places (..., 2) are on this ground."""
+        low, high = (self.west_m, self.south_m), (self.east_m, self.north_m)
+        return np.asarray(((places_m >= low) & (places_m <= high)).all(axis=-1))
 
     def cells_m(self) -> FloatArray:
         """Return the middles of all cells, row by row from the south, (m, 2); at least one."""
@@ -79,8 +84,8 @@ class LocateOptions:
         Rate of the weakest release that matters, g/s: what is said of releases that were not
         found is said of this rate.
     particles, sweeps
-        Number of hypotheses (fewer for large surveys), and how often each is moved at each power
-        of the likelihood.
+        Number of hypotheses for 100 points of readings (fewer for larger surveys, up to six times
+        as many for smaller ones), and how often each is moved at each power of the likelihood.
     """
 
     turn_std_deg: float = 6.0

@@ -35,14 +35,18 @@ _NOISE_STD = 0.25
 # nothing, and then anything explains them.
 _MOST_NOISE_STDS = 4.0
 _DRIFT, _DRIFT_STD = 0.3, 1.5
+# Probability before readings that a release is beyond each pair of edges of the ground; it is then
+# up to the longer side of the ground away from it.
+_BEYOND = 0.05
 # Coordinates that all releases share, see `shapes_of` and `spans_of`, and those of each release.
 # The last shared one is the kind of a hypothesis; it is not moved.
 SHARED, OWN = 10, 3
 KIND = 9
 _ESS_SHARE = 0.7
 # Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
-# as many as time allows.
+# as many as time allows. Small ones take more: up to so many times, below so many points.
 _MOST_PAIRS, _FEWEST = 120_000, 200
+_MOST_TIMES, _SMALL = 6.0, 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +56,7 @@ class Bounds:
     Attributes
     ----------
     edges_m
-        Of the ground with releases: west, south, east, north.
+        Of the ground with releases: west, south, east, north. One may be beyond, see `places_of`.
     rates_g_s
         Least and largest rate.
     times_s
@@ -148,7 +152,12 @@ class ReleaseSampler:
     def places_of(self, own: FloatArray) -> FloatArray:
         """Return places, (..., 2), of coordinates of releases."""
         west, south, east, north = self._bounds.edges_m
-        return np.asarray((west, south) + own[..., :2] * (east - west, north - south))
+        reach = max(east - west, north - south)
+        shares = (0.0, _BEYOND / 2.0, 1.0 - _BEYOND / 2.0, 1.0)
+        return np.stack([
+            np.interp(own[..., axis], shares, (low - reach, low, high, high + reach))
+            for axis, (low, high) in enumerate(((west, east), (south, north)))
+        ], axis=-1)  # fmt: skip
 
     def rates_of(self, own: FloatArray) -> FloatArray:
         """Return rates of coordinates of releases, g/s."""
@@ -183,8 +192,9 @@ class ReleaseSampler:
         Their wind is about the one told, or, if that is wrong, from anywhere; they last all the
         time, or start or end among the readings.
         """
-        most = _MOST_PAIRS // self._readings.points
-        count = max(min(self._options.particles, most), min(_FEWEST, self._options.particles))
+        points, wanted = self._readings.points, self._options.particles
+        times = min(max(_SMALL / points, 1.0), _MOST_TIMES)
+        count = max(min(int(times * wanted), _MOST_PAIRS // points), min(_FEWEST, wanted))
         shared = self._generator.standard_normal((count, SHARED))
         shared[:, KIND] = kind
         own = self._generator.random((count, number, OWN))
@@ -220,8 +230,18 @@ class ReleaseSampler:
                 found[number, rows] = logs - now.logs[own]
         return found
 
+    def reading_logs(self, now: Population) -> FloatArray:
+        """Return logarithms of the likelihood of each reading, given those before, (p, n)."""
+        each = np.zeros((len(now.logs), self._backgrounds.readings))
+        self._log_likelihoods(now.shared, now.means, now.spreads, each)
+        return each
+
     def _log_likelihoods(
-        self, shared: FloatArray, means: FloatArray, spreads: FloatArray
+        self,
+        shared: FloatArray,
+        means: FloatArray,
+        spreads: FloatArray,
+        each: FloatArray | None = None,
     ) -> tuple[FloatArray, FloatArray]:
         """Return logarithms of the likelihood and backgrounds; means are (p, releases, n)."""
         return self._backgrounds.log_likelihoods(
@@ -229,6 +249,7 @@ class ReleaseSampler:
             np.sqrt((spreads**2).sum(axis=1)),
             np.exp(_NOISE_STD * np.clip(shared[:, 5], -_MOST_NOISE_STDS, _MOST_NOISE_STDS)),
             _DRIFT * np.exp(_DRIFT_STD * shared[:, 6]),
+            each,
         )
 
     def _made(self, shared: FloatArray, own: FloatArray) -> Population:

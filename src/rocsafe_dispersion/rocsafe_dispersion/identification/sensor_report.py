@@ -121,7 +121,7 @@ def _mixed(share: float, seeing: float, blind: float) -> float:
 
 def _is_enough(report: SensorReport, agent: Agent | None, mg_m3: float | None) -> bool:
     """Return whether another detector says that this one had enough to see."""
-    if agent is None or mg_m3 is None:
+    if agent is None or mg_m3 is None or report.kind.is_open_path:
         return False
     expected = _in_unit(report.kind, agent, mg_m3) * report.kind.response(agent)
     return expected >= CLEAR_LIMITS * report.kind.limit
@@ -144,13 +144,16 @@ def _agreement(amounts: Sequence[float]) -> float:
 
 
 def _concentrations_mg_m3(reports: Sequence[SensorReport], agent: Agent) -> list[float]:
-    """Return how much of the agent each detector says that shows gas and sees it."""
+    """Return how much of the agent each detector says that shows gas and sees it.
+
+    An open path does not say how much: nobody knows how long its way through the gas is.
+    """
     if agent.molar_mass_g_mol is None:
         return []
     return [
         report.reading / report.kind.response(agent) / _in_unit(report.kind, agent, 1.0)
         for report in reports
-        if report.is_seen and report.kind.sees(agent)
+        if report.is_seen and report.kind.sees(agent) and not report.kind.is_open_path
     ]
 
 

@@ -69,7 +69,7 @@ class ReleaseAssessment:
     flight
         The readings.
     area
-        Where releases were looked for.
+        Where releases were looked for, with the regions of those that were found beyond.
     air
         The mean air.
     wind_10m_mps
@@ -121,6 +121,7 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
     found = locate_releases(
         flight.survey, area, layer, anemometer_m=flight.anemometer_m, options=options.locate
     )
+    area = _with_releases(area, found)
     air = MeanAir(
         towards_mps=flight.wind_towards_mps,
         travel=similarity_travel(layer, options.release_height_m),
@@ -165,6 +166,20 @@ def search_area(places_m: FloatArray, margin_m: float, release_height_m: float) 
         north_m=float(high[1]),
         cell_m=max(float((high - low).max()) / CELLS_ACROSS, 1.0),
         height_m=release_height_m,
+    )
+
+
+def _with_releases(area: SearchArea, found: LocatedReleases) -> SearchArea:
+    """Return the area, larger where regions of releases go beyond it."""
+    half = area.cell_m / 2.0
+    cells = np.concatenate([np.zeros((0, 2)), *(one.region_m for one in found.releases)])
+    lows, highs = cells - half, cells + half
+    return replace(
+        area,
+        west_m=float(lows[:, 0].min(initial=area.west_m)),
+        south_m=float(lows[:, 1].min(initial=area.south_m)),
+        east_m=float(highs[:, 0].max(initial=area.east_m)),
+        north_m=float(highs[:, 1].max(initial=area.north_m)),
     )
 
 

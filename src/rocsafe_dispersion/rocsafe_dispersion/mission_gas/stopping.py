@@ -4,8 +4,17 @@
 import math
 from dataclasses import dataclass
 
+from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.locate import LocatedReleases
 from rocsafe_geo.limits import require_between, require_positive
+
+_PLACELESS = (
+    'doubted: the readings are explained better without the places where they were taken; '
+    'check coordinates, clocks and detector'
+)
+# Probability beyond the ground from which a release is said to be there.
+_BEYOND = 0.5
+_SIDES = ('N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,8 +62,13 @@ class ReleaseRule:
         count = len(found.releases)
         what = f'{count} release{"s" if count > 1 else ""}'
         what = f'{what}, placed within {widest_m(found):.0f} m (95 %)'
+        if found.gain_of_places <= 0.0:
+            return ReleaseVerdict(is_enough=False, reason=f'{what}; {_PLACELESS}')
         if found.wrong_wind > self.wrong_wind:
             return ReleaseVerdict(is_enough=False, reason=f'{what}; {_doubted_wind(found)}')
+        for release in found.releases:
+            if release.beyond > _BEYOND:
+                return ReleaseVerdict(is_enough=False, reason=f'{what}; {_is_beyond(release)}')
         if not self.is_placed(found):
             wanted = f'{self.region_m:g} m are wanted'
             return ReleaseVerdict(is_enough=False, reason=f'{what}: {wanted}')
@@ -78,4 +92,13 @@ def _doubted_wind(found: LocatedReleases) -> str:
     return (
         f'the direction of the wind is wrong with a probability of {found.wrong_wind:.2f}: the '
         f'readings fit wind turned {side} by {abs(turned):.0f} degrees'
+    )
+
+
+def _is_beyond(release: FoundRelease) -> str:
+    side = _SIDES[round(release.beyond_deg / 45.0) % 8]
+    which = f'that of {release.rate_g_s:.2g} g/s'
+    return (
+        f'{which} is outside of the ground searched with a probability of {release.beyond:.2f}, '
+        f'to the {side}: measure there'
     )

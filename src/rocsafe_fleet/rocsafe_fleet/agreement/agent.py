@@ -35,8 +35,6 @@ from rocsafe_fleet.membership.membership import NEVER, Membership
 from rocsafe_fleet.search.search_round import SearchRound
 
 Numbers = frozenset[int]
-FRESH_BEATS = 8
-"""A place counts as old if its vehicle has sent more packets since."""
 
 
 class Agent:
@@ -161,7 +159,7 @@ class Agent:
     def wanted(self) -> Wanted | None:
         """The newest proposal if it is not planned yet and its zones are known.
 
-        One whose coordinator did not hear this agent is not for it.
+        A proposal whose coordinator did not hear this agent is ignored.
         """
         mine = [one for one in self.knowledge.proposals if self.own not in one[1].silent]
         epoch, proposal = max(mine, key=lambda one: one[0], default=(FIRST_EPOCH, self.proposal))
@@ -305,7 +303,7 @@ class Agent:
         )
         data = encode(packet, self._key)
         if len(data) > MOST_BYTES:
-            # What others need goes before what this agent asks for.
+            # Data that others need is more important than what this agent asks for.
             self._exchange.asks = True
             data = encode(replace(packet, vector={}), self._key)
         return data
@@ -344,17 +342,18 @@ class Agent:
         return is_own and bool(self._parts()[0] & self._places.keys())
 
     def _waits_s(self, members: Numbers, now_s: float) -> float:
-        """Return how long to wait before a proposal: longer while places are old.
+        """Return how long to wait before a proposal, seconds.
 
-        Also while a member may be silent too: those that are cut off are missed one by one.
+        It waits longer while places are old, and while another member may have fallen silent:
+        agents that are cut off together are missed one by one.
         """
         if members & self._membership.late(now_s):
             return self._options.patience_s
-        beats = self._membership.beats
+        beats, fresh = self._membership.beats, self._options.fresh_beats
         for member in members:
             known = self._places.get(member)
             beat = beats.get(member, (0, 0))
-            if known is None or known[0][0] != beat[0] or beat[1] - known[0][1] > FRESH_BEATS:
+            if known is None or known[0][0] != beat[0] or beat[1] - known[0][1] > fresh:
                 return self._options.patience_s
         return self._options.settle_s
 
@@ -386,7 +385,7 @@ class Agent:
         epochs = [self.plan.epoch, *(epoch for epoch, _ in self.knowledge.proposals)]
         theirs = {p for k in silent for p in self._routes.points(k)}
         if silent >= self.proposal.silent:
-            # Else the points of those that are heard again would stay among the last.
+            # Points of vehicles that are heard again are no longer flown last.
             theirs |= self.proposal.last
         proposal = Proposal(
             number=max(epochs)[0] + 1,

@@ -13,7 +13,7 @@ MOST_POINTS = 2400
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AgreementOptions:
-    """Times of the agreement, seconds.
+    """Constants of the agreement; times are in seconds.
 
     Attributes
     ----------
@@ -23,6 +23,8 @@ class AgreementOptions:
         A coordinator proposes so long after it saw a reason: several changes make one proposal.
     patience_s
         It waits so long for the present places of vehicles that are heard again.
+    fresh_beats
+        A place counts as old if its vehicle has sent more packets since.
     repeat_s, repeats
         Between repetitions of a proposal that members have not claimed, and how many there are.
     least_gap_s
@@ -32,6 +34,7 @@ class AgreementOptions:
     membership: MembershipOptions = field(default_factory=MembershipOptions)
     settle_s: float = 0.05
     patience_s: float = 3.0
+    fresh_beats: int = 8
     repeat_s: float = 0.5
     repeats: int = 20
     least_gap_s: float = 0.1

@@ -10,8 +10,8 @@ from rocsafe_fleet.ledger.records import FIRST_EPOCH, Epoch
 class PossibleRoutes:
     """Knows what each vehicle may fly, also one that is not heard.
 
-    A vehicle flies the plan that it claims. Of newer plans of which it is a member it may have
-    heard or not: it was perhaps cut off before. So it may fly any of them.
+    A vehicle flies the plan that it claims. It may also fly a newer plan of which it is a member:
+    perhaps it received that plan and was cut off before it could claim it.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from rocsafe_fleet.errors import LinkError
 
 # Packets that may wait for the agents.
 MOST_WAITING = 1000
-# A peer that is not reached is asked again after so long, then after twice that, milliseconds.
+# First wait before another try to reach a peer, milliseconds; each further wait is twice as long.
 FIRST_RETRY_MS, LONGEST_RETRY_MS = 500, 4000
 
 

@@ -2,7 +2,8 @@
 """Chooses where a round of the search measures, from the readings of the ledger.
 
 The estimator is that of the localizer. Equal readings give equal places, and only the coordinator
-chooses: the others take the places from the ledger, so that no machine need compute alike.
+chooses: the others take the places from the ledger, so that machines need not compute equal
+results.
 """
 
 import math

@@ -82,7 +82,7 @@ class SimulatedRadio:
         self._is_bad: dict[tuple[int, int], bool] = {}
 
     def cut(self, groups: Iterable[Iterable[int]]) -> None:
-        """Let stations hear those of their own group only; those of no group hear nobody."""
+        """Let stations hear only those of their group; a station without a group hears none."""
         self._group = [-1 - station for station in range(self._count)]
         for number, group in enumerate(groups):
             for station in group:

@@ -49,7 +49,7 @@ class TrialOptions:
 
 @dataclass(slots=True, kw_only=True)
 class Outcome:
-    """What came of a trial.
+    """Result of a trial.
 
     Attributes
     ----------

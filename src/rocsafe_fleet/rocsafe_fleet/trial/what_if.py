@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of a mission if vehicles, agents or the radio fail: flown before it is flown."""
+"""Trials of a planned mission in which vehicles, agents or the radio fail."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -36,7 +36,7 @@ class Case:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """What becomes of it.
+    """Result of one trial.
 
     Attributes
     ----------

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The evidence log of a run: lines that only grow, each with the hash of the line before.
 
-A line is a JSON object with sorted keys. `hash` is the SHA-256 of the line without it. Whoever
-changes, removes or inserts a line breaks the chain from there on; whoever removes the last lines
-is found by the seal, which has the number of lines and the last hash.
+A line is a JSON object with sorted keys. `hash` is the SHA-256 of the line without it, `code` the
+version of the code that wrote it. Whoever changes, removes or inserts a line breaks the chain from
+there on; whoever removes the last lines is found by the seal, which has the number of lines and
+the last hash.
 
 A log that somebody has damaged is left as it is, and goes on in a segment beside it
 (``evidence-0002.jsonl``), whose first line says so, with the hash of what it follows.
@@ -20,6 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.storage.code_version import version_text
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.storage.json_values import finite
 
@@ -56,7 +58,8 @@ class Event:
 
     def to_plain(self) -> dict[str, Any]:
         """Return it fit for JSON."""
-        return {**self.what, 'time_s': self.time_s, 'kind': self.kind, 'by': self.by}
+        told = {'time_s': self.time_s, 'kind': self.kind, 'by': self.by, 'code': version_text()}
+        return {**self.what, **told}
 
 
 def line_of(content: Mapping[str, Any]) -> bytes:

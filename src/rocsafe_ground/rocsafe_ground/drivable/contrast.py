@@ -6,23 +6,41 @@ stands out from the meadow around it: its distance from the mean colour there, i
 spread of colours there, is large (Reed & Yu 1990).
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.ndimage import uniform_filter
 
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_ground.drivable.raster import Values
 
-# Side of the surroundings: wide beside a person or a drum, narrow beside a way.
-AROUND_M = 2.1
-# Square of the distance that 99 of 100 pixels of a normal distribution of three colours have.
-UNLIKE = 11.345
-# Spread that every camera adds to a plain colour, of 255.
-NOISE = 2.0
 # Rows at a time.
 STRIP = 512
 
 
-def is_unlike(colours: Values, is_seen: BoolArray, pixel_m: float) -> BoolArray:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ContrastRules:
+    """When a pixel is unlike its surroundings.
+
+    Attributes
+    ----------
+    around_m
+        Side of the surroundings: wide beside a person or a drum, narrow beside a way.
+    unlike
+        Square of the distance: 99 of 100 pixels of a normal distribution of three colours are
+        nearer (chi-squared with three degrees of freedom).
+    noise
+        Spread that every camera adds to a plain colour, of 255.
+    """
+
+    around_m: float = 2.1
+    unlike: float = 11.345
+    noise: float = 2.0
+
+
+def is_unlike(
+    colours: Values, is_seen: BoolArray, pixel_m: float, rules: ContrastRules
+) -> BoolArray:
     """Return which pixels are unlike their surroundings, (rows, columns).
 
     Parameters
@@ -33,19 +51,21 @@ def is_unlike(colours: Values, is_seen: BoolArray, pixel_m: float) -> BoolArray:
         Which pixels have a colour.
     pixel_m
         Side of a pixel.
+    rules
+        When a pixel is unlike.
     """
-    side = 2 * round(0.5 * AROUND_M / pixel_m) + 1
+    side = 2 * round(0.5 * rules.around_m / pixel_m) + 1
     found = np.zeros(is_seen.shape, np.bool_)
     for first in range(0, len(found), STRIP):
         # A strip and the surroundings of its pixels.
         before, last = max(first - side, 0), first + STRIP
         rows = slice(before, last + side)
-        odd = _squares(colours[:, rows], is_seen[rows], side) > UNLIKE
+        odd = _squares(colours[:, rows], is_seen[rows], side, rules.noise) > rules.unlike
         found[first:last] = odd[first - before : last - before]
     return found & is_seen
 
 
-def _squares(colours: Values, is_seen: BoolArray, side: int) -> Values:
+def _squares(colours: Values, is_seen: BoolArray, side: int, noise: float) -> Values:
     """Return the squared distance (Mahalanobis) of each pixel from its surroundings."""
     count = np.maximum(uniform_filter(is_seen.astype(np.float32), side), 1e-6)
 
@@ -63,7 +83,7 @@ def _squares(colours: Values, is_seen: BoolArray, side: int) -> Values:
     total = np.zeros(is_seen.shape, np.float32)
     # The colours one after the other, each without what the ones before tell of it (Cholesky).
     for a in range(3):
-        own = np.maximum(spread[a, a], 0.0) + NOISE**2
+        own = np.maximum(spread[a, a], 0.0) + noise**2
         total += rest[a] ** 2 / own
         for b in range(a + 1, 3):
             share = spread[a, b] / own

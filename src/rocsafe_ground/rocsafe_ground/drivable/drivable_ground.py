@@ -16,7 +16,7 @@ from scipy.ndimage import distance_transform_edt, label
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.terrain.terrain import Terrain
-from rocsafe_ground.drivable.contrast import is_unlike
+from rocsafe_ground.drivable.contrast import ContrastRules, is_unlike
 from rocsafe_ground.drivable.ground_classes import ColourRules, GroundClass, ground_classes
 from rocsafe_ground.drivable.labels import LabelMap
 from rocsafe_ground.drivable.raster import Bands
@@ -28,12 +28,10 @@ from rocsafe_ground.drivable.vehicle import GroundVehicle
 IntArray = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 DRIVEN = (GroundClass.ROAD, GroundClass.GRASS, GroundClass.SOIL)
 OPAQUE = 128.0
-# Less is the noise of a good elevation model.
-LEAST_ROUGHNESS_M = 0.01
 
 
 class Reason(IntEnum):
-    """What a cell is: free, or why not; the first of these that holds."""
+    """State of a cell: free, or the first of these reasons that keeps a vehicle out."""
 
     FREE = 0
     UNKNOWN = 1
@@ -51,8 +49,8 @@ class GroundRules:
 
     Attributes
     ----------
-    colours
-        Limits of the classes of colours.
+    colours, contrast
+        Limits of the classes of colours, and of what is unlike its surroundings.
     least_seen
         Share of a cell that photographs must show.
     most_blocked
@@ -63,6 +61,8 @@ class GroundRules:
     roughest_share
         Standard deviation of heights about their plane, as a share of the largest step, above
         which ground is too rough: what sticks out of it is up to four times as high.
+    least_roughness_m
+        Less is the noise of a good elevation model.
     slowest_share
         Share of its speed that a vehicle keeps on the steepest or roughest ground it can drive.
     least_patch_m2
@@ -71,10 +71,12 @@ class GroundRules:
     """
 
     colours: ColourRules = field(default_factory=ColourRules)
+    contrast: ContrastRules = field(default_factory=ContrastRules)
     least_seen: float = 0.9
     most_blocked: float = 0.35
     least_height_m: float = 0.5
     roughest_share: float = 0.25
+    least_roughness_m: float = 0.01
     slowest_share: float = 0.4
     least_patch_m2: float = 80.0
 
@@ -196,7 +198,8 @@ def _things(
     is_odd = values > max(DRIVEN)
     # A small thing has too few pixels to stand out where they are coarser.
     if layers.labels is None and classes.pixel_m < PART_M:
-        is_odd |= is_unlike(layers.mosaic.values[:3], values > 0.0, classes.pixel_m)
+        colours, is_seen = layers.mosaic.values[:3], values > 0.0
+        is_odd |= is_unlike(colours, is_seen, classes.pixel_m, rules.contrast)
     looks = np.stack([is_odd, values > 0.0]).astype(np.float32)
     parts = thing_parts(replace(classes, values=looks), grid, rules.most_blocked)
     if layers.heights is not None:
@@ -224,18 +227,18 @@ def _is_small_patch(
 def is_near(is_blocked: BoolArray, cell_m: float, reach_m: float) -> BoolArray:
     """Return which cells are within `reach_m` of a blocked cell or of the edge of the grid."""
     around = np.pad(is_blocked, 1, constant_values=True)
-    # From middle to middle; the blocked thing begins half a cell before.
+    # Distances are between middles of cells; an obstacle begins half a cell nearer.
     distance = distance_transform_edt(~around)[1:-1, 1:-1] * cell_m - 0.5 * cell_m
     return np.asarray(distance < reach_m)
 
 
 def _roughest_m(vehicle: GroundVehicle, rules: GroundRules) -> float:
     """Return the roughness above which ground is not driven."""
-    return max(rules.roughest_share * vehicle.largest_step_m, LEAST_ROUGHNESS_M)
+    return max(rules.roughest_share * vehicle.largest_step_m, rules.least_roughness_m)
 
 
 def _ages(layers: Layers, grid: RouteGrid) -> FloatArray | None:
-    # Of a cell that several photographs show the oldest part counts.
+    # A cell that several photographs show is as old as its oldest part.
     return None if layers.ages is None else layers.ages.on(grid, Resampling.max)[0]
 
 

@@ -63,5 +63,5 @@ def distances_m(is_thing: BoolArray, grid: RouteGrid) -> FloatArray:
     parts = parts_of(grid)
     middle = parts // 2
     distance = distance_transform_edt(~is_thing)[middle::parts, middle::parts]
-    # From middle to middle; the thing begins half a part before.
+    # Distances are between middles of parts; an obstacle begins half a part nearer.
     return np.asarray(np.maximum(distance - 0.5, 0.0) * grid.cell_m / parts)

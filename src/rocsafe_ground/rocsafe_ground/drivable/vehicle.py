@@ -53,7 +53,7 @@ class GroundVehicle:
 
     @property
     def clearance_m(self) -> float:
-        """How near to obstacles a line of its route may come: as near as its driver lets it."""
+        """Least distance of a line of its route from obstacles: that which its driver keeps."""
         return 0.5 * (self.width_m + self.margin_m)
 
     def kept_m(self, cell_m: float) -> float:

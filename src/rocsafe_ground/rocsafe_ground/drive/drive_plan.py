@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a ground vehicle is to drive, and what is known of it beforehand."""
+"""Plan of a drive of a ground vehicle, with its predicted time and dose."""
 
 import math
 from dataclasses import dataclass, field

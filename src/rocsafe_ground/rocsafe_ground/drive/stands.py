@@ -16,7 +16,7 @@ from rocsafe_ground.evidence.evidence_point import EvidencePoint
 
 # A start that the map takes for blocked, such as the shadow of a tent, is moved by no more.
 START_REACH_M = 3.0
-# What a vehicle that stands too near to it does not drive over to get away.
+# Cells that a vehicle does not cross to get away from an obstacle that it stands too near to.
 CROSSED_BY_NOTHING = (Reason.KEEP_OUT, Reason.OBSTACLE, Reason.STEEP, Reason.ROUGH)
 REASON_TEXTS = {
     Reason.UNKNOWN: 'ground that was not seen',

@@ -17,7 +17,7 @@ from rocsafe_ground.tour.trip import Budgets, Tour
 MOST_TIGHTENINGS = 7
 # Load that is planned for is lowered so often, each time to this part of what would just do.
 MOST_LOWERINGS, LOWERED = 5, 0.999
-# A budget is tried before it is named, and raised so often by so much until it would do.
+# A budget is tested before it is proposed; it is raised by this factor, at most this often.
 MOST_RAISES, RAISED = 10, 1.02
 # More points that do not fit are not told one by one.
 MOST_TOLD = 5
@@ -100,7 +100,7 @@ def needed(task: Task, chosen: int) -> Budgets:
 def _admits(task: Task, chosen: int) -> bool:
     """Return whether the budgets of a task admit a set of points.
 
-    What is found within two budgets depends on the ways that are known: it is asked as anew.
+    The search starts anew: its result depends on the ways that it knows already.
     """
     if math.isfinite(task.budgets.load):
         task = replace(task, search=task.search.renewed())

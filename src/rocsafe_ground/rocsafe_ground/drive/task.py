@@ -46,7 +46,7 @@ class Drive:
 
     @property
     def load(self) -> float:
-        """Toxic load by the upper 95 % of the gas, times that of its level; 0: not known."""
+        """Toxic load at the upper 95 % bound of the gas, over that of its level; 0: not known."""
         share = self.gas.load_upper_share if self.gas else 0.0
         return share if math.isfinite(share) else 0.0
 

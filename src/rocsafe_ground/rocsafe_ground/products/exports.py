@@ -4,20 +4,24 @@
 Altitudes are 0 above the ground: a rover drives on it.
 """
 
-from typing import Any
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from rocsafe_geo.mission_file import (
+    DO_CHANGE_SPEED,
+    IMAGE_START_CAPTURE,
+    NAV_WAYPOINT,
+    Document,
+    item,
+    item_at,
+    plan_document,
+    xml_text,
+)
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveStop
-from rocsafe_ground.products.document import Document, duration_text
+from rocsafe_ground.products.document import duration_text
 
-# MAVLink common message set.
-_NAV_WAYPOINT, _NAV_RETURN_TO_LAUNCH = 16, 20
-_DO_CHANGE_SPEED, _IMAGE_START_CAPTURE = 178, 2000
-_FRAME_MISSION, _FRAME_RELATIVE_ALTITUDE = 2, 3
 _GROUND_SPEED = 1
-# QGroundControl's own, and MAVLink's numbers of autopilot and vehicle.
-_ALTITUDE_RELATIVE, _ARDUPILOT, _ROVER = 1, 3, 10
+# MAV_AUTOPILOT_ARDUPILOTMEGA and MAV_TYPE_GROUND_ROVER.
+_KIND = 3, 10
 
 
 def drive_kml(plan: DrivePlan) -> str:
@@ -39,7 +43,7 @@ def drive_kml(plan: DrivePlan) -> str:
     for stop in plan.stops:
         if stop.evidence:
             _geometry(_placemark(document, stop.evidence), 'Point', (stop,))
-    return _xml(root)
+    return xml_text(root)
 
 
 def drive_gpx(plan: DrivePlan) -> str:
@@ -56,7 +60,7 @@ def drive_gpx(plan: DrivePlan) -> str:
         )
         if stop.evidence:
             SubElement(point, 'name').text = stop.evidence
-    return _xml(root)
+    return xml_text(root)
 
 
 def drive_qgroundcontrol(plan: DrivePlan) -> Document:
@@ -65,25 +69,7 @@ def drive_qgroundcontrol(plan: DrivePlan) -> Document:
     Speeds are set before each line on which they change; at evidence the rover holds and takes a
     photograph.
     """
-    start = plan.stops[0].place
-    speed = plan.request.vehicle.road_mps
-    return {
-        'fileType': 'Plan',
-        'version': 1,
-        'groundStation': 'QGroundControl',
-        'geoFence': {'circles': [], 'polygons': [], 'version': 2},
-        'rallyPoints': {'points': [], 'version': 2},
-        'mission': {
-            'version': 2,
-            'firmwareType': _ARDUPILOT,
-            'vehicleType': _ROVER,
-            'globalPlanAltitudeMode': _ALTITUDE_RELATIVE,
-            'cruiseSpeed': speed,
-            'hoverSpeed': speed,
-            'plannedHomePosition': [start.latitude_deg, start.longitude_deg, 0.0],
-            'items': _items(plan),
-        },
-    }
+    return plan_document(_items(plan), plan.stops[0].place, plan.request.vehicle.road_mps, _KIND)
 
 
 def _items(plan: DrivePlan) -> list[Document]:
@@ -92,22 +78,11 @@ def _items(plan: DrivePlan) -> list[Document]:
         wanted = round(stop.speed_mps, 2)
         if wanted != speed:
             speed = wanted
-            items.append(_item(_DO_CHANGE_SPEED, [_GROUND_SPEED, speed, -1, 0, 0, 0, 0]))
-        place = [round(stop.place.latitude_deg, 9), round(stop.place.longitude_deg, 9), 0]
-        item = _item(_NAV_WAYPOINT, [stop.dwell_s, 0, 0, None, *place], _FRAME_RELATIVE_ALTITUDE)
-        items.append({
-            **item, 'Altitude': 0, 'AltitudeMode': _ALTITUDE_RELATIVE, 'AMSLAltAboveTerrain': None
-        })  # fmt: skip
+            items.append(item(DO_CHANGE_SPEED, [_GROUND_SPEED, speed, -1, 0, 0, 0, 0]))
+        items.append(item_at(stop.place, 0, NAV_WAYPOINT, (stop.dwell_s, 0, 0, None)))
         if stop.evidence:
-            items.append(_item(_IMAGE_START_CAPTURE, [0, 0, 1, *[None] * 4]))
-    return [{**item, 'doJumpId': number} for number, item in enumerate(items, start=1)]
-
-
-def _item(command: int, params: list[Any], frame: int = _FRAME_MISSION) -> Document:
-    return {
-        'type': 'SimpleItem', 'autoContinue': True, 'command': command, 'frame': frame,
-        'params': params,
-    }  # fmt: skip
+            items.append(item(IMAGE_START_CAPTURE, [0, 0, 1, *[None] * 4]))
+    return items
 
 
 def _placemark(parent: Element, name: str) -> Element:
@@ -124,8 +99,3 @@ def _geometry(mark: Element, kind: str, stops: tuple[DriveStop, ...]) -> None:
     SubElement(shape, 'coordinates').text = ' '.join(
         f'{place.longitude_deg:.9f},{place.latitude_deg:.9f},0' for place in places
     )
-
-
-def _xml(root: Element) -> str:
-    ElementTree.indent(root)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, "unicode")}\n'

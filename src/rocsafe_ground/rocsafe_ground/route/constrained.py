@@ -23,12 +23,8 @@ from rocsafe_ground.route.corridor import Corridor
 from rocsafe_ground.route.edges import Edges, GridPath, Searcher
 from rocsafe_ground.route.route_kernels import FOUND, NONE_FOUND, label_search
 
-# Relative difference below which two costs are the same but for rounding.
+# Two costs whose relative difference is smaller are equal; the rest is rounding.
 ROUNDING = 1e-9
-# Labels that are tried in each round but the last.
-FEW_LABELS = 200_000
-# Factors of the prices in one round after the other: other prices tell more.
-TURNS = (1.0, 1.4, 0.7, 1.2, 0.85, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,13 +37,16 @@ class SearchEffort:
         Whether labels follow the dual.
     most_labels
         Labels after which the exact search gives up, in about a second; a label takes 40 bytes.
+    few_labels
+        Labels that are tried in each round but the last.
     most_duals
         Steps of the dual; 5 to 9 are usual.
     prices
         Prices of dose, as multiples of that of the dual, of which paths are joined and by whose
         bounds cells and labels are dropped; none: the dual is the whole search, the fastest.
-    rounds
-        How often cells are dropped by all prices, at most.
+    turns
+        Factors of the prices, one for each round in which cells are dropped by all prices: further
+        prices give further bounds.
     enough_gap
         Proven gap at which the search ends; 0: at the optimum. Paths that are not better than the
         best one by so much are not looked for.
@@ -55,13 +54,13 @@ class SearchEffort:
 
     is_exact: bool = True
     most_labels: int = 3_000_000
+    few_labels: int = 200_000
     most_duals: int = 40
     prices: tuple[float, ...] = (1.0, 0.5, 2.0, 0.2, 5.0)
-    rounds: int = 5
+    turns: tuple[float, ...] = (1.0, 1.4, 0.7, 1.2, 0.85)
     enough_gap: float = 0.0
 
     def __post_init__(self) -> None:
-        require_count('rounds', self.rounds, 1, len(TURNS))
         require_count('most_labels', self.most_labels, 16, 1_000_000_000)
         require_count('most_duals', self.most_duals, 1, 1000)
         require_between('enough_gap', self.enough_gap, 0.0, 1.0)
@@ -79,8 +78,8 @@ class BoundedPath:
         The fastest path found.
     bound_s
         No path on this grid within the budget takes less.
-    price_s_per_usv, price_s_per_load
-        Seconds that one more microsievert, or load, saves, about (multipliers of the dual).
+    price_s_per_usv
+        Seconds that one more microsievert saves, about (multiplier of the dual).
     label_count
         Labels that the exact search made; 0: the dual was enough.
     """
@@ -89,11 +88,10 @@ class BoundedPath:
     bound_s: float
     price_s_per_usv: float
     label_count: int
-    price_s_per_load: float = 0.0
 
     @property
     def gap_fraction(self) -> float:
-        """Bound of the share by which the time of the path is above the optimum."""
+        """Upper bound of the relative excess of the time of the path over the optimum."""
         if self.path.time_s <= 0.0:
             return 0.0
         return max(0.0, 1.0 - self.bound_s / self.path.time_s)
@@ -155,14 +153,14 @@ class RouteSearch:
         last one all labels that the effort allows.
         """
         known, corridor = dual, Corridor(self._quick.costs, self._clean.costs)
-        for turn in TURNS[: effort.rounds] if effort.prices else ():
+        for turn in effort.turns if effort.prices else ():
             for share in effort.prices:
                 price = turn * share * dual.price_s_per_usv
                 known = self._one_price(budget, price, known, corridor, effort)
                 if known.gap_fraction > ROUNDING and _is_enough(known, effort):
                     return known
             if known.gap_fraction > ROUNDING and effort.is_exact:
-                few = replace(effort, most_labels=min(FEW_LABELS, effort.most_labels))
+                few = replace(effort, most_labels=min(effort.few_labels, effort.most_labels))
                 known = self._exact(budget, known, corridor, few)
             if known.gap_fraction <= ROUNDING:
                 return replace(known, bound_s=known.path.time_s)
@@ -170,7 +168,7 @@ class RouteSearch:
                 return known
             if not corridor.has_narrowed():
                 break
-        if effort.is_exact and effort.most_labels > FEW_LABELS:
+        if effort.is_exact and effort.most_labels > effort.few_labels:
             return self._exact(budget, known, corridor, effort)
         return known
 
@@ -275,18 +273,16 @@ class RouteSearch:
             label_count=int(count),
         )  # fmt: skip
 
-    def trade_off(
-        self, count: int, effort: SearchEffort | None = None
-    ) -> tuple[tuple[float, BoundedPath], ...]:
+    def trade_off(self, count: int) -> tuple[tuple[float, BoundedPath], ...]:
         """Return budgets from the cleanest to the fastest path with the best path of each.
 
-        The budgets are spaced evenly in logarithm. Without `effort` the dual is enough, whose gap
-        is mostly below a percent.
+        The budgets are spaced evenly in logarithm. The dual is enough: its gap is mostly below a
+        percent.
         """
         require_count('count', count, 2, 1000)
         low, high = self.cleanest.dose_usv, self.fastest.dose_usv
         require_positive('dose of the cleanest path', low, 'uSv')
-        effort = effort or SearchEffort(is_exact=False)
+        effort = SearchEffort(is_exact=False)
         budgets = np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)
         return tuple((float(one), self.within(float(one), effort)) for one in budgets)
 

@@ -17,8 +17,8 @@ def best_prices(
 ) -> tuple[tuple[float, float], float]:
     """Return the prices of dose and load with the highest bound, and that bound.
 
-    The bound of a price is the least of time + price * (what a trip takes - room) of all trips
-    known. A price whose room is infinite is 0.
+    The bound of a price is the minimum of time + price * (cost of a trip - room) over all known
+    trips. A price whose room is infinite is 0.
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ def _without(chosen: int, limit: Limit, points: Sequence[TourPoint]) -> int:
 def _best_relief(
     order: tuple[int, ...], limit: Limit, points: Sequence[TourPoint]
 ) -> tuple[int, float]:
-    """Return the point whose leaving out saves the most for its priority, and what it saves."""
+    """Return the point to leave out, which saves most relative to its priority, and the saving."""
     whole = trip_cost(limit.costs, order)
     saved = [
         whole

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Choices of ways along an order of points, of which no other is better in everything."""
+"""Pareto-optimal choices of ways along an order of points."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -144,7 +144,7 @@ class TourSearch:
         if found is None:
             return None
         bound = self._orders_at(QUICKEST).bound(chosen)
-        return self._tour(chosen, found[1], found[2], bound, (0.0, 0.0))
+        return self._tour(chosen, found[1], found[2], bound, 0.0)
 
     @property
     def _has_gas(self) -> bool:
@@ -189,12 +189,12 @@ class TourSearch:
         return list(zip((0, *order), (*order, self._end), strict=True))
 
     def _pure(self, weights: Weights, chosen: int) -> Tour:
-        """Return the cheapest trip with one weight; of those as cheap it is the fastest."""
+        """Return the cheapest trip with one weight; the fastest if several are equally cheap."""
         legs, order = self._trip(weights, chosen)
         orders = self._orders_at(weights)
         is_proven = orders.bound(chosen) >= orders.cost(chosen) * (1.0 - ROUNDING)
         quickest = _sums(legs)[0] if is_proven else self._orders_at(QUICKEST).bound(chosen)
-        return self._tour(chosen, legs, order, quickest, (0.0, 0.0))
+        return self._tour(chosen, legs, order, quickest, 0.0)
 
     def _tour(
         self,
@@ -202,13 +202,13 @@ class TourSearch:
         legs: Legs,
         order: tuple[int, ...],
         bound_s: float,
-        prices: tuple[float, float],
+        price_s_per_usv: float,
     ) -> Tour:
         time, dose, load = (a + b for a, b in zip(_sums(legs), self._dwell(chosen), strict=True))
         return Tour(
             order=tuple(k - 1 for k in order), legs=legs, time_s=time, dose_usv=dose,
             load=load, bound_s=min(time, bound_s + self._dwell(chosen)[0]),
-            price_s_per_usv=prices[0], price_s_per_load=prices[1],
+            price_s_per_usv=price_s_per_usv,
             left_out=tuple(k for k in range(len(self._points)) if not chosen >> k & 1),
         )  # fmt: skip
 
@@ -220,7 +220,7 @@ class TourSearch:
         bound, prices = self._orders_at(QUICKEST).bound(chosen), (0.0, 0.0)
         known = [_sums(quickest)]
         if known[0][1] <= room[0] and known[0][2] <= room[1]:
-            return self._tour(chosen, quickest, order, bound, prices)
+            return self._tour(chosen, quickest, order, bound, 0.0)
         for weights in (CLEANEST, PUREST)[: 2 if math.isfinite(budgets.load) else 1]:
             known.append(_sums(self._trip(weights, chosen)[0]))
         best = None
@@ -237,7 +237,7 @@ class TourSearch:
             if best is not None and best[0] <= bound * (1.0 + SMALL_GAP):
                 break
             known.append(_sums(found))
-        return None if best is None else self._tour(chosen, best[1], best[2], bound, prices)
+        return None if best is None else self._tour(chosen, best[1], best[2], bound, prices[0])
 
     def _fastest(
         self, chosen: int, room: tuple[float, float]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a round trip visits, what it may take, and what it is."""
+"""A round trip: the points to visit, its budgets, and the result."""
 
 import math
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class TourPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budgets:
-    """What a trip may take: dose, uSv; time, s; toxic load, times that of a level of the gas."""
+    """Limits of a trip: dose, uSv; time, s; toxic load over that of a level of the gas."""
 
     dose_usv: float
     time_s: float = AMPLE_S
@@ -67,8 +67,8 @@ class Tour:
         With dwells.
     bound_s
         No trip on this grid through these points within the budgets takes less.
-    price_s_per_usv, price_s_per_load
-        Seconds that one more microsievert, or one more toxic load of the level, saves, about.
+    price_s_per_usv
+        Seconds that one more microsievert saves, about.
     left_out
         Points that do not fit.
     """
@@ -80,7 +80,6 @@ class Tour:
     load: float
     bound_s: float
     price_s_per_usv: float
-    price_s_per_load: float
     left_out: tuple[int, ...]
 
     @property
@@ -89,11 +88,6 @@ class Tour:
         return sum(1 << k for k in self.order)
 
     @property
-    def costs(self) -> tuple[float, float, float]:
-        """Time, dose and toxic load."""
-        return self.time_s, self.dose_usv, self.load
-
-    @property
     def gap_fraction(self) -> float:
-        """Bound of the share by which the time of the trip is above the optimum."""
+        """Upper bound of the relative excess of the time of the trip over the optimum."""
         return max(0.0, 1.0 - self.bound_s / self.time_s) if self.time_s > 0.0 else 0.0

@@ -14,6 +14,10 @@ from numpy.typing import NDArray
 from rocsafe_mapping.drawing.grid import MapGrid, Window
 from rocsafe_mapping.drawing.placed_photo import LATTICE_PX, PlacedPhoto, Shares, drawn, scores
 
+# Owners: the index of the photograph that is shown at each pixel of the coarse grid, or none.
+NO_PHOTO = -1
+Labels = NDArray[np.int32]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CoarseView:

@@ -12,9 +12,8 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray
-from rocsafe_mapping.drawing.coarse_view import CoarseView
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO, CoarseView, Labels
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing_options import DrawingOptions
 

@@ -16,9 +16,8 @@ import cv2
 import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
-from rocsafe_mapping.drawing.coarse_view import CoarseView
+from rocsafe_mapping.drawing.coarse_view import CoarseView, Labels
 from rocsafe_mapping.drawing.grid import MapGrid, Window
-from rocsafe_mapping.drawing.ownership import Labels
 from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, Shares
 from rocsafe_mapping.drawing.plane_sweep import NOT_SEEN, SweepImage, likeness
 from rocsafe_mapping.drawing_options import ReliefOptions

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.drawing.blending import REACH_PX, Mask, Part, blended, reach
-from rocsafe_mapping.drawing.coarse_view import CoarseView, coarse_grid, coarse_view
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO, CoarseView, coarse_grid, coarse_view
 from rocsafe_mapping.drawing.gains import gains
 from rocsafe_mapping.drawing.grid import TILE_PX, MapGrid, Window
-from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.pixel_cache import PixelCache
 from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, drawn
 from rocsafe_mapping.drawing.relief import Relief, relief

@@ -8,10 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from rocsafe_mapping.drawing.coarse_view import CoarseView, overlapping
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO, CoarseView, Labels, overlapping
 from rocsafe_mapping.drawing.grid import Window
 from rocsafe_mapping.drawing.object_ownership import keep_objects_whole
-from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing.seam_cost import seam_cost
 from rocsafe_mapping.drawing_options import DrawingOptions, SeamOptions

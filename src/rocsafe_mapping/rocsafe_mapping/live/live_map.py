@@ -20,10 +20,10 @@ from rocsafe_mapping.live.web_tiles import WebTiles
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Notice
 from rocsafe_mapping.photographs.shot import ShotRecord
 
-# All photographs are adjusted together when there are so many times as many as the last time.
+# All photographs are adjusted together when their number has grown by this factor.
 GROWTH = 1.5
 FEWEST = 6
-# A photograph is drawn again when a corner moved by so many pixels, its own or the map's.
+# A photograph is drawn again when a corner has moved this far, pixels of it or of the map.
 LEAST_MOVE_PX = 0.5
 # Between two rounds of drawing the tiles that changed.
 TILES_S = 4.0

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO
 from rocsafe_mapping.drawing.grid import (
     FINEST_ZOOM,
     TILE_PX,
@@ -22,7 +23,6 @@ from rocsafe_mapping.drawing.grid import (
     MapGrid,
     Window,
 )
-from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import LATTICE_PX, PlacedPhoto, drawn, scores
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker

@@ -8,24 +8,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.alignment.adjustment.height_error import TieHeights, height_error, leaning_m
+from rocsafe_mapping.alignment.adjustment.height_error import height_error
 from rocsafe_mapping.alignment.adjustment.least_squares import (
     residuals_px,
     stated_error_m,
     tie_heights,
 )
-from rocsafe_mapping.alignment.block import BY_GPS, Block, Placement
+from rocsafe_mapping.alignment.block import BY_GPS, Block
 from rocsafe_mapping.alignment.initial.pair_graph import groups_of
 from rocsafe_mapping.alignment.model.photo import (
     GroundFrame,
     Photo,
-    footprint,
     ground_frame_of,
     photo_of_record,
 )
 from rocsafe_mapping.alignment.model.state import Lens
-from rocsafe_mapping.alignment.model.surface import Surface
 from rocsafe_mapping.alignment_options import AlignmentOptions
 from rocsafe_mapping.drawing.grid import LOCAL_EPSG, MapGrid, utm_epsg
 from rocsafe_mapping.drawing.pixel_cache import PixelCache, ReadImage
@@ -33,9 +30,9 @@ from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.drawing_options import DrawingOptions
 from rocsafe_mapping.errors import MappingError, PlacementError
+from rocsafe_mapping.mosaic.map_alignment import Alignment
 from rocsafe_mapping.mosaic.one_place import distances_from_most_m
 from rocsafe_mapping.mosaic.survey import (
-    FoundPoint,
     Survey,
     SurveyedMark,
     control_in,
@@ -49,13 +46,6 @@ DEFAULT_MAX_PIXELS, LEAST_PIXELS = 400_000_000, 10_000
 FARTHEST_M = 100_000.0
 """A photograph farther from the first one is no part of a map in one plane."""
 
-# Shares of the four corners of a photograph at 8 x 8 places spread over it, shape (64, 4).
-_ALONG = (np.arange(8) + 0.5) / 8
-EVENLY = np.stack(
-    [np.outer(a, b).ravel() for a, b in (
-        (1 - _ALONG, 1 - _ALONG), (1 - _ALONG, _ALONG), (_ALONG, _ALONG), (_ALONG, 1 - _ALONG)
-    )], axis=1,
-)  # fmt: skip
 Notice = Callable[[str], None]
 
 
@@ -102,75 +92,6 @@ class Shot:
     name: str
     record: ShotRecord
     read: ReadImage
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Alignment:
-    """Places of all photographs, with their uncertainty.
-
-    Attributes
-    ----------
-    photos, placements
-        By name.
-    errors_m
-        Standard error of each tied photograph's corners on level ground.
-    held_out_px
-        Residuals (n, 2) of ties that were not adjusted.
-    heights
-        How high the points of ties stand above the ground.
-    heights_error
-        Standard error of the ground's heights with what stands there.
-    lags_s
-        By how much the fixes of vehicles are late, where that is certain; the priors of `photos`
-        are without it.
-    groups
-        Numbers of photographs that are tied to each other, largest first.
-    control
-        Surveyed points of the ground.
-    is_local
-        Whether the map has neither scale nor north.
-    """
-
-    photos: Mapping[str, Photo]
-    placements: Mapping[str, Placement]
-    errors_m: Mapping[str, float]
-    held_out_px: FloatArray
-    heights: TieHeights
-    heights_error: Surface = field(default_factory=Surface)
-    lags_s: Mapping[str, float] = field(default_factory=dict)
-    groups: tuple[int, ...] = ()
-    control: tuple[FoundPoint, ...] = ()
-    is_local: bool = False
-
-    def error_m(self, name: str, ground_m: FloatArray | None = None) -> float:
-        """Return the standard error of the ground that a photograph shows, or of points (n, 2)."""
-        if ground_m is None:
-            ground_m = EVENLY @ footprint(self.photos[name], self.placements[name].pose)
-        return float(np.sqrt(np.mean(self.errors_at_m(name, ground_m) ** 2)))
-
-    def errors_at_m(
-        self, name: str, ground_m: FloatArray, rise_m: FloatArray | float = 0.0
-    ) -> FloatArray:
-        """Return the standard errors (n,) of what a photograph shows at points (n, 2) of the map.
-
-        `rise_m` is the height above the ground of what it shows there: a flat map shows it
-        displaced.
-        """
-        pose = self.placements[name].pose
-        leaning = leaning_m(self.heights_error, pose, ground_m, rise_m)
-        return np.hypot(self._placing_error_m(name), leaning)
-
-    def _placing_error_m(self, name: str) -> float:
-        """Return the standard error of a photograph's corners if the ground were as found."""
-        if name in self.errors_m:
-            return self.errors_m[name]
-        photo = self.photos[name]
-        height_m = float(photo.prior.centre[2])
-        turn = photo.tilt_std_rad * math.sqrt(2.0)
-        yaw = photo.yaw_std_rad if photo.has_yaw else math.pi / 2
-        side_m = 0.5 * math.hypot(photo.camera.width_px, photo.camera.height_px)
-        side_m *= photo.ground_resolution_m
-        return math.hypot(photo.horizontal_std_m * math.sqrt(2.0), turn * height_m, yaw * side_m)
 
 
 class Mapmaker:
@@ -409,8 +330,3 @@ class Mapmaker:
                 f'{grid.resolution_m:g} m wide, not {wished:g} m'
             )
         return grid
-
-
-def by_gps(alignment: Alignment) -> tuple[str, ...]:
-    """Return the names of the photographs that only their fixes place."""
-    return tuple(sorted(n for n, p in alignment.placements.items() if p.placed_by == BY_GPS))

@@ -45,7 +45,7 @@ def distances_from_most_m(positions: Sequence[tuple[float, float]]) -> FloatArra
     graph = coo_matrix((np.ones(len(near)), (near[:, 0], near[:, 1])), shape=(len(cells),) * 2)
     place = connected_components(graph, directed=False)[1][cell_of.ravel()]
     counts = np.bincount(place)
-    # Of two places with as many photographs, that of the first one.
+    # Two places may have equally many photographs: the first one counts.
     most = next(number for number in place if counts[number] == counts.max())
     away = np.linalg.norm(points - np.median(points[place == most], axis=0), axis=1)
     return np.where(place == most, 0.0, away)

@@ -31,7 +31,7 @@ Colour = tuple[int, int, int]
 RAW_SUFFIX = '.raw'
 GDAL_ERRORS = (OSError, RasterioError, CPLE_BaseError)
 """What rasterio raises where a file cannot be read or written; copies raise GDAL's own."""
-# What stands for no value where values are numbers: programs differ on NaN.
+# Number for no value in float rasters: programs treat NaN differently.
 NO_VALUE = -9999.0
 # A local map says in every raster that its numbers are no metres and its top is not north.
 LOCAL_WKT = (
@@ -114,7 +114,7 @@ def _made(path: Path, write: Callable[[Path], None], resampling: Resampling) -> 
         raise MappingError(f'cannot write map {path}: {error}') from error
     finally:
         raw.unlink(missing_ok=True)
-        # What GDAL keeps beside the file while it makes it, also of a process that was killed.
+        # Temporary files that GDAL makes beside the file, also those of a process that was killed.
         for leftover in path.parent.glob(f'{part_of(path).name}.*'):
             leftover.unlink(missing_ok=True)
 

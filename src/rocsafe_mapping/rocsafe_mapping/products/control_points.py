@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far surveyed points are off on the map, and whether that forbids to trust it."""
+"""Errors of surveyed points on the map, and whether they make it unreliable."""
 
 from typing import Any
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.mosaic.mapmaker import Alignment
+from rocsafe_mapping.mosaic.map_alignment import Alignment
 from rocsafe_mapping.mosaic.survey import FoundPoint
 
 LEAST_FIXES = 3

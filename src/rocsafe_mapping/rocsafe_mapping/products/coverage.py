@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from rocsafe_geo.arrays import BoolArray
-from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far each place of the map may be off, as a map: what stands on the ground leans."""
+"""A map of the standard error of each place; objects above the ground are displaced."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,17 +11,17 @@ import numpy as np
 from rocsafe_geo.arrays import BoolArray
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.time_units import NS_PER_S
-from rocsafe_mapping.drawing.ownership import NO_PHOTO
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO
 from rocsafe_mapping.drawing.placed_photo import Shares
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.mosaic.mapmaker import Alignment
+from rocsafe_mapping.mosaic.map_alignment import Alignment
 from rocsafe_mapping.products.cog import write_values
 
 ERROR_TIF, ERROR_PNG = 'error.tif', 'error.png'
-# What counts as standing on the ground, metres.
+# Least height of an object that stands on the ground, metres.
 STANDING_M = 0.3
 LONGEST_SIDE_PX = 1024
-# The brightest colour of the picture is that of this share of the map's errors.
+# Quantile of the map's errors that gets the brightest colour.
 BRIGHTEST = 0.98
 UNTOLD_GRAY, UNTOLD_SHARE = 150.0, 0.6
 

@@ -5,13 +5,14 @@ import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from rocsafe_geo.storage.durable import write_whole
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.label_map import UNKNOWN, label_tiles
-from rocsafe_mapping.drawing.placed_photo import PlacedPhoto
+from rocsafe_mapping.drawing.placed_photo import PlacedPhoto, drawn
 from rocsafe_mapping.drawing.renderer import Renderer
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.photographs.label_images import LabelImages
@@ -19,6 +20,8 @@ from rocsafe_mapping.products.cog import write_cog
 
 LABELS_TIF, LABELS_JSON = 'labels.tif', 'labels.json'
 TILE_PX, VALUES = 256, 256
+# The value where nothing is known.
+UNKNOWN = 0
 Tiles = Iterator[tuple[Window, NDArray[np.uint8]]]
 
 
@@ -53,7 +56,7 @@ def write_labels(
             np.add(counts, np.bincount(labels.ravel(), minlength=VALUES), out=counts)
             yield window, labels
 
-    tiles = label_tiles(renderer, placed_photos, lambda name: images.of(Path(name).stem), TILE_PX)
+    tiles = _label_tiles(renderer, placed_photos, images)
     colours = {label.value: label.colour for label in images.classes}
     path = folder / LABELS_TIF
     write_cog(path, renderer.grid, renderer.window, counted(tiles), palette=colours)
@@ -73,3 +76,33 @@ def write_labels(
         write_whole(folder / LABELS_JSON, json.dumps({'classes': rows}, indent=1).encode() + b'\n')
     except OSError as error:
         raise MappingError(f'cannot write {folder / LABELS_JSON}: {error}') from error
+
+
+def _label_tiles(
+    renderer: Renderer,
+    placed_photos: Mapping[str, PlacedPhoto],
+    images: LabelImages,
+) -> Tiles:
+    """Return the labels of the map's tiles, each from the photograph that the map shows there.
+
+    Labels are not blended.
+    """
+    for tile in renderer.window.tiles(TILE_PX):
+        index = renderer.owner_index(tile)
+        found = np.full(index.shape, UNKNOWN, np.uint8)
+        for number in np.unique(index).tolist():
+            name = '' if number == NO_PHOTO else renderer.names[number]
+            labels = images.of(Path(name).stem) if name else None
+            if labels is None:
+                continue
+            camera = placed_photos[name].photo.camera
+            if labels.shape != (camera.height_px, camera.width_px):
+                raise ValueError(
+                    f'{name}: label image is {labels.shape[1]} x {labels.shape[0]} pixels, the '
+                    f'photograph {camera.width_px} x {camera.height_px}'
+                )
+            seen = placed_photos[name].pixel_map(renderer.grid, tile)
+            picture = drawn(labels, seen, cv2.INTER_NEAREST)
+            found[index == number] = picture[index == number]
+        if np.any(index != NO_PHOTO):
+            yield tile, found

@@ -10,7 +10,8 @@ import shapely
 
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_mapping.errors import MappingError
-from rocsafe_mapping.mosaic.mapmaker import Alignment, Mapmaker
+from rocsafe_mapping.mosaic.map_alignment import Alignment
+from rocsafe_mapping.mosaic.mapmaker import Mapmaker
 from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.products.cog import write_cog
 from rocsafe_mapping.products.error_map import error_map, write_error_map

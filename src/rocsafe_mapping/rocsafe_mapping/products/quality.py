@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How good a map is, measured on itself, and whether it may be called georeferenced."""
+"""Quality of a map from its own data, and whether it may be called georeferenced."""
 
 import math
 from collections.abc import Mapping
@@ -14,21 +14,17 @@ from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.block import BY_FEATURES, BY_GPS, Placement
 from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment.model.state import State
-from rocsafe_mapping.drawing.ownership import NO_PHOTO, Labels
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO, Labels
 from rocsafe_mapping.drawing.renderer import Renderer
-from rocsafe_mapping.mosaic.mapmaker import Alignment, by_gps
-from rocsafe_mapping.products.control_points import (
-    LEAST_FIXES,
-    control_facts,
-    control_violations,
-)
+from rocsafe_mapping.mosaic.map_alignment import Alignment, by_gps
+from rocsafe_mapping.products.control_points import LEAST_FIXES, control_facts, control_violations
 from rocsafe_mapping.products.coverage import coverage
 from rocsafe_mapping.products.error_map import ErrorMap, error_map
 from rocsafe_mapping.products.seam_shift import on_ground, seam_shifts_px
 
 FORMAT = 'rocsafe-map-quality-1'
 QUALITY_TILE_PX = 512
-# What a map must keep to be called georeferenced.
+# Limits that a georeferenced map must keep.
 LARGEST_FIX_FACTOR = 4.0
 # Error of a fix, where no photograph has one.
 HORIZONTAL_STD_M = 2.5

@@ -6,8 +6,8 @@ import numpy as np
 
 from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_mapping.alignment.adjustment.height_error import TieHeights
+from rocsafe_mapping.drawing.coarse_view import NO_PHOTO
 from rocsafe_mapping.drawing.grid import Window
-from rocsafe_mapping.drawing.ownership import NO_PHOTO
 from rocsafe_mapping.drawing.renderer import Renderer
 
 PATCH_PX = 64

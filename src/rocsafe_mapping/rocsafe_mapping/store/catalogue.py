@@ -102,7 +102,7 @@ def read_store(directory: Path, notice: Notice) -> tuple[StoredShot, ...]:
     if not manifest.exists():
         return ()
     try:
-        # What follows the last line end is still being written.
+        # Text after the last line end is still being written.
         lines = manifest.read_bytes().split(b'\n')[:-1]
     except OSError as error:
         raise StoreError(f'cannot read {manifest}: {error.strerror}') from error

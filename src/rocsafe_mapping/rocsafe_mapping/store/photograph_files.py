@@ -31,7 +31,7 @@ MOST_NAMED = 3
 FILM_WIDTH_MM, FILM_DIAGONAL_MM = 36.0, math.hypot(36.0, 24.0)
 EXIF_FOCAL_STD_SHARE = 0.06
 TABLE_FOCAL_STD_SHARE = 0.03
-# Of lenses that see straight lines as straight: a fisheye's 136 degrees to a long telephoto.
+# Limits of lenses without strong distortion: from 136 degrees wide to a long telephoto.
 SHORTEST_FOCAL_WIDTHS, LONGEST_FOCAL_WIDTHS = 0.2, 50.0
 # Widths of sensors in millimetres, from their makers' data sheets.
 SENSOR_WIDTH_MM = {
@@ -41,13 +41,13 @@ SENSOR_WIDTH_MM = {
     'Canon PowerShot SX260 HS': 6.17, 'Canon PowerShot S100': 7.44,
 }  # fmt: skip
 UNIT_MM = {2: 25.4, 3: 10.0, 4: 1.0}
-# What the attitude of a gimbal, or of a camera without any, is worth.
+# Standard deviations of the attitude of a gimbal, and of a camera without one.
 GIMBAL_TILT_STD_DEG, GIMBAL_YAW_STD_DEG = 2.0, 10.0
 FIXED_TILT_STD_DEG, NO_YAW_STD_DEG = 6.0, 180.0
 HORIZONTAL_STD_M, VERTICAL_STD_M = 2.5, 1.5
 # Of altitudes and heights, which no drone reaches, of accuracies, and of angles.
 MOST_HEIGHT_M, MOST_ACCURACY_M, MOST_ANGLE_DEG = 20_000.0, 100_000.0, 720.0
-# What Exif calls the hemispheres of latitude and longitude.
+# Letters of Exif for the hemispheres of latitude and longitude.
 HEMISPHERES = {GPS.GPSLatitude: ('N', 'S'), GPS.GPSLongitude: ('E', 'W')}
 # Of GPSAltitudeRef: 1 is below sea level (Exif 2), 3 below the ellipsoid (Exif 3).
 BELOW = (1.0, 3.0)
@@ -118,7 +118,7 @@ def vehicle_of(tags: Tags) -> str:
 def record_of_tags(tags: Tags, vehicle: str, sequence: int, sha256: str) -> ShotRecord:
     """Return the record that the tags of a photograph amount to.
 
-    What is not known is NaN.
+    Unknown values are NaN.
 
     Raises
     ------

@@ -47,7 +47,7 @@ DEFAULT_RESERVE_BYTES = 64 * 2**20
 
 
 class Status(Enum):
-    """What became of a photograph that was offered to the store."""
+    """Result of storing a photograph."""
 
     STORED = 'stored'
     DUPLICATE = 'duplicate'

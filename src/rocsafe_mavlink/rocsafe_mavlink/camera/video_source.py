@@ -15,7 +15,7 @@ import cv2
 
 from rocsafe_mavlink.camera.source import CameraImage
 
-# What a process that opens streams sets in its environment, if its user has not: RTP over TCP, in
+# Environment of a process that opens streams, unless its user sets it: RTP over TCP, in
 # the connection that we open. Over UDP the decoder would listen on ports of its own, everywhere.
 DECODER_OPTIONS = ('OPENCV_FFMPEG_CAPTURE_OPTIONS', 'rtsp_transport;tcp')
 DEVICE_PREFIX = '/dev/'

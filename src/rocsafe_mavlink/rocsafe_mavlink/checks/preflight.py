@@ -21,7 +21,7 @@ from rocsafe_mavlink.checks.way_checks import (
 )
 from rocsafe_mavlink.checks.wind_checks import wind_checks
 from rocsafe_mavlink.knowledge.fix import fix_fault
-from rocsafe_mavlink.knowledge.telemetry import Contact, Home, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
 from rocsafe_mavlink.plan.flight_plan import FlightPlan
 
@@ -177,7 +177,3 @@ def _plan_checks(plan: FlightPlan, home: GeoPosition, limits: FlightLimits) -> l
 
 def _ground(vehicle: VehicleTelemetry) -> str:
     return 'on the ground' if vehicle.is_on_ground else 'in the air'
-
-
-def _place(home: Home) -> GeoPosition:
-    return GeoPosition(home.latitude_deg, home.longitude_deg)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Commands of an operator to one vehicle, started or refused with the reason.
 
-Nothing here is ever called by the suite itself, but by services and actions.
+The suite itself calls nothing here; services and actions do.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,22 +13,18 @@ from rocsafe_mavlink.checks.check import Check, failures
 from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.checks.way_checks import (
     exclusion_checks,
-    fence_check,
-    homeward_checks,
     start_of,
 )
+from rocsafe_mavlink.drone.free_ways import FreeWays
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
 from rocsafe_mavlink.errors import CommandRefusedError
-from rocsafe_mavlink.flight.command_sequence import CommandSequence, Refusal
+from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.flight_journal import FlightJournal
-from rocsafe_mavlink.flight.flight_signs import heights_moved
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands, require_reachable
-from rocsafe_mavlink.knowledge.fix import fix_fault
-from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S, Contact, Home, VehicleTelemetry
+from rocsafe_mavlink.knowledge.telemetry import Contact, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, rally_items
-from rocsafe_mavlink.plan.flight_limits import FlightLimits, VehicleSettings
-from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission_of
-from rocsafe_mavlink.plan.homeward import homeward_plan, way_fault, zone_at
+from rocsafe_mavlink.plan.flight_limits import FlightLimits
+from rocsafe_mavlink.plan.flight_plan import FlightPlan, mission_of
 from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
 
@@ -58,7 +54,7 @@ class DroneCommands:
     ) -> None:
         self._session = session
         self._limits = limits
-        self._journal = journal
+        self._ways = FreeWays(session, limits, journal)
 
     @property
     def count(self) -> int:
@@ -98,9 +94,11 @@ class DroneCommands:
         if flight is None or flight.is_given_up:
             raise CommandRefusedError('its route was given up: send a route')
         self._require_verified()
-        _refuse(self._fault_ahead(session.telemetry, now_s))
+        _refuse(self._ways.fault_ahead(session.telemetry, now_s))
         self._begin(
-            lambda commands: commands.resume(session.telemetry, flight.mission, self._fault_ahead),
+            lambda commands: commands.resume(
+                session.telemetry, flight.mission, self._ways.fault_ahead
+            ),
             now_s,
         )
         # The command reads it again: until that is done it is not known.
@@ -115,17 +113,17 @@ class DroneCommands:
         if self._is_under_way(name) or self._stays_down(name, Verb.RETURN, now_s):
             return
         self._require_ours(now_s, is_always_taken=True)
-        way = self._way_home(self._session.telemetry)
+        way = self._ways.way_home(self._session.telemetry)
         if way is None:
             self._begin(
-                lambda commands: commands.return_home(self._way_bends), now_s, preempts=True
+                lambda commands: commands.return_home(self._ways.bends), now_s, preempts=True
             )
         else:
             self._require_no_failsafe()
             self._begin(
                 lambda commands: commands.fly_home(
                     mission_of(way, commands.autopilot),
-                    self._blocked(way.waypoints[0].position),
+                    self._ways.blocked(way.waypoints[0].position),
                 ),
                 now_s,
                 preempts=True,
@@ -150,8 +148,8 @@ class DroneCommands:
             home = require_reachable(place, height_m, self._session.telemetry.home, self._limits)
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
-        self._require_within_fence(place)
-        blocked = self._blocked(place)
+        _refuse(self._ways.outside_fence(place))
+        blocked = self._ways.blocked(place)
         _refuse(blocked(self._session.telemetry, now_s))
         self._begin(lambda commands: commands.go_to(place, height_m, home, blocked), now_s)
 
@@ -159,7 +157,7 @@ class DroneCommands:
         """Replace the polygons of the fence; in the air they must hold what is flown."""
         self._require_contact(now_s)
         self._require_not_others(now_s)
-        self._require_kept(fence)
+        _refuse(self._ways.leaves(fence))
         self._begin(lambda commands: commands.push_fence(fence), now_s)
         # It is read again as it lies there then: until that is done no flight begins.
         self._session.readout.overwritten(MissionType.FENCE)
@@ -173,7 +171,7 @@ class DroneCommands:
         except ValueError as error:
             raise CommandRefusedError(str(error)) from error
         settings = replace(self._session.readout.settings, rally=tuple(points), rally_error='')
-        _refuse(self._stranded(settings))
+        _refuse(self._ways.stranded(settings))
         self._begin(lambda commands: commands.push(MissionType.RALLY, items), now_s)
 
     def replace_route(self, plan: FlightPlan, now_s: float) -> None:
@@ -181,14 +179,14 @@ class DroneCommands:
         self._require_ours(now_s)
         if not self._session.is_flying:
             raise CommandRefusedError('no flight is under way')
-        _refuse(self._unknown_way(self._session.telemetry, now_s, plan))
+        _refuse(self._ways.unknown_way(self._session.telemetry, now_s, plan))
         _refuse(failures(self.route_checks(plan)))
 
         def strays(vehicle: VehicleTelemetry, now_s: float) -> str:
             # It has stopped a little further on than where it was when the order came.
             home = None if vehicle.home is None else vehicle.home.place
             checks = [] if home is None else exclusion_checks(plan, start_of(vehicle, home), home)
-            return self._unknown_way(vehicle, now_s, plan) or failures(tuple(checks))
+            return self._ways.unknown_way(vehicle, now_s, plan) or failures(tuple(checks))
 
         self._begin(
             lambda commands: commands.replace_mission(
@@ -272,53 +270,6 @@ class DroneCommands:
         if refusal:
             raise CommandRefusedError(refusal)
 
-    def _require_within_fence(self, place: GeoPosition) -> None:
-        settings = self._session.readout.settings
-        if settings.fence is None and not settings.fence_error:
-            raise CommandRefusedError('its fence is still being read')
-        if settings.fence is None:
-            raise CommandRefusedError(f'its fence cannot be read: {settings.fence_error}')
-        if not settings.fence.holds(place):
-            raise CommandRefusedError('the place is outside the fence')
-
-    def _require_kept(self, fence: Fence) -> None:
-        """Refuse a fence that the vehicle, or what is left of its flight, would leave."""
-        session = self._session
-        vehicle, home = session.telemetry, session.telemetry.home
-        if vehicle.is_on_ground or vehicle.motion is None:
-            return
-        if not fence.holds(vehicle.motion.position):
-            raise CommandRefusedError('the vehicle would be outside the fence at once')
-        settings = replace(session.readout.settings, fence=fence, fence_error='')
-        if session.is_flying and self._plan is not None and home is not None:
-            _refuse(failures((fence_check(self._plan, home.place, settings),)))
-        _refuse(self._stranded(settings))
-
-    def _stranded(self, settings: VehicleSettings) -> str:
-        """Return why a vehicle in the air could not give up with other settings; empty: it could.
-
-        Not judged where it could not before: there is nothing to lose.
-        """
-        session, plan, home = self._session, self._plan, self._session.telemetry.home
-        if session.telemetry.is_on_ground or plan is None or home is None:
-            return ''
-        before = failures(tuple(homeward_checks(plan, home.place, session.readout.settings)))
-        after = failures(tuple(homeward_checks(plan, home.place, settings)))
-        return '' if before else after
-
-    def _blocked(self, place: GeoPosition) -> Refusal:
-        """Return why a vehicle must not fly straight to a place, from where it is by then."""
-
-        def refusal(vehicle: VehicleTelemetry, now_s: float) -> str:
-            plan, motion = self._plan, vehicle.motion
-            if unknown := self._unknown_way(vehicle, now_s):
-                return unknown
-            if plan is None or motion is None:
-                return ''
-            return way_fault(plan, [motion.position, place])
-
-        return refusal
-
     def _require_no_failsafe(self) -> None:
         """Refuse to upload a way home after a failsafe: no mission is flown then."""
         session = self._session
@@ -328,71 +279,6 @@ class DroneCommands:
             raise CommandRefusedError(
                 f'{name}: no way around exclusions is sent any more: hold, or land'
             )
-
-    @property
-    def _plan(self) -> FlightPlan | None:
-        """Plan whose exclusions hold."""
-        return self._flown[0]
-
-    @property
-    def _flown(self) -> tuple[FlightPlan | None, Home | None]:
-        """Plan and home of its flight, or of one that an earlier bridge flew; None: not known."""
-        flight, entry = self._session.flight, self._journal.open_entry
-        if flight is not None and not flight.is_over:
-            return flight.plan, flight.home
-        return (None, None) if entry is None else (entry.assignment.plan, entry.home)
-
-    def _unknown_way(
-        self, vehicle: VehicleTelemetry, now_s: float, plan: FlightPlan | None = None
-    ) -> str:
-        """Return why nobody can tell where a vehicle would fly; empty if that is known.
-
-        Heights are above home, and the way around the exclusions of `plan`, or of its own plan,
-        begins where the vehicle is.
-        """
-        flown, home = self._flown
-        exclusions = [zone for one in (flown, plan) if one is not None for zone in one.exclusions]
-        fault = fix_fault(vehicle, now_s, STALE_AFTER_S) if exclusions else ''
-        where = f'where it is cannot be told: {fault}' if fault else ''
-        return heights_moved(home, vehicle.home) or where
-
-    def _fault_ahead(self, vehicle: VehicleTelemetry, now_s: float) -> str:
-        """Return which exclusion lies between a vehicle and the next place of its mission."""
-        flight, unknown = self._session.flight, self._unknown_way(vehicle, now_s)
-        if flight is None or unknown or not flight.plan.exclusions:
-            return unknown
-        ahead = flight.next_place(vehicle)
-        if ahead is None or vehicle.motion is None:
-            return 'where it is, or its home, is not known'
-        return way_fault(flight.plan, [vehicle.motion.position, ahead])
-
-    def _way_bends(self, vehicle: VehicleTelemetry, _now_s: float) -> str:
-        """Return why a straight return must not be sent: the vehicle has flown on meanwhile."""
-        try:
-            is_straight = self._way_home(vehicle) is None
-        except CommandRefusedError as refusal:
-            return str(refusal)
-        return (
-            '' if is_straight else 'an exclusion lies on the straight way by now: order it again'
-        )
-
-    def _way_home(self, vehicle: VehicleTelemetry) -> FlightPlan | None:
-        """Return the way around exclusions; None if the vehicle may return straight.
-
-        Refused if its home was set into one: no way leads there.
-        """
-        plan = self._plan
-        if plan is None or vehicle.home is None or vehicle.motion is None:
-            return None
-        here = FlightWaypoint(
-            position=vehicle.motion.position,
-            height_m=max(vehicle.motion.height_above_home_m, self._limits.lowest_m),
-        )
-        home = vehicle.home.place
-        if zone := zone_at(plan, home):
-            words = 'another station has set it: let it land, or go to a place'
-            raise CommandRefusedError(f'its home lies in exclusion {zone}, {words}')
-        return homeward_plan(plan, here, home)
 
     def _begin(self, write: Writer, now_s: float, *, preempts: bool = False) -> None:
         try:

@@ -3,7 +3,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from rocsafe_geo.frame import LocalFrame
@@ -24,7 +23,8 @@ from rocsafe_mavlink.drone.status import (
 )
 from rocsafe_mavlink.drone.take_off_space import ARMING_SHOWS_S, in_the_way
 from rocsafe_mavlink.drone.vehicle_session import VehicleSession
-from rocsafe_mavlink.errors import CommandRefusedError, WaitError
+from rocsafe_mavlink.drone.wind_return import WindReturn
+from rocsafe_mavlink.errors import WaitError
 from rocsafe_mavlink.flight.flight import MissionFlight, adopted, fly
 from rocsafe_mavlink.flight.flight_journal import Assignment, FlightJournal, JournalEntry
 from rocsafe_mavlink.knowledge.events import Event
@@ -34,8 +34,6 @@ from rocsafe_mavlink.plan.flight_plan import FlightPlan
 from rocsafe_mavlink.protocols.mission_item import MissionItem
 from rocsafe_mavlink.wire.dialect import Message
 
-# A return that was refused is ordered again after this time.
-ASK_AGAIN_S = 10.0
 OnMessage = Callable[[Message], None]
 OnEvent = Callable[[Event], None]
 
@@ -72,15 +70,6 @@ class DroneSpec:
     trigger_distance_m: float = 0.0
 
 
-@dataclass(slots=True)
-class _WindReturn:
-    """What became of the return that a wind calls for."""
-
-    number: int = -1
-    asked_s: float = -math.inf
-    is_done: bool = False
-
-
 class Drone:
     """A vehicle on a link, with the plan it was given.
 
@@ -109,7 +98,7 @@ class Drone:
         session.custody = session.custody.remembering(journal.failsafe)
         self._journal = journal
         self._record = FlightRecord(journal)
-        self._wind_return = _WindReturn()
+        self._wind_return = WindReturn(self.commands)
         self._armed_by_us_s = -math.inf
         self.others: Sequence[Drone] = ()
         self._listeners: list[tuple[OnMessage, OnEvent]] = []
@@ -359,23 +348,10 @@ class Drone:
         return self.vehicle.is_armed or now_s - self._armed_by_us_s < ARMING_SHOWS_S
 
     def _return_in_wind(self, now_s: float) -> None:
-        """Call the vehicle home in too strong a wind, once a while until it obeys."""
-        asked = self._wind_return
-        if asked.number >= 0 and self.commands.outcome(asked.number) == '':
-            self.gave_up()
-            asked.number, asked.is_done = -1, True
         advice = advice_of(self.session, self.spec.limits, now_s)
-        if not any(one.order == RETURN_HOME for one in advice):
-            asked.is_done = asked.is_done and self.is_in_air
-            return
-        # An order of a person is not cut short.
-        is_ordered = self.commands.outcome(self.commands.count) is None
-        if is_ordered or asked.is_done or now_s - asked.asked_s < ASK_AGAIN_S:
-            return
-        asked.asked_s = now_s
-        with suppress(CommandRefusedError):
-            self.commands.return_home(now_s)
-            asked.number = self.commands.count
+        is_advised = any(one.order == RETURN_HOME for one in advice)
+        if self._wind_return.step(now_s, is_advised=is_advised, is_in_air=self.is_in_air):
+            self.gave_up()
 
     def _status_inputs(self) -> StatusInputs:
         return StatusInputs(

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from rocsafe_mavlink.knowledge.telemetry import STALE_AFTER_S
 
-# What was sent before the process went on has arrived after this time, seconds.
+# After this time everything that was sent before the process went on has arrived, seconds.
 SETTLED_S = 3.0
 # It goes on while the machine sleeps; elsewhere than on Linux there is no such clock.
 _CLOCK = getattr(time, 'CLOCK_BOOTTIME', time.CLOCK_MONOTONIC)

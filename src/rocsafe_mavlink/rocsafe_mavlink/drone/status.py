@@ -83,10 +83,6 @@ class DroneStatus:
         Position and velocity; None if it has not told them.
     position_enu
         Position in the frame of the mission, metres; the height is above home, NaN if not known.
-    fix_fault
-        Why its position cannot be used; empty if it can.
-    fix_quality
-        Quality of its position.
     horizontal_std_m, vertical_std_m
         Standard deviations of its position; NaN if not known.
     plan_id, viewpoint_count, visited
@@ -113,8 +109,6 @@ class DroneStatus:
     is_armed: bool
     motion: Motion | None
     position_enu: Enu
-    fix_fault: str
-    fix_quality: FixQuality
     horizontal_std_m: float
     vertical_std_m: float
     plan_id: str
@@ -146,8 +140,6 @@ def status_of(inputs: StatusInputs, now_s: float) -> DroneStatus:
         is_armed=vehicle.is_armed,
         motion=motion,
         position_enu=(0.0, 0.0, 0.0) if motion is None else enu_of(inputs.frame, motion),
-        fix_fault=fault,
-        fix_quality=_quality_but_for(fault, vehicle),
         horizontal_std_m=vehicle.gps.horizontal_std_m,
         vertical_std_m=vehicle.gps.vertical_std_m,
         plan_id='' if plan is None else plan.plan_id,
@@ -205,17 +197,15 @@ def remaining_route(inputs: StatusInputs, limits: FlightLimits) -> RemainingRout
 
 def fix_quality(vehicle: VehicleTelemetry, now_s: float) -> FixQuality:
     """Return the quality of the position of a vehicle at `now_s`, steady seconds."""
-    return _quality_but_for(fix_fault(vehicle, now_s), vehicle)
+    if fix_fault(vehicle, now_s):
+        return FixQuality.NONE
+    return _QUALITIES.get(vehicle.gps.fix_type, FixQuality.FIX)
 
 
 def enu_of(frame: LocalFrame, motion: Motion) -> Enu:
     """Return the position of a vehicle in the frame of the mission; its height is above home."""
     east, north, _ = frame.enu_of(_on_ground(frame, motion.position)).tolist()
     return east, north, motion.height_above_home_m
-
-
-def _quality_but_for(fault: str, vehicle: VehicleTelemetry) -> FixQuality:
-    return FixQuality.NONE if fault else _QUALITIES.get(vehicle.gps.fix_type, FixQuality.FIX)
 
 
 def _visited(inputs: StatusInputs) -> int:

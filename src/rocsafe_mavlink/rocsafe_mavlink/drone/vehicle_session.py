@@ -213,11 +213,11 @@ class VehicleSession:
         """
         if not preempts and self.is_commanded:
             raise ValueError(f'{self._under_way()} is under way')
-        # What a command before it leads to may show only now: that is no takeover.
+        # The effect of an earlier command may show only now: that is no takeover.
         sequence = sequence.after(self._begun(), now_s)
         if self.flight is not None and self.flight.is_beginning:
             self.flight = self.flight.interrupted()
-        # What is commanded is what was there when the order was given.
+        # The vehicle is commanded in the state that it had when the order was given.
         self.sequence = sequence.looked_at(self.telemetry, now_s)
         self.sequence_count += 1
 

@@ -12,7 +12,8 @@ from enum import Enum
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
-from rocsafe_mavlink.flight.command_sequence import CommandSequence, CommandStep, Refusal
+from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.command_step import CommandStep, Refusal
 from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
 from rocsafe_mavlink.flight.flight_signs import is_at_home, shown_failsafe

@@ -31,7 +31,7 @@ _WORDS = (
     ('failsafe: emergency battery', FlightOutcome.FAILSAFE_BATTERY),
     ('failsafe: remaining flight time', FlightOutcome.FAILSAFE_BATTERY),
     ('geofence violation: ', FlightOutcome.FAILSAFE_FENCE),
-    # Remote control, terrain, and what nobody here has heard of yet.
+    # Remote control, terrain, and failsafes that are not known here.
     ('failsafe', FlightOutcome.FAILSAFE_OTHER),
 )
 # These texts announce no failsafe: checks before arming, warnings, failsafes that have ended.

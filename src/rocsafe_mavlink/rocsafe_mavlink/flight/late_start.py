@@ -11,7 +11,7 @@ from rocsafe_geo.storage.kept_file import KeptFile
 class LateStart:
     """Gives a route that comes again after a restart the time at which it was due before.
 
-    Without it the delay would count again, and other vehicles are kept away from by it.
+    Without it the delay would count again, and the vehicle would not keep away from others.
 
     Parameters
     ----------

@@ -11,14 +11,8 @@ from dataclasses import dataclass, replace
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.position import GeoPosition, distance_m
 from rocsafe_mavlink.autopilots.autopilot import Autopilot, Verb
-from rocsafe_mavlink.flight.command_sequence import (
-    CommandSequence,
-    CommandStep,
-    Refusal,
-    Shown,
-    Step,
-    TransferStep,
-)
+from rocsafe_mavlink.flight.command_sequence import CommandSequence
+from rocsafe_mavlink.flight.command_step import CommandStep, Refusal, Shown, Step, TransferStep
 from rocsafe_mavlink.flight.flight_signs import home_moved, mission_changed
 from rocsafe_mavlink.knowledge.telemetry import Home, Landed, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.plan.fence import Fence, fence_items
@@ -35,10 +29,10 @@ from rocsafe_mavlink.wire.units import e7_of_deg
 
 CHANGE_MODE = 1.0
 UNCHANGED = -1.0
-# A place that an autopilot tells as its aim is that of the order within this distance, metres.
+# An autopilot flies to the place of an order if its aim is within this distance of it, metres.
 AIM_M, AIM_HEIGHT_M = 2.0, 3.0
 SLOWEST_MPS, FASTEST_MPS = 0.5, 30.0
-# The motors wait so long until another vehicle has climbed out of the way, or a check is met.
+# Time that arming waits for a vehicle in the way, or for a check, seconds.
 ARMING_LASTS_S = 30.0
 
 

@@ -5,7 +5,7 @@ import math
 
 from rocsafe_mavlink.knowledge.telemetry import FIX_3D, EkfFlag, VehicleTelemetry
 
-# A receiver whose time stands still for so long has stopped.
+# A receiver whose time stands still this long has stopped, seconds.
 FROZEN_AFTER_S = 1.0
 # An older position is not the current one.
 OLD_AFTER_S = 1.0

@@ -18,7 +18,7 @@ LOST_AFTER_S = 10.0
 WIND_KEPT_S = 60.0
 # MAV_TYPE of a ground vehicle.
 GROUND_ROVER = 10
-# Above its home by so much it does not stand on the ground, whatever its landed state says: more
+# A vehicle this far above its home is in the air, whatever its landed state says: more
 # than the error of a barometer, less than any flight.
 SURELY_UP_M = 8.0
 FIX_3D = 3

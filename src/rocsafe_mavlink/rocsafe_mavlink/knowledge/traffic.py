@@ -113,7 +113,7 @@ def encounter(aircraft: Aircraft, motion: Motion, now_s: float) -> Encounter:
     allowed_m = TRAFFIC_LIMITS.height_m + (
         TRAFFIC_LIMITS.pressure_m if aircraft.is_pressure else 0.0
     )
-    # Climb and descent within the time looked ahead count as if they were flown at once.
+    # A climb or descent within the time looked ahead counts from the start of that time.
     drift_m = in_s * (theirs[2] - ours[2])
     heights_m = (above_m, above_m + drift_m)
     is_level = math.isnan(above_m) or (

@@ -119,7 +119,7 @@ class Link:
 
     @property
     def fault(self) -> str:
-        """What is wrong with it that its user has to mend; empty: nothing."""
+        """Fault of the link that its user has to repair; empty: none."""
         return '' if self._signer is None else self._signer.fault
 
     def may_take_over(self, present: Address, other: Address) -> bool:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The return path of a vehicle that gives up its route; it must not cross an exclusion.
 
-By itself a vehicle flies home, or to a rally point, in a straight line from wherever it is. So
-what it may fly over from one leg of its route is the triangle of that leg and the place of its
-return.
+A vehicle that returns by itself flies straight home, or to a rally point, from wherever it is.
+From one leg of its route it may therefore fly over any place of the triangle of that leg and the
+place of its return.
 """
 
 import math

@@ -112,7 +112,7 @@ class Upload:
             return self.begin(now_s)
         if self.stage is UploadStage.SENDING:
             if self._was_all_asked and silence_s >= self.timing.no_ack_s:
-                # Only reading it back can tell now.
+                # Only reading the mission back shows what lies on the vehicle now.
                 return replace(self, stage=UploadStage.DONE), []
             if silence_s >= self.timing.no_request_s:
                 text = (

@@ -51,5 +51,5 @@ class OnboardMission:
         return replace(self, items=None)
 
     def forgotten(self) -> 'OnboardMission':
-        """Return the state of a vehicle whose mission may be another by now."""
+        """Return the state of a vehicle whose mission may have changed."""
         return OnboardMission()

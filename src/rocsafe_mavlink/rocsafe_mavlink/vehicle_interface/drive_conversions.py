@@ -69,18 +69,25 @@ def _level(stop: GroundStop) -> GeoPosition:
 def drive_result(summary: FlightSummary, route: GroundRoute) -> DriveRoute.Result:
     """Return the result of a drive that has ended; its dose is not known."""
     is_complete = summary.outcome is FlightOutcome.COMPLETED
-    evidence = [stop.evidence for stop in route.stops[1:] if stop.evidence]
     words = ': '.join(filter(None, (summary.outcome.value, summary.text)))
     return DriveRoute.Result(
         outcome=OUTCOMES.get(summary.outcome, DriveRoute.Result.ABORTED),
         error_msg='' if is_complete else words,
-        evidence_taken=evidence[: summary.visited],
+        evidence_taken=_evidence(route)[: summary.visited],
         distance_driven_m=summary.distance_m,
         duration_s=summary.duration_s,
         dose_usv=math.nan,
     )
 
 
-def drive_refusal(reason: str) -> DriveRoute.Result:
-    """Return the result of a drive that is not begun."""
-    return DriveRoute.Result(outcome=DriveRoute.Result.REJECTED, error_msg=reason)
+def drive_failure(route: GroundRoute, text: str, outcome: str, visited: int) -> DriveRoute.Result:
+    """Return the result of a drive before its end, after `visited` stops at evidence."""
+    return DriveRoute.Result(
+        outcome=getattr(DriveRoute.Result, outcome),
+        error_msg=text,
+        evidence_taken=_evidence(route)[:visited],
+    )
+
+
+def _evidence(route: GroundRoute) -> list[str]:
+    return [stop.evidence for stop in route.stops[1:] if stop.evidence]

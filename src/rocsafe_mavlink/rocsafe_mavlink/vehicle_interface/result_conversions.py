@@ -3,7 +3,6 @@
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_mavlink.drone.flight_record import FlightSummary
-from rocsafe_mavlink.drone.status import RemainingRoute
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome
 
 OUTCOMES = {
@@ -34,17 +33,11 @@ def result_message(summary: FlightSummary, shots: int) -> FlyRoute.Result:
     )
 
 
-def cancelled_message(remaining: RemainingRoute, shots: int, reason: str) -> FlyRoute.Result:
-    """Return the result of a cancelled flight; `reason` says why it does not even hold."""
-    outcome = FlyRoute.Result.ABORTED if reason else FlyRoute.Result.CANCELLED
+def failure_message(text: str, outcome: str, visited: int, shots: int) -> FlyRoute.Result:
+    """Return the result of a flight before its end; `outcome` is the name of the constant."""
     return FlyRoute.Result(
-        outcome=outcome,
-        error_msg=reason or 'cancelled by request: the vehicle holds',
-        viewpoints_visited=remaining.visited,
+        outcome=getattr(FlyRoute.Result, outcome),
+        error_msg=text,
+        viewpoints_visited=visited,
         shots_taken=shots,
     )
-
-
-def refusal_message(reason: str) -> FlyRoute.Result:
-    """Return the result of a route that is not flown."""
-    return FlyRoute.Result(outcome=FlyRoute.Result.REJECTED, error_msg=reason)

@@ -13,7 +13,7 @@ REQUEST_CAPABILITIES = 520
 ACCEPTED, DENIED = 0, 2
 MISSION_DENIED, MISSION_INVALID_SEQUENCE = 14, 13
 MISSION, SINGLE_PARAMETER, REAL_32 = 0, 'ROCSAFE_VIEW', 9
-# What would change a vehicle or its mission.
+# Messages that would change a vehicle or its mission.
 MISSION_WRITES = frozenset(
     {
         'MISSION_COUNT',

@@ -50,7 +50,7 @@ class TextJoiner:
         return [*before, message]
 
     def late(self, now_s: float) -> list[Message]:
-        """Return, as a list, the text whose end is overdue; it is no longer held."""
+        """Return the text whose end is overdue, in a list, and stop holding it."""
         return self.given_up() if now_s - self.held_s > LATEST_S else []
 
     def given_up(self) -> list[Message]:

@@ -22,7 +22,8 @@ from rocsafe_orchestrator.report.pictures import map_xy
 from rocsafe_orchestrator.report.sections.cordons import SAFE, EstimatedCordon, read_cordons
 from rocsafe_orchestrator.report.sections.source_texts import dose_rate_of, half_axes_of, place_of
 from rocsafe_view import formats
-from rocsafe_view.map_view import Box, EstimatePoint
+from rocsafe_view.map_marks import EstimatePoint
+from rocsafe_view.map_view import Box
 from rocsafe_view.palette import DoseScale, ramp_colour, scale_of
 from rocsafe_view.svg import polygons
 

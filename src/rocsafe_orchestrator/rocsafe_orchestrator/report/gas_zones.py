@@ -11,7 +11,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.release_estimates import ReleaseEstimates
 from rocsafe_orchestrator.report.sections.cordons import ring_points
 from rocsafe_scenario.scenario import Scenario
-from rocsafe_view.map_view import GasZone, ReleasePoint, SourcePoint
+from rocsafe_view.map_marks import GasZone, ReleasePoint, SourcePoint
 from rocsafe_view.svg import Rings
 
 ZONES = 'threat_zones.geojson'

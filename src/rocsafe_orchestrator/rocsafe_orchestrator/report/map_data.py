@@ -26,14 +26,8 @@ from rocsafe_orchestrator.report.plan_data import (
     route_lines,
 )
 from rocsafe_orchestrator.report.sections.cordons import safe_cordons
-from rocsafe_view.map_view import (
-    DosePoint,
-    EstimatePoint,
-    MapView,
-    PhotoPoint,
-    ReplayTrack,
-    SourcePoint,
-)
+from rocsafe_view.map_marks import DosePoint, EstimatePoint, PhotoPoint, ReplayTrack, SourcePoint
+from rocsafe_view.map_view import MapView
 from rocsafe_view.palette import vehicle_colours
 from rocsafe_view.svg import Point
 

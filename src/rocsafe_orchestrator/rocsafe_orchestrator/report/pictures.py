@@ -18,7 +18,7 @@ from rasterio.transform import xy
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_orchestrator.products.run_record import Photograph
-from rocsafe_view.map_view import GroundPicture
+from rocsafe_view.map_marks import GroundPicture
 
 MOST_MOSAIC_PX = 2000
 MOST_MOSAIC_BYTES = 1_200_000

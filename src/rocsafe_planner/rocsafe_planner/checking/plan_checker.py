@@ -51,7 +51,7 @@ def _visits(plan: SurveyPlan) -> Iterator[Fault]:
 
 
 def _occupied_heights(plan: SurveyPlan) -> Iterator[Fault]:
-    """Yield routes that are flown near the height of a vehicle that nobody hears."""
+    """Yield routes that are flown near the height of an unheard vehicle."""
     least_m = plan.request.separation.distance_m - ABSOLUTE_M
     for route in plan.routes:
         for one in plan.request.continuation.unheard:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Check that routes keep away from where a vehicle may be that nobody hears."""
+"""Check that routes keep away from the possible places of unheard vehicles."""
 
 from collections.abc import Iterator
 from itertools import pairwise

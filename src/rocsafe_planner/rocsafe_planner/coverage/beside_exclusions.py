@@ -108,8 +108,8 @@ def _views_beside(
 def _showing_most(missing: shapely.Geometry, tried: Views) -> tuple[list[Views], shapely.Geometry]:
     """Return the viewpoints that show most of the missing ground, and what they leave.
 
-    What a viewpoint shows in addition only gets less, so that few are looked at again each time
-    (Minoux, 1978).
+    The ground that a viewpoint adds never grows, so that few viewpoints are evaluated again in
+    each round (Minoux, 1978).
     """
     boxes = shapely.polygons(tried.footprints)
     near, part = shapely.STRtree(shapely.get_parts(missing)).query(boxes, 'intersects')
@@ -157,7 +157,7 @@ def _moved(views: Views, places: FloatArray) -> Views:
 
 
 def _view_of(part: shapely.Polygon, dropped: Views, shut: shapely.Geometry) -> Views | None:
-    """Return the viewpoint outside that is nearest to a part of which something is seen there."""
+    """Return the nearest viewpoint outside from which some of a part is seen."""
     near = shapely.get_coordinates(part.representative_point())[0]
     source = int(np.argmin(((dropped.centres - near) ** 2).sum(axis=1)))
     frame = dropped.footprints[source] - dropped.centres[source]
@@ -193,7 +193,7 @@ def _visible(shut: shapely.Geometry, frame: FloatArray) -> shapely.Geometry:
 
 
 def _nearest_place(spot: shapely.Point, frame: FloatArray, shut: shapely.Geometry) -> FloatArray:
-    """Return the place outside from which a spot is seen that is nearest to it."""
+    """Return the nearest place outside from which a spot is seen."""
     around = shapely.Polygon(np.asarray(spot.coords)[0] + frame)
     free = shapely.difference(around, shut)
     nearest: FloatArray = shapely.get_coordinates(shapely.shortest_line(spot, free))[-1]

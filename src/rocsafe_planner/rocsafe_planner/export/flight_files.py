@@ -9,10 +9,20 @@ autopilot would do by itself on the way home (climb, fly straight) does not happ
 import math
 import zipfile
 from io import BytesIO
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from rocsafe_geo.angle import heading_of_yaw_rad
+from rocsafe_geo.mission_file import (
+    FRAME_GLOBAL,
+    FRAME_MISSION,
+    FRAME_RELATIVE_ALTITUDE,
+    IMAGE_START_CAPTURE,
+    NAV_LAND,
+    NAV_RETURN_TO_LAUNCH,
+    NAV_TAKEOFF,
+    NAV_WAYPOINT,
+    xml_text,
+)
 from rocsafe_planner.plan.flight_path import (
     Stop,
     altitude_m,
@@ -22,16 +32,6 @@ from rocsafe_planner.plan.flight_path import (
 )
 from rocsafe_planner.plan.flight_summary import flight_summary
 from rocsafe_planner.plan.plan import Route
-
-# MAVLink common message set.
-_NAV_WAYPOINT = 16
-_NAV_RETURN_TO_LAUNCH = 20
-_NAV_LAND = 21
-_NAV_TAKEOFF = 22
-_IMAGE_START_CAPTURE = 2000
-_FRAME_GLOBAL = 0
-_FRAME_MISSION = 2
-_FRAME_RELATIVE_ALTITUDE = 3
 
 _KML = 'http://www.opengis.net/kml/2.2'
 _WPML = 'http://www.dji.com/wpmz/1.0.2'
@@ -48,24 +48,24 @@ def flight_waypoints(route: Route, number: int) -> str:
     home = route.vehicle.home
     height = route.flight_height_m
     rows = [
-        (_FRAME_GLOBAL, _NAV_WAYPOINT, (0.0,) * 4, _place(home.latitude_deg, home.longitude_deg)),
+        (FRAME_GLOBAL, NAV_WAYPOINT, (0.0,) * 4, _place(home.latitude_deg, home.longitude_deg)),
     ]
     if not begins_aloft(route, number):
         above = _place(home.latitude_deg, home.longitude_deg, height)
-        rows.append((_FRAME_RELATIVE_ALTITUDE, _NAV_TAKEOFF, (0.0,) * 4, above))
+        rows.append((FRAME_RELATIVE_ALTITUDE, NAV_TAKEOFF, (0.0,) * 4, above))
     for stop in flight_path(route, number)[1:]:
         place = _place(stop.position.latitude_deg, stop.position.longitude_deg, stop.height_m)
         hold = route.vehicle.hover_s if stop.viewpoint else 0.0
         parameters = (hold, 0.0, 0.0, _heading_deg(stop))
-        rows.append((_FRAME_RELATIVE_ALTITUDE, _NAV_WAYPOINT, parameters, place))
+        rows.append((FRAME_RELATIVE_ALTITUDE, NAV_WAYPOINT, parameters, place))
         if stop.viewpoint:
-            rows.append((_FRAME_MISSION, _IMAGE_START_CAPTURE, (0.0, 0.0, 1.0, 0.0), _place()))
+            rows.append((FRAME_MISSION, IMAGE_START_CAPTURE, (0.0, 0.0, 1.0, 0.0), _place()))
     landing = landing_place(route, number) or flight_path(route, number)[-1].position
     if landing == home:
-        rows.append((_FRAME_MISSION, _NAV_RETURN_TO_LAUNCH, (0.0,) * 4, _place()))
+        rows.append((FRAME_MISSION, NAV_RETURN_TO_LAUNCH, (0.0,) * 4, _place()))
     else:
         place = _place(landing.latitude_deg, landing.longitude_deg)
-        rows.append((_FRAME_RELATIVE_ALTITUDE, _NAV_LAND, (0.0,) * 4, place))
+        rows.append((FRAME_RELATIVE_ALTITUDE, NAV_LAND, (0.0,) * 4, place))
     lines = [
         '\t'.join(
             [
@@ -96,7 +96,7 @@ def plan_gpx(routes: tuple[Route, ...]) -> str:
             SubElement(line, 'desc').text = flight_summary(route, number).text
             for stop in flight_path(route, number):
                 _gpx_point(line, stop, altitude_m(route, stop))
-    return _xml(root)
+    return xml_text(root)
 
 
 def flight_dji(route: Route, number: int) -> bytes:
@@ -109,7 +109,7 @@ def flight_dji(route: Route, number: int) -> bytes:
         ):
             info = zipfile.ZipInfo(name, date_time=_ZIP_TIME)
             info.compress_type = zipfile.ZIP_DEFLATED
-            archive.writestr(info, _xml(root))
+            archive.writestr(info, xml_text(root))
     return content.getvalue()
 
 
@@ -225,8 +225,3 @@ def _dji_photograph(placemark: Element, index: int, hover_s: float) -> None:
 
 def _wpml(parent: Element, name: str, text: str) -> None:
     SubElement(parent, f'wpml:{name}').text = text
-
-
-def _xml(root: Element) -> str:
-    ElementTree.indent(root)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{ElementTree.tostring(root, "unicode")}\n'

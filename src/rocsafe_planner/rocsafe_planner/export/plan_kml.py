@@ -2,9 +2,9 @@
 """The plan for Google Earth: KML 2.2, heights relative to the ground."""
 
 from collections.abc import Iterable, Sequence
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
+from rocsafe_geo.mission_file import xml_text
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
 from rocsafe_planner.export.plan_geojson import area_rings
@@ -32,9 +32,7 @@ def plan_kml(plan: SurveyPlan) -> str:
     _regions(document, plan)
     for index, route in enumerate(plan.routes):
         _vehicle(document, route, index)
-    ElementTree.indent(root)
-    body = ElementTree.tostring(root, encoding='unicode')
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{body}\n'
+    return xml_text(root)
 
 
 def _summary(plan: SurveyPlan) -> str:

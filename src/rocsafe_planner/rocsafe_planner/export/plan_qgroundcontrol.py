@@ -12,55 +12,34 @@ value.
 """
 
 import math
-from typing import Any
 
 from rocsafe_geo.angle import heading_of_yaw_rad
-from rocsafe_geo.position import GeoPosition
+from rocsafe_geo.mission_file import (
+    IMAGE_START_CAPTURE,
+    NAV_LAND,
+    NAV_RETURN_TO_LAUNCH,
+    NAV_TAKEOFF,
+    NAV_WAYPOINT,
+    Document,
+    item,
+    item_at,
+    plan_document,
+)
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_planner.plan.document import Document
 from rocsafe_planner.plan.flight_path import Stop, begins_aloft, flight_path, landing_place
-from rocsafe_planner.plan.plan import Route, Viewpoint
+from rocsafe_planner.plan.plan import Route
 
-# MAVLink common message set.
-_NAV_WAYPOINT = 16
-_NAV_RETURN_TO_LAUNCH = 20
-_NAV_LAND = 21
-_NAV_TAKEOFF = 22
-_IMAGE_START_CAPTURE = 2000
-_FRAME_MISSION = 2
-_FRAME_RELATIVE_ALTITUDE = 3
-# QGroundControl's own.
-_ALTITUDE_RELATIVE = 1
-_FIRMWARE_GENERIC = 0
-_VEHICLE_MULTIROTOR = 2
+# MAV_AUTOPILOT_GENERIC and MAV_TYPE_QUADROTOR.
+_KIND = 0, 2
 
 
 def flight_qgroundcontrol(
     route: Route, number: int, exclusions: tuple[SurveyArea, ...] = ()
 ) -> Document:
     """Return the plan of flight `number` of a route; no items if it has no such flight."""
-    home = route.vehicle.home
-    return {
-        'fileType': 'Plan',
-        'version': 1,
-        'groundStation': 'QGroundControl',
-        'geoFence': {
-            'circles': [],
-            'polygons': [_fence(zone) for zone in exclusions],
-            'version': 2,
-        },
-        'rallyPoints': {'points': [], 'version': 2},
-        'mission': {
-            'version': 2,
-            'firmwareType': _FIRMWARE_GENERIC,
-            'vehicleType': _VEHICLE_MULTIROTOR,
-            'globalPlanAltitudeMode': _ALTITUDE_RELATIVE,
-            'cruiseSpeed': route.vehicle.cruise_speed_mps,
-            'hoverSpeed': route.vehicle.cruise_speed_mps,
-            'plannedHomePosition': [home.latitude_deg, home.longitude_deg, 0.0],
-            'items': _items(route, number),
-        },
-    }
+    fence = [_fence(zone) for zone in exclusions]
+    speed_mps = route.vehicle.cruise_speed_mps
+    return plan_document(_items(route, number), route.vehicle.home, speed_mps, _KIND, fence)
 
 
 def _fence(zone: SurveyArea) -> Document:
@@ -72,64 +51,25 @@ def _fence(zone: SurveyArea) -> Document:
 def _items(route: Route, number: int) -> list[Document]:
     if number >= len(route.sorties):
         return []
-    home, height = route.vehicle.home, route.flight_height_m
-    takeoff = _place(_NAV_TAKEOFF, [0, 0, 0, None], home.latitude_deg, home.longitude_deg, height)
-    items = [] if begins_aloft(route, number) else [takeoff]
-    way = flight_path(route, number)
-    landing = landing_place(route, number)
+    home, way = route.vehicle.home, flight_path(route, number)
+    items = []
+    if not begins_aloft(route, number):
+        items.append(item_at(home, route.flight_height_m, NAV_TAKEOFF))
     for stop in way[1:]:
         items.extend(_stop(stop, route.vehicle.hover_s))
-    items.append(_landing(home, landing or way[-1].position))
-    return [{**item, 'doJumpId': number} for number, item in enumerate(items, start=1)]
-
-
-def _landing(home: GeoPosition, place: GeoPosition) -> Document:
-    if place == home:
-        return _item(_NAV_RETURN_TO_LAUNCH, _FRAME_MISSION, [0] * 7)
-    return _place(_NAV_LAND, [0, 0, 0, None], place.latitude_deg, place.longitude_deg, 0.0)
+    landing = landing_place(route, number) or way[-1].position
+    is_home = landing == home
+    return [
+        *items,
+        item(NAV_RETURN_TO_LAUNCH, [0] * 7) if is_home else item_at(landing, 0.0, NAV_LAND),
+    ]
 
 
 def _stop(stop: Stop, hold_s: float) -> list[Document]:
     if stop.viewpoint is None:
-        place = stop.position
-        passing = [0, 0, 0, None]
-        return [
-            _place(_NAV_WAYPOINT, passing, place.latitude_deg, place.longitude_deg, stop.height_m)
-        ]
-    shot = _item(_IMAGE_START_CAPTURE, _FRAME_MISSION, [0, 0, 1, *[None] * 4])
-    return [_waypoint(stop.viewpoint, hold_s, stop.height_m), shot]
-
-
-def _waypoint(viewpoint: Viewpoint, hold_s: float, height_m: float) -> Document:
-    heading_deg = round(math.degrees(heading_of_yaw_rad(viewpoint.yaw_rad)), 6) % 360.0
-    place = viewpoint.position
-    return _place(
-        _NAV_WAYPOINT,
-        [hold_s, 0, 0, heading_deg],
-        place.latitude_deg,
-        place.longitude_deg,
-        height_m,
+        return [item_at(stop.position, stop.height_m, NAV_WAYPOINT)]
+    heading_deg = round(math.degrees(heading_of_yaw_rad(stop.viewpoint.yaw_rad)), 6) % 360.0
+    waypoint = item_at(
+        stop.viewpoint.position, stop.height_m, NAV_WAYPOINT, (hold_s, 0, 0, heading_deg)
     )
-
-
-def _place(
-    command: int, first: list[Any], latitude_deg: float, longitude_deg: float, height_m: float
-) -> Document:
-    """Return an item at a place; `first` are the command's own four parameters."""
-    params = [*first, round(latitude_deg, 9), round(longitude_deg, 9), height_m]
-    return {
-        **_item(command, _FRAME_RELATIVE_ALTITUDE, params),
-        'Altitude': height_m,
-        'AltitudeMode': _ALTITUDE_RELATIVE,
-        'AMSLAltAboveTerrain': None,
-    }
-
-
-def _item(command: int, frame: int, params: list[Any]) -> Document:
-    return {
-        'type': 'SimpleItem',
-        'autoContinue': True,
-        'command': command,
-        'frame': frame,
-        'params': params,
-    }
+    return [waypoint, item(IMAGE_START_CAPTURE, [0, 0, 1, *[None] * 4])]

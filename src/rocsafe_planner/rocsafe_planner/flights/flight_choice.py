@@ -41,6 +41,6 @@ class FlightChoice:
 
     @cached_property
     def is_near(self) -> bool:
-        """Whether it comes near to where a vehicle may be that nobody hears."""
+        """Whether it comes near to a possible place of an unheard vehicle."""
         height_m = self._problem.flight_height_m(self._vehicle)
         return bool(self._spaces) and not keeps_away(self._spaces, self.track, height_m)

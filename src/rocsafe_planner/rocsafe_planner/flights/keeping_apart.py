@@ -28,7 +28,7 @@ Orders = list[Order]
 class KeptApart:
     """Routes, how high each vehicle flies above the others, and the least distance of any two.
 
-    `near_unheard` names vehicles that come near to where one may be of which nobody hears.
+    `near_unheard` names vehicles that come near to a possible place of an unheard vehicle.
     """
 
     routes: tuple[Route, ...]

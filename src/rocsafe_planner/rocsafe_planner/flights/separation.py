@@ -35,7 +35,7 @@ def minimum_separation_m(tracks: Sequence[FlightTrack], delays_s: Sequence[float
 class Conflicts:
     """Which starts of two tracks keep a distance between them, whole seconds apart.
 
-    Samples tell quickly which do not; those that remain are looked at exactly when asked for.
+    Samples exclude most pairs quickly; the remaining pairs are checked exactly on demand.
     """
 
     def __init__(self, separation_m: float) -> None:

@@ -45,13 +45,13 @@ class Timetable:
 
     @property
     def rank(self) -> tuple[int, int, float]:
-        """What is less for a better one: meetings, vehicles near to unheard ones, last landing."""
+        """Value to minimise: meetings, vehicles near to unheard ones, last landing."""
         near = sum(choice.is_near for choice in self.choices.values())
         return self.meeting, near, max(self.ends_s.values(), default=0.0)
 
 
 def timetable(choices: Choices, separation_m: float) -> Timetable:
-    """Return a good timetable of vehicles of which no two come nearer than a separation.
+    """Return a good timetable in which no two vehicles come nearer than a separation.
 
     Those on the ground can always wait until others have landed.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The space that a vehicle of which nobody hears may be in, besides its layer.
+"""The space in which an unheard vehicle may be, besides its layer.
 
 It goes on along its route, or flies straight home from anywhere on it, at its flight height, and
 lands at home. So it may be in the column over its home up to its height, and, at its height, over
@@ -81,7 +81,7 @@ def keeps_away(spaces: list[UnheardSpace], track: FlightTrack, height_m: float) 
 
 
 def unheard_spaces(site: SurveySite) -> list[UnheardSpace]:
-    """Return the space of each vehicle of a site that nobody hears."""
+    """Return the space of each unheard vehicle of a site."""
     return [
         UnheardSpace(
             site.frame.plane_of([one.home])[0],

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What became of a plan since it was made."""
+"""Situation of a fleet after the start of a plan."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -196,7 +196,7 @@ class Effort:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnheardVehicle:
-    """A vehicle in the air and in no plan, because nobody hears it.
+    """A vehicle in the air that nobody hears, and that has no part in the plan.
 
     It goes on along its route, or returns, by itself.
 

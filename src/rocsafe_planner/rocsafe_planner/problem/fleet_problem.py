@@ -6,7 +6,7 @@ each viewpoint, returns at the survey height and descends. It stops wherever a l
 exclusion or over a hill. A vehicle without viewpoints stays on the ground; one that is in the air
 already begins where it is, and lands in any case.
 
-Who begins in the air at another height than that of its legs first climbs or descends to it.
+A vehicle that begins in the air first climbs or descends to the height of its legs.
 
 Sites are numbered: the n points, then the starts of the m vehicles, their ends, their homes.
 """
@@ -24,14 +24,13 @@ from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.terrain.relief import Relief
 from rocsafe_geo.terrain.terrain import LocalGround
 from rocsafe_planner.plan.vehicle import Vehicle
-from rocsafe_planner.problem.airspace import Air, Detours
+from rocsafe_planner.problem.detours import Air, Detours
 from rocsafe_planner.problem.flight_motion import enu, flight_motion
 from rocsafe_planner.problem.flight_time import FlightTime
 from rocsafe_planner.problem.leg_times import MOST_KEPT, LegTimes, distances_m
 
 # A vehicle that begins so near to the height of its legs does not climb to it first, metres.
 LEVEL_M = 0.5
-
 Order = list[int]
 """Indices of points in flying order."""
 
@@ -157,7 +156,7 @@ class FleetProblem:
         return self.may_visit[vehicle]
 
     def alike(self, vehicle: int) -> Hashable:
-        """Return what is equal for vehicles whose flights over equal orders take equal times."""
+        """Return a key: vehicles with equal keys take equal times over equal orders."""
         ends = [self.start_site(vehicle), self.home_site(vehicle)]
         end = self.end_site(vehicle)
         ends += [] if end is None else [end]

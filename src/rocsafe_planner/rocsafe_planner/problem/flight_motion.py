@@ -41,11 +41,11 @@ def flight_motion(
     last_view = max((k for k, (_, is_viewpoint) in enumerate(corners) if is_viewpoint), default=0)
     for number, ((here, _), (place, is_viewpoint)) in enumerate(pairwise(corners), start=1):
         stand_s = hover_s if is_viewpoint else 0.0
-        # before it turns home a vehicle stops, as autopilots do before they return
+        # a vehicle stops before it turns home, as autopilots do
         is_passed = is_viewpoint and hover_s == 0.0 and number < last_view
         ways.append(performance.way(here, place, stand_s, is_passed=is_passed))
     last = corners[-1][0]
-    # it stands above where it lands, wherever it came from
+    # it hovers above its landing place before it descends
     ways.append(performance.way(last, last, performance.autopilot.home_wait_s))
     ways.extend(performance.descent(last, last[2] - descent_m))
     return RouteMotion(start, ways, performance.corner_radius_m)

@@ -4,7 +4,7 @@
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, IndexArray
-from rocsafe_planner.problem.airspace import Air, Detours
+from rocsafe_planner.problem.detours import Air, Detours
 
 MOST_KEPT = 16_000_000
 """Most times in the tables of all vehicles of a problem: 128 MB."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What batteries do for: viewpoints beyond every one of them, and the most that a fleet serves.
+"""Reach of batteries: viewpoints beyond all of them, and the most that a fleet can serve.
 
-A fleet whose batteries do not do for all viewpoints is known at once in most cases: a viewpoint is
+A fleet whose batteries do not suffice for all viewpoints is mostly known at once: a viewpoint is
 too far for a flight of its own, or a lower bound of the makespan exceeds every battery. Then no
 search is made for routes that do not exist.
 """

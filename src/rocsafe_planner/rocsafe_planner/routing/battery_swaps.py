@@ -27,13 +27,13 @@ from rocsafe_planner.routing.flight_search import (
 from rocsafe_planner.routing.solver_method import Watch, optimised, search_options
 from rocsafe_planner.routing.solver_problem import LegTable
 
-# Of the time: the search that knows nothing of batteries, and each of those that do.
+# Shares of the time: of the search that ignores batteries, and of each search that counts them.
 _FIRST_SHARE = 0.35
 _SHARE = 0.13
-# The same of a number of proposals, of which the first search has all.
+# The same shares of a number of proposals; the first search has all of them.
 _PROPOSALS_SHARE = 0.4
 _ROUNDS = 3
-# From the time that would do if flights were divisible towards the best so far.
+# Share of the way from the time for divisible flights to the best time so far.
 _STEP = 0.4
 # A plan so near to that time is not searched further.
 _CLOSE = 0.99

@@ -119,7 +119,7 @@ def _looks(points: int) -> int:
 def _flights(problem: FleetProblem, routed: RoutingProblem) -> RoutingProblem:
     """Return the problem in which every way to begin and to end a flight has a vehicle.
 
-    Who changes batteries begins at its start or home, and ends at home or its end.
+    A vehicle that changes batteries begins at its start or home, and ends at home or its end.
     """
     ways: list[RoutedVehicle] = []
     for k, vehicle in enumerate(routed.vehicles):

@@ -47,7 +47,7 @@ def _matrix(problem: FleetProblem, legs: PointLegs | MatrixLegs) -> FloatArray:
 
 
 def _without(backwards: BoolArray, matrix: FloatArray) -> FloatArray:
-    """Return a table of legs of which some cost more than any routes without them."""
+    """Return a table of legs in which forbidden legs cost more than any routes without them."""
     return np.where(backwards, matrix.max(axis=1).sum(), matrix)
 
 

@@ -20,7 +20,8 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_planner.errors import NoWayError
 from rocsafe_planner.plan.request import SurveyRequest
-from rocsafe_planner.problem.airspace import MAX_SITES, Airspace, Detours, Door
+from rocsafe_planner.problem.airspace import MAX_SITES, Airspace
+from rocsafe_planner.problem.detours import Detours, Door
 
 MAX_CHECKS = 1e8
 """Pairs of sites times sides of columns that are looked at: about a second."""

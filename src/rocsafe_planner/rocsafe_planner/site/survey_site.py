@@ -138,7 +138,7 @@ def _references(request: SurveyRequest) -> list[GeoPosition]:
 
 
 def _ground_altitude_m(request: SurveyRequest) -> float:
-    """Return the mean altitude of the homes whose altitude is known, NaN if none is."""
+    """Return the mean of the known altitudes of homes, NaN without any."""
     altitudes = [place.altitude_m for place in _references(request)]
     known = [altitude for altitude in altitudes if not math.isnan(altitude)]
     return sum(known) / len(known) if known else math.nan

@@ -33,6 +33,9 @@ LARGEST_ORDER = 4
 Index = tuple[int, int, int, int, int, int]
 # A fairly uneven background; sources are looked for there, with fixes as good as stated.
 FIRST: Index = (2, 1, 0, 0, 0, 0)
+# Settings are not fitted whose evidence is lower than that of the best by so many times the
+# difference at which none is looked beyond: together they weigh less than a thousandth of it.
+HOPELESS = 2.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -241,9 +244,14 @@ class _Settings:
             is_empty = likelihood.source_count(fit.parameters) == 0
             for neighbour in self._neighbours(index, 2 if is_empty else len(self._axes)):
                 is_new_wall = neighbour[4] > index[4]
-                if neighbour not in found and not (is_new_wall and _is_without_wall(found, near)):
-                    found[neighbour] = self._moved(self._start(found, index, neighbour), neighbour)
-                    if found[neighbour].evidence > -math.inf:
+                if neighbour in found or (is_new_wall and _is_without_wall(found, near)):
+                    continue
+                best = max(one.evidence for one in found.values())
+                start = self._start(found, index, neighbour)
+                moved = self._moved(start, neighbour, best - HOPELESS * near)
+                if moved is not None:
+                    found[neighbour] = moved
+                    if moved.evidence > -math.inf:
                         left.add(neighbour)
         placed = (one for one in found.values() if one.evidence > -math.inf)
         return tuple(sorted(placed, key=lambda one: one.evidence, reverse=True))
@@ -287,8 +295,11 @@ class _Settings:
                 moved[1] = FIRST[1]
             yield (moved[0], moved[1], moved[2], moved[3], moved[4], moved[5])
 
-    def _moved(self, one: Weighed, index: Index) -> Weighed:
-        """Return the fit at `index`, begun at that of a neighbour."""
+    def _moved(self, one: Weighed, index: Index, least: float) -> Weighed | None:
+        """Return the fit at `index`, begun at that of a neighbour.
+
+        None: its evidence is surely below `least`.
+        """
         old, new = one.likelihood, self.likelihood(index)
         if new.setting.has_shades and not old.setting.has_shades:
             return self._weighed(index, new, with_shades(old, one.fit, new))
@@ -299,12 +310,18 @@ class _Settings:
         is_alike = old.background_size == new.background_size
         kept = old.background_size if is_alike else HEAD_SIZE
         start[:kept] = one.fit.parameters[:kept]
+        if self._evidence(new, new.hoped_for(start)) < least:
+            return None
         return self._weighed(index, new, new.fit(start))
 
     def _weighed(self, index: Index, likelihood: Likelihood, fit: Fit) -> Weighed:
         """Return `fit` with its evidence, that of the setting included; -inf if not placed."""
-        if not _is_placed(likelihood, fit):
-            return Weighed(index=index, likelihood=likelihood, fit=fit, evidence=-math.inf)
+        is_placed = _is_placed(likelihood, fit)
+        evidence = self._evidence(likelihood, fit) if is_placed else -math.inf
+        return Weighed(index=index, likelihood=likelihood, fit=fit, evidence=evidence)
+
+    def _evidence(self, likelihood: Likelihood, fit: Fit) -> float:
+        """Return the evidence of a fit, that of the setting included."""
         setting = likelihood.setting
         sizes = [len(axis) for axis in self._axes]
         equals = sizes[0] * (sizes[1] if setting.background_std > 0.0 else 1)
@@ -312,5 +329,4 @@ class _Settings:
             equals *= math.prod(sizes[2:])
         slope = setting.background_std / setting.background_spacing_heights
         rareness = 0.5 * (slope / setting.search.background_slope_std) ** 2
-        evidence = likelihood.evidence(fit) - math.log(equals) - rareness
-        return Weighed(index=index, likelihood=likelihood, fit=fit, evidence=evidence)
+        return likelihood.evidence(fit) - math.log(equals) - rareness

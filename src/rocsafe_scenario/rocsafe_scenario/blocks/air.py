@@ -16,7 +16,8 @@ ReleasedAgent = Literal[
 ]  # fmt: skip
 GasSensorKind = Literal[
     'electrochemical_ammonia', 'electrochemical_chlorine', 'electrochemical_hydrogen_sulphide',
-    'electrochemical_sulphur_dioxide', 'ion_mobility', 'metal_oxide', 'pid_10_6_ev',
+    'electrochemical_sulphur_dioxide', 'ion_mobility', 'metal_oxide', 'open_path_methane',
+    'pid_10_6_ev',
 ]  # fmt: skip
 Amount = Annotated[float, Field(ge=0.0, le=1e15)]
 
@@ -83,7 +84,7 @@ class AirWindBlock(Block):
 
 
 class GasSearchBlock(Block):
-    """How releases are looked for, and when that is enough.
+    """How releases are searched for, and when the search stops.
 
     With `extra_rounds`, after the survey the vehicles fly up to so many more times to
     `viewpoints_a_round` places from which readings tell most, until it is enough. `agent` is what

@@ -92,7 +92,7 @@ def backend_parameters(camera: CameraBlock) -> dict[str, Any]:
 
 
 _OF_THE_MOUNT = set(MountBlock.model_fields)
-# What a further camera has of the survey's, unless it says otherwise.
+# Settings that a further camera takes from the survey camera unless it names its own.
 _OF_THE_PICTURE = {
     'horizontal_fov_deg', 'image_width_px', 'image_height_px', 'jpeg_quality', 'oversampling'
 }  # fmt: skip

@@ -65,7 +65,7 @@ class SourceBlock(Block):
 
     @property
     def shape_text(self) -> str:
-        """What it is if it is no point: empty, or for instance ``line of 2 corners``."""
+        """Shape of the source: empty for a point, or for instance ``line of 2 corners``."""
         if self.position is not None:
             return ''
         if self.track:
@@ -111,7 +111,7 @@ class BackgroundBlock(Block):
 
 
 class SearchBlock(Block):
-    """How sources are looked for, and when that is enough.
+    """How sources are searched for, and when the search stops.
 
     With `extra_rounds`, after the survey the vehicles fly up to so many more times to
     `viewpoints_a_round` places from which readings tell most, until it is enough.

@@ -15,7 +15,7 @@ _FASTEST_HZ = 400.0
 
 
 class _SensorBlock(Block):
-    """What all sensors have: samples in a simulated second."""
+    """Common settings of sensors: samples per simulated second."""
 
     rate_hz: float | None = Field(default=None, ge=0.01, le=_FASTEST_HZ)
 

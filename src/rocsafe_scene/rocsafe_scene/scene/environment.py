@@ -9,7 +9,6 @@ import numpy as np
 
 from rocsafe_scene.ground.ground_map import GroundMap
 from rocsafe_scene.ground.terrain import Terrain
-from rocsafe_scene.mesh.lines import run_of
 from rocsafe_scene.mesh.mesh import Floats, Mesh
 from rocsafe_scene.scene.description import SceneDescription
 
@@ -54,11 +53,6 @@ class MovingPath:
         span_s = float(times[at] - times[at - 1])
         share = min(max((time_s - float(times[at - 1])) / span_s, 0.0), 1.0) if span_s else 1.0
         return start + share * step, math.atan2(step[1], step[0])
-
-    @property
-    def length_m(self) -> float:
-        """Length of the path, metres."""
-        return float(run_of(self.places)[-1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

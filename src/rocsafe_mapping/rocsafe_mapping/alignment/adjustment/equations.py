@@ -2,7 +2,6 @@
 """The equations of the adjustment: which unknowns, residuals over their noise, derivatives."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,126 +14,17 @@ from rocsafe_mapping.alignment.adjustment.projection import (
     TieDerivatives,
     TieResiduals,
 )
-from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw, turned
+from rocsafe_mapping.alignment.adjustment.rotation import tilt_and_yaw
 from rocsafe_mapping.alignment.adjustment.sightings import Sightings, pointing_noise
 from rocsafe_mapping.alignment.adjustment.ties import Index, Ties
+from rocsafe_mapping.alignment.adjustment.unknowns import MARK_SIZE, Unknowns
 from rocsafe_mapping.alignment.model.mark import MARK_STD_M
-from rocsafe_mapping.alignment.model.photo import Photo, Pose
+from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment.model.state import Lens, Noise, State
 from rocsafe_mapping.alignment_options import AdjustmentOptions
 
-MARK_SIZE = 2
 # Row of the height among the priors of a pose.
 _UP = 2
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Unknowns:
-    """Which column of the equations belongs to what.
-
-    Attributes
-    ----------
-    names
-        Photographs whose pose is unknown, six columns each.
-    lenses
-        Lenses to be found, three columns each, after the poses; with the uncertainty of each focal
-        length over itself.
-    lifts
-        Vehicles whose lift is to be found, one column each, after the lenses; with its uncertainty
-        in metres.
-    marks
-        Number of surveyed marks, two columns each, at the end.
-    """
-
-    names: tuple[str, ...]
-    lenses: tuple[tuple[str, float], ...]
-    lifts: tuple[tuple[str, float], ...] = ()
-    marks: int = 0
-
-    @staticmethod
-    def of(
-        photos: Mapping[str, Photo],
-        names: tuple[str, ...],
-        marks: int,
-        options: AdjustmentOptions,
-        *,
-        with_shared: bool = True,
-    ) -> 'Unknowns':
-        """Return the unknowns of some photographs and of a number of marks.
-
-        `with_shared`: also lenses and lifts, which photographs share.
-        """
-        if not with_shared:
-            return Unknowns(names=names, lenses=(), marks=marks)
-        stds = {photos[name].lens: photos[name].focal_std_share for name in names}
-        heights: dict[str, list[float]] = {}
-        for name in names:
-            heights.setdefault(photos[name].vehicle, []).append(photos[name].prior.centre[2])
-        return Unknowns(
-            names=names,
-            lenses=tuple((lens, std) for lens, std in sorted(stds.items()) if std > 0.0),
-            lifts=tuple(
-                (vehicle, options.lift_share * float(np.median(told)))
-                for vehicle, told in sorted(heights.items())
-            ),
-            marks=marks,
-        )
-
-    def __len__(self) -> int:
-        return self._first_mark + MARK_SIZE * self.marks
-
-    @property
-    def _first_lift(self) -> int:
-        return POSE_SIZE * len(self.names) + LENS_SIZE * len(self.lenses)
-
-    @property
-    def _first_mark(self) -> int:
-        return self._first_lift + len(self.lifts)
-
-    def pose_columns(self, names: Sequence[str]) -> Index:
-        """Return the first column of each name, -1 where its pose is known."""
-        column = {name: POSE_SIZE * number for number, name in enumerate(self.names)}
-        return np.array([column.get(name, -1) for name in names], np.int64)
-
-    def lens_columns(self, lenses: Sequence[str]) -> Index:
-        """Return the first column of each lens, -1 where it is known."""
-        start = POSE_SIZE * len(self.names)
-        column = {lens: start + LENS_SIZE * at for at, (lens, _) in enumerate(self.lenses)}
-        return np.array([column.get(lens, -1) for lens in lenses], np.int64)
-
-    def lift_columns(self, vehicles: Sequence[str]) -> Index:
-        """Return the column of each vehicle's lift, -1 where it is known."""
-        column = {name: self._first_lift + at for at, (name, _) in enumerate(self.lifts)}
-        return np.array([column.get(vehicle, -1) for vehicle in vehicles], np.int64)
-
-    def mark_columns(self) -> Index:
-        """Return the first column of each mark."""
-        return self._first_mark + MARK_SIZE * np.arange(self.marks, dtype=np.int64)
-
-    def moved(self, state: State, step: FloatArray) -> State:
-        """Return `state` changed by `step`."""
-        poses, lenses = dict(state.poses), dict(state.lenses)
-        for number, name in enumerate(self.names):
-            change = step[POSE_SIZE * number : POSE_SIZE * (number + 1)]
-            pose = poses[name]
-            poses[name] = Pose(
-                centre=pose.centre + change[:3], rotation=turned(change[3:]) @ pose.rotation
-            )
-        start = POSE_SIZE * len(self.names)
-        for number, (name, _) in enumerate(self.lenses):
-            change = step[start + LENS_SIZE * number : start + LENS_SIZE * (number + 1)]
-            lens = lenses.get(name, Lens())
-            lenses[name] = Lens(
-                log_focal=lens.log_focal + change[0],
-                k1=lens.k1 + change[1],
-                k2=lens.k2 + change[2],
-            )
-        lifts = dict(state.lifts_m)
-        for number, (vehicle, _) in enumerate(self.lifts):
-            lifts[vehicle] = lifts.get(vehicle, 0.0) + float(step[self._first_lift + number])
-        places = step[self._first_mark :].reshape(-1, MARK_SIZE)
-        marks = tuple(mark.moved(place) for mark, place in zip(state.marks, places, strict=True))
-        return replace(state, poses=poses, lenses=lenses, lifts_m=lifts, marks=marks)
 
 
 class Equations:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How well the ground's heights are known, and what that is worth on the map."""
+"""Errors of the ground's heights, and the errors on the map that follow from them."""
 
 from dataclasses import dataclass
 

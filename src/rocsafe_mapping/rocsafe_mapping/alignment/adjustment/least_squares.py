@@ -14,12 +14,13 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_mapping.alignment.adjustment.equations import Equations, Unknowns
+from rocsafe_mapping.alignment.adjustment.equations import Equations
 from rocsafe_mapping.alignment.adjustment.fix_noise import fix_errors_m
 from rocsafe_mapping.alignment.adjustment.height_error import TieHeights
 from rocsafe_mapping.alignment.adjustment.projection import POSE_SIZE, TieResiduals
 from rocsafe_mapping.alignment.adjustment.sightings import sightings_of
 from rocsafe_mapping.alignment.adjustment.ties import ties_of
+from rocsafe_mapping.alignment.adjustment.unknowns import Unknowns
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.model.mark import MARK_STD_M
 from rocsafe_mapping.alignment.model.normal_equations import factored
@@ -209,7 +210,7 @@ def _with_noise(equations: Equations, state: State) -> State:
         )
     )
     sway = float(np.median(np.linalg.norm(moved.height, axis=1)))
-    # Not the median: where most of the ground is level, trees and roofs are a minority.
+    # A high quantile: where most of the ground is level, trees and roofs are a minority.
     tall = np.quantile(np.abs(off_along), options.tall_share) / NORMAL_TALL
     flat = max(np.quantile(np.abs(off_across), options.tall_share) / NORMAL_TALL, tie_std)
     clutter = float(np.sqrt(max(tall**2 - (1.2 * flat) ** 2, 0.0))) / max(sway, 1e-9)

@@ -73,7 +73,7 @@ def initial_poses(
     for _ in range(options.most_passes):
         if len(found.pairs) == len(pairs):
             break
-        # Without the rejected pairs a group may fall apart, and values change.
+        # A group may fall apart without the rejected pairs, which changes the values.
         pairs = found.pairs
         found = _poses(photos, pairs, options, marks)
     return found

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pairs as the edges of a graph: what hangs together, and values whose differences fit them."""
+"""Pairs as edges of a graph: connected groups, and values whose differences fit the edges."""
 
 from collections import deque
 from collections.abc import Sequence

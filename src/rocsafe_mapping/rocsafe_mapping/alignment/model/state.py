@@ -32,7 +32,7 @@ class Lens:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Noise:
-    """What the residuals are like.
+    """Statistics of the residuals.
 
     Attributes
     ----------

@@ -201,7 +201,7 @@ def _step(system: _System, damping: float) -> tuple[FloatArray, FloatArray]:
     """Return the steps of cameras with the lens, and of points (m, 3)."""
     cameras, points = system.cameras.copy(), system.points.copy()
     at = np.arange(len(cameras))
-    # What is held has no information of its own.
+    # Values that are held fixed add no information.
     cameras[at, at] += damping * cameras[at, at] + 1e-9 + (cameras[at, at] == 0.0)
     diagonal = np.arange(POINT_SIZE)
     points[:, diagonal, diagonal] *= 1.0 + damping

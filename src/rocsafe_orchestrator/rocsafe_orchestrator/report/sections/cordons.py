@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_view.map_view import Cordon
+from rocsafe_view.map_marks import Cordon
 from rocsafe_view.svg import Point
 
 CORDONS = 'cordons.geojson'

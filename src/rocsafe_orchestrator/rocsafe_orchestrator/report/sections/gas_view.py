@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from rocsafe_orchestrator.products.release_estimates import Release, ReleaseEstimates, Zone
 from rocsafe_view import formats
-from rocsafe_view.map_view import GasZone
+from rocsafe_view.map_marks import GasZone
 
 # Levels from this number on may do lasting harm: AEGL-2 and ERPG-2.
 LASTING_HARM = 2

@@ -34,7 +34,8 @@ def people_rows(folder: Path) -> list[Row]:
         if entry is None:
             rows.append(('', '', f'{name} cannot be read', ''))
         elif entry['kind'] in _TOLD:
-            result = results.get(str(entry.get('request_id')), '')
+            why = str(entry.get('why', '')) if entry['kind'] == 'refused' else ''
+            result = results.get(str(entry.get('request_id')), why)
             told = _TOLD[entry['kind']](entry)
             rows.append((_clock(entry['time_s']), str(entry['by']), told, result))
     return rows
@@ -80,9 +81,16 @@ def _mark(entry: Entry) -> str:
     return f'marked as evidence at {entry.get("mgrs", "")}: {entry.get("text", "")}'
 
 
+def _refused(entry: Entry) -> str:
+    asked = entry.get('asked')
+    what = _order(asked) if isinstance(asked, dict) else str(entry.get('path', ''))
+    return f'was refused: {what}'
+
+
 # Log-ins and what nodes told are in the log, too; here is what a person answers for.
 _TOLD: Mapping[str, Callable[[Entry], str]] = {
     'order': _order,
+    'refused': _refused,
     'mark': _mark,
     'acknowledge': lambda entry: f'alarm seen: {entry.get("alarm", "")}',
     'launch': lambda entry: f'launched {entry.get("name", "")}',

@@ -100,7 +100,7 @@ def _parts(tour: Order, cuts: list[int]) -> list[Order]:
 
 
 def _dealt(problem: FleetProblem, parts: list[Order], sequence: list[int]) -> list[Order]:
-    """Return the orders of the vehicles, of which `sequence` names who gets which part."""
+    """Return the orders of the vehicles; `sequence` names the vehicle of each part."""
     orders: list[Order] = [[] for _ in problem.vehicles]
     for vehicle, part in zip(sequence, parts, strict=False):
         orders[vehicle] = part
