@@ -11,6 +11,8 @@ from functools import cached_property
 from graphlib import TopologicalSorter
 from pathlib import Path
 
+import pytest
+
 SOURCES = Path(__file__).resolve().parents[1] / 'src'
 STANDARD = sys.stdlib_module_names | {'__future__'}
 MESSAGES = {
@@ -313,6 +315,7 @@ def test_geo_stands_on_numbers_alone():
     assert not offenders(modules, lambda module: module.roots - allowed)
 
 
+@pytest.mark.slow
 def test_core_knows_neither_ros_nor_messages():
     """Cores can be used and tested on a machine without ROS."""
 

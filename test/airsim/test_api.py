@@ -260,6 +260,7 @@ MOVEMENTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('movement', MOVEMENTS)
 def test_a_vehicle_holds_when_its_client_goes(world, movement):
     """Nobody watches it any more; one that lands goes on."""

@@ -4,6 +4,7 @@
 import asyncio
 
 import msgpack
+import pytest
 
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.protocol import server
@@ -54,6 +55,7 @@ def test_a_flood_of_refusals_fills_no_log():
     assert max(map(len, told)) < 400
 
 
+@pytest.mark.slow
 def test_a_client_that_reads_nothing_fills_no_memory_and_is_let_go(monkeypatch):
     """Of the images that it asks for, few are drawn; others are served meanwhile."""
     monkeypatch.setattr(server, 'READ_S', 1.0)

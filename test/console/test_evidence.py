@@ -247,6 +247,7 @@ def test_any_changed_value_of_a_seal_is_found(tmp_path, key):
     assert verify_run(run) == ['seal-0001.json: the signature is not right']
 
 
+@pytest.mark.slow
 def test_any_changed_byte_of_a_seal_is_found(tmp_path, key):
     """White space, letters of the signature that mean the same bytes, keys: all of them."""
     run = run_of(tmp_path)

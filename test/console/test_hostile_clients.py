@@ -183,6 +183,7 @@ SLOW_BODY = (
 UNREAD = b'GET /static/vendor/leaflet/leaflet.js HTTP/1.1\r\nHost: %s\r\n\r\n'
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     'head',
     [b'', HALF, SLOW_BODY, UNREAD * 40],

@@ -104,6 +104,7 @@ def test_a_note_of_any_letters_is_an_event(tmp_path):
     assert 'drum\ufffd\ufffd\ufffd\ufffd & <b> (anna)' in remarks
 
 
+@pytest.mark.slow
 def test_a_fault_that_nobody_has_foreseen_is_told_and_the_page_goes_on(
     tmp_path, monkeypatch, capsys
 ):

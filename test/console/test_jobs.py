@@ -52,6 +52,7 @@ def test_a_command_has_the_words_of_the_command_line(jobs, kind, name, words):
     assert jobs.look(kind, name) == job
 
 
+@pytest.mark.slow
 def test_a_campaign_is_one_at_a_time_and_can_be_ended(jobs):
     """Of the files beside the scenarios, those of campaigns are offered."""
     assert jobs.campaigns() == ['c1']

@@ -122,6 +122,7 @@ def test_users_are_kept_in_a_file_that_only_its_owner_reads(tmp_path):
         read_users(path)
 
 
+@pytest.mark.slow
 def test_all_users_and_sessions_of_a_large_staff_are_kept(tmp_path):
     """Neither file is read in part only."""
     path, hashed = tmp_path / 'users.yaml', hash_of(PASSWORD)

@@ -80,6 +80,7 @@ def test_without_a_clock_nothing_is_live():
     assert picture.vehicles['rav1'].frame(WALL_S).age_s == math.inf
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(0, 1e3), st.floats(0, 1e3)), max_size=30), st.floats(0, 2e3))
 def test_a_stamp_is_never_younger_than_its_arrival(marks, stamp_s):
     """Whatever the clock did, the time found is not after the time of arrival."""
@@ -244,6 +245,7 @@ def test_the_worst_reading_stays_and_the_newest_follows():
     assert (dose['worst']['dose_rate_usvh'], dose['newest']['dose_rate_usvh']) == (80.0, 2.0)
 
 
+@pytest.mark.slow
 @given(
     st.integers(0, 999), st.integers(0, 11), st.floats(-90, 90), st.floats(-180, 180),
     st.floats(-500, 3000) | st.just(math.nan), st.floats(0, 1) | st.just(math.nan),

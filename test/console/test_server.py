@@ -85,6 +85,7 @@ def test_an_order_that_cannot_be_written_down_is_not_sent(stage, caller, monkeyp
     assert not stage.crew.sent
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('verb', ['hold', 'return', 'land'])
 @pytest.mark.parametrize('disk', ['full', 'hangs', 'log damaged', 'log gone'])
 def test_no_trouble_with_the_log_holds_up_an_emergency(
@@ -557,6 +558,7 @@ def test_a_link_for_other_programs_opens_nothing_else(open_mission):
     assert viewer.ask(items)[0] == 403
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('disk', ['full', 'hangs'])
 def test_no_trouble_with_the_log_keeps_anybody_out_or_in(tmp_path, people, monkeypatch, disk):
     """Who must hold a vehicle can log in, a session can be ended; an alarm tells what is lost."""

@@ -161,6 +161,7 @@ def caught_at(released_m: tuple[float, float]) -> Parcels:
     return Carriers(release, travel, wind, 1.0, 600.0).at(240.0)
 
 
+@pytest.mark.slow
 def test_gas_goes_round_a_house_and_leaves_its_lee():
     """No parcel ends within its walls; what is released in the lee is gone after two minutes."""
     upwind, lee = caught_at((-30.0, 1.0)), caught_at((8.0, 0.0))

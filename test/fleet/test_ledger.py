@@ -62,6 +62,7 @@ def content(ledger: Ledger) -> tuple[object, ...]:
     return ledger.entries, dict(ledger.vector), ledger.digest
 
 
+@pytest.mark.slow
 @given(writes, st.lists(st.integers(0, 2), max_size=30))
 def test_merging_is_commutative_associative_idempotent(steps, seen):
     """The order of packets, and repetitions of them, change nothing."""
@@ -71,6 +72,7 @@ def test_merging_is_commutative_associative_idempotent(steps, seen):
     assert content(joined(a, a, b, a)) == content(joined(a, b))
 
 
+@pytest.mark.slow
 @given(writes, st.lists(st.integers(0, 2), max_size=30), st.integers(60, 400))
 def test_deltas_bring_ledgers_together(steps, seen, room):
     """However small the packets are: an exchange of vectors and deltas ends with equal ledgers."""

@@ -47,6 +47,7 @@ def motion_along(flyer, places, stand_s):
     return RouteMotion(places[0], ways, flyer.corner_radius_m)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(PLACES, WINDS, st.sampled_from([0.0, 1.5]), st.floats(0.0, 1.0))
 def test_a_route_is_smooth_within_its_limits_and_passes_its_places(places, wind, stand_s, share):
@@ -111,6 +112,7 @@ def test_a_way_passed_has_no_stand():
         Way(end_enu=(0.0, 0.0, 0.0), limits=MotionLimits(1.0, 1.0), stand_s=1.0, is_passed=True)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(PLACES, st.sampled_from([0.0, 1.5]), st.floats(0.0, 1.0))
 def test_a_stop_is_smooth_from_anywhere(places, stand_s, share):

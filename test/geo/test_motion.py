@@ -49,6 +49,7 @@ def test_known_durations_with_jerk():
     assert leg_duration_s(2.0, replace(limits, smoothing_s=0.0)) == pytest.approx(4.0)
 
 
+@pytest.mark.slow
 @given(DISTANCES, LIMITS, st.floats(0.0, 1.0))
 def test_motion_keeps_its_limits_and_is_its_own_calculus(distance, limits, fraction):
     """Speed, acceleration and jerk stay within limits, and each is the slope of the one before."""
@@ -84,6 +85,7 @@ def test_pieces_meet_and_end_at_the_distance_standing(distance, limits):
     assert np.polyval(np.polyder(c[::-1], 2), t) == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 @given(DISTANCES, DISTANCES, LIMITS)
 def test_duration_is_a_metric(first, second, limits):
     """Two legs are never faster than one of their sum, nor a longer leg than a shorter one."""

@@ -67,6 +67,7 @@ def test_route_equals_brute_force(seed):
         assert found.gap_fraction == 0.0
 
 
+@pytest.mark.slow
 def test_dual_bounds_the_optimum_from_both_sides():
     """And the gap it states is not smaller than the true one."""
     for seed in range(10):
@@ -90,6 +91,7 @@ def test_search_ends_at_the_gap_that_is_enough():
         assert optimum * (1.0 - ROUNDING) <= near.path.time_s <= optimum / (1.0 - 0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_exact', [False, True])
 def test_bound_holds_whatever_gap_is_enough(is_exact):
     """What is left out is no better than that; the less is asked for, the less is searched."""

@@ -63,6 +63,7 @@ def test_small_thing_is_an_obstacle_whatever_its_colour(tmp_path, colour):
     assert kinds == [Reason.OBSTACLE] * len(PLACES)
 
 
+@pytest.mark.slow
 def test_way_through_a_meadow_is_free(tmp_path):
     """Neither its middle nor its edges are things, nor are lines of 0.1 m on it, nor noise."""
 

@@ -108,6 +108,7 @@ def terrain_of(folder, roughness_m):
     return folder / 'terrain.tif'
 
 
+@pytest.mark.slow
 def test_rough_ground_is_slow_and_rougher_ground_is_not_driven(tmp_path):
     """Up to a quarter of the highest step."""
     folder = write_village(tmp_path)
@@ -169,6 +170,7 @@ def test_ground_is_kept_while_only_dose_rates_change(tmp_path):
     assert (second.field.mean_usvh != first.field.mean_usvh).any()
 
 
+@pytest.mark.slow
 def test_age_of_each_cell_is_known(tmp_path):
     """That of the oldest photograph that a drive relies on, too."""
     folder = write_village(tmp_path)

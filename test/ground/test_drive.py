@@ -133,6 +133,7 @@ def test_route_stays_on_free_ground_and_its_figures_are_those_of_its_lines(villa
     assert [stop.evidence for stop in plan.stops if stop.evidence] == ['m1']
 
 
+@pytest.mark.slow
 def test_stops_tell_how_the_dose_grows_along_lines(village):
     """A vehicle that passes a source knows what was predicted up to where it is."""
     plan = plan_drive(request_of((4.0, -38.0), start=(4.0, 18.0)), ground_of(village))
@@ -163,6 +164,7 @@ def test_tighter_budget_gives_less_dose_and_more_time(village):
         before = plan
 
 
+@pytest.mark.slow
 def test_dose_of_a_pass_is_that_of_the_closed_form(village):
     """The forecast's mean is that of the law 1 / r^2 along the track."""
     plan = plan_drive(request_of(BEYOND), ground_of(village))
@@ -349,6 +351,7 @@ def lonlat(east, north):
     return place.longitude_deg, place.latitude_deg
 
 
+@pytest.mark.slow
 def test_command_writes_every_file(village, tmp_path, capsys):
     """And prints the budget, the proof and the curve."""
     out = tmp_path / 'out'
@@ -379,6 +382,7 @@ def test_time_of_the_trade_off_is_printed_once(village):
     assert [line.split()[0] for line in shown] == ['5', '7']
 
 
+@pytest.mark.slow
 def test_marks_of_operators_propose_evidence(tmp_path, capsys):
     """Those of the console, in the log of the run; a log that somebody changed is refused."""
     folder = write_village(tmp_path)

@@ -99,6 +99,7 @@ def test_many_points_that_do_not_all_fit_are_chosen_nearly_as_well_as_of_all_set
     assert min(ratios) > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('seed', range(6))
 def test_trip_is_within_the_budget_and_its_bound(seed):
     """Bound <= time, by little even on so coarse a grid; with less budget it is slower."""

@@ -60,6 +60,7 @@ def test_load_of_an_even_gas_is_that_of_the_time_spent_in_it(village: Path, caps
     assert gas['outside_the_map_s'] == 0.0
 
 
+@pytest.mark.slow
 def test_what_is_not_known_is_said(village: Path, capsys) -> None:
     """No load without a published n; time outside the map of the gas is told."""
     plan = driven(write_gas(village, exponent=None, half_m=8.0), capsys)

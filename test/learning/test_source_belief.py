@@ -70,6 +70,7 @@ def test_it_is_as_sure_as_it_is_right(sensor):
     assert 0.67 <= np.sqrt(np.mean(np.square(ratios))) <= 1.33
 
 
+@pytest.mark.slow
 def test_a_place_is_rounded_by_at_most_half_a_step():
     """And the whole area can be reached."""
     tables = BeliefTables.of(SENSOR, area_m=100.0)
@@ -81,6 +82,7 @@ def test_a_place_is_rounded_by_at_most_half_a_step():
     assert np.isfinite(belief.entropy_nats)
 
 
+@pytest.mark.slow
 def test_readings_beyond_all_that_is_expected_leave_probabilities():
     """No division by zero: the sum stays 1."""
     belief = SourceBelief(BeliefTables.of(SENSOR, area_m=100.0))

@@ -144,6 +144,7 @@ def test_reversed_yaws_are_survived():
     assert distortion_m(*corners(maker, mixed, poses)) < INTERNAL_M
 
 
+@pytest.mark.slow
 def test_wrong_fix_is_not_believed():
     """One fix 20 m off moves the map by less than a metre."""
     shots = texture.flight(3)
@@ -191,6 +192,7 @@ def test_pair_of_look_alikes_is_left_out(usual):
     assert set(map(id, found.pairs)) == set(map(id, others))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('altitude_off_m', 'up_m', 'std_m'),
     [(1.5, 33.5, 0.3), (-20.0, 32.0, math.hypot(0.3, 20.0)), (math.nan, 32.0, 0.3)],

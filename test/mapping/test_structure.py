@@ -93,6 +93,7 @@ def test_a_point_behind_a_camera_moves_no_lens():
     assert np.abs(found.lens).max() < 0.01
 
 
+@pytest.mark.slow
 def test_the_scene_of_most_sightings_counts():
     """The best pair shows what no other photograph does: its scene is not the largest."""
     rng = np.random.default_rng(5)

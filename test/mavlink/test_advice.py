@@ -121,6 +121,7 @@ def status(air):
     return air.drones[1].status(air.now_s)
 
 
+@pytest.mark.slow
 def test_aircraft_that_comes_is_told_and_a_hold_offered():
     """Nothing is commanded; it is forgotten when it is not heard any more."""
     air = flying()
@@ -164,6 +165,7 @@ def blow(air, speed_mps):
     air.step()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('returns', 'mode'), [(False, AUTO), (True, RTL)])
 def test_wind_over_its_limit_is_told_or_answered(returns, mode):
     """By the option of the drone a return is offered, or ordered."""

@@ -88,6 +88,7 @@ def with_late_answers(air, number):
     return kept, say
 
 
+@pytest.mark.slow
 def test_late_answer_to_a_speed_does_not_stand_for_the_next():
     """The first answer comes after the second order, which is lost itself."""
     air = flying()
@@ -104,6 +105,7 @@ def test_late_answer_to_a_speed_does_not_stand_for_the_next():
     assert 'no answer' in ended(air)
 
 
+@pytest.mark.slow
 def test_go_to_is_obeyed_once_the_copter_tells_its_place():
     """The second is answered by the late answer to the first, and lost; then it is sent again."""
     air = flying()

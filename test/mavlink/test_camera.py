@@ -132,6 +132,7 @@ def test_report_that_comes_twice_counts_once():
     assert log.take(failed, vehicle, NOW_S) == []
 
 
+@pytest.mark.slow
 @given(
     offset_s=st.floats(-40_000.0, 40_000.0),
     gaps=st.lists(st.floats(1.5, 6.0), min_size=6, max_size=15, unique=True),

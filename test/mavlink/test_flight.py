@@ -146,6 +146,7 @@ def test_silence_in_flight_is_waited_out():
     assert trip.end().outcome is FlightOutcome.COMPLETED
 
 
+@pytest.mark.slow
 def test_silence_for_ever_is_lost():
     """After ten minutes the flight ends as lost, with what was known."""
     trip = Trip(plan(4))

@@ -121,6 +121,7 @@ def test_every_placement_of_faults(count, largest):
         rig.require_truth()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('loss', [0.05, 0.2, 0.4, 0.7])
 def test_lossy_link_never_verifies_what_is_not_there(loss):
     """At any loss the word is true; up to 40 % the mission gets there."""

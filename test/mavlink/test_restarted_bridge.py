@@ -48,6 +48,7 @@ def test_failsafe_that_was_announced_before_is_not_forgotten(tmp_path, order, mo
     assert 'failsafe: battery' in is_refused(air, order)
 
 
+@pytest.mark.slow
 def test_failsafe_after_an_order_to_return_is_not_forgotten(tmp_path):
     """The order was the first reason why it left its mission, and the failsafe another."""
     path = tmp_path / 'flight.json'
@@ -220,6 +221,7 @@ def test_exclusions_hold_for_a_vehicle_that_was_given_up_as_lost():
     assert drone.session.sequence.steps[0].modes != {RTL}
 
 
+@pytest.mark.slow
 def test_clock_that_goes_back_does_not_end_a_flight_as_lost():
     """A restart of the autopilot in the air, by its clock alone: it was heard a second ago."""
     air = flying()
@@ -257,6 +259,7 @@ def flying_up():
     return air
 
 
+@pytest.mark.slow
 def test_motors_are_not_stopped_in_the_air():
     """The start is refused as late as in the air, and the landed state is wrong."""
     air = flying_up()

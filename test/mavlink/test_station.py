@@ -367,6 +367,7 @@ def test_bytes_of_a_payload_come_from_the_address_of_its_vehicle_only():
 TWIN = Message('HEARTBEAT', {'type': 6, 'autopilot': 8, 'custom_mode': 0, 'mavlink_version': 3})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('must_return', 'verdict'), [(True, CheckVerdict.FAIL), (False, CheckVerdict.WARN)]
 )

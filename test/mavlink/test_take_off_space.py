@@ -80,6 +80,7 @@ def test_two_that_are_started_together_take_off_one_after_the_other():
     assert {air.flight(system).outcome for system in (1, 2)} == {FlightOutcome.COMPLETED}
 
 
+@pytest.mark.slow
 def test_goal_waits_while_a_pilot_hovers_above():
     """It can be tried again, and flies once the other has landed."""
     air = two_on_a_pad()

@@ -93,6 +93,7 @@ def test_unreliable_vehicle_gets_no_more_work() -> None:
     assert member.seen(HEARD, LEASE).presence is Presence.APART
 
 
+@pytest.mark.slow
 @given(steps)
 def test_nobody_flies_what_others_took_over(done: list[Sighting | str]) -> None:
     """Whatever happens, a replaced vehicle is never present before it was merged.

@@ -95,6 +95,7 @@ def test_a_situation_without_a_plan_is_told(
         replan(request, Console())
 
 
+@pytest.mark.slow
 def test_what_batteries_do_not_do_for_is_named(
     plan: SurveyPlan, plan_file: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

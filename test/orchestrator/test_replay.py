@@ -25,6 +25,7 @@ def unique(inputs):
     return list({(g.vehicle, getattr(g, 'shot_id', g.time_ns)): g for g in inputs}.values())
 
 
+@pytest.mark.slow
 @given(st.lists(st.one_of(readings, shots), max_size=150))
 def test_all_inputs_are_fed_in_order_and_within_limits(inputs):
     """Whatever their order, and however late they are taken in."""

@@ -199,6 +199,7 @@ def test_impossible_overlap_is_refused(overlap, rule, message):
         spacing_m(10.0, overlap, rule)
 
 
+@pytest.mark.slow
 @settings(max_examples=12)
 @given(areas())
 def test_best_grid_needs_fewest(area):

@@ -123,6 +123,7 @@ def test_without_need_nothing_else_is_searched():
     assert found.orders == optimised(place, effort).orders
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('may_do', [False, True])
 def test_searches_for_flights_count_few_proposals(monkeypatch, may_do):
     """All together three times those of the first; none without changes where a bound forbids."""

@@ -74,6 +74,7 @@ def test_last_viewpoints_come_after_all_others(plan: SurveyPlan):
     assert replan(plan, situation) == rest
 
 
+@pytest.mark.slow
 def test_last_viewpoints_are_shared_out(plan: SurveyPlan):
     """The routes with the last viewpoints are balanced, not each part by itself."""
     situation = lost(plan)

@@ -62,6 +62,7 @@ def test_a_layer_is_in_heights_footprints_and_times():
         assert wide / narrow == pytest.approx(high.flight_height_m / 32.0, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_weak_battery_stays_low():
     """Who has no time for the climb waits instead."""
     free = plan_survey(request(vehicles=CROWD))
@@ -238,6 +239,7 @@ def test_layer_is_changed_for_the_column_of_a_vehicle_that_nobody_hears():
     assert check_plan(rest) == []
 
 
+@pytest.mark.slow
 def test_rest_without_a_free_height_is_refused():
     """The others then go on with their own routes, which keep apart from that of the silent."""
     plan = plan_survey(request(vehicles=CROWD, distance_m=15.0))

@@ -50,6 +50,7 @@ def test_every_plan_is_valid(method, survey):
     assert check_plan(plan) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ('plan', 'fault'),
     [

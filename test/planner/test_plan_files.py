@@ -54,6 +54,7 @@ def folder(plan, tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_json_says_all(plan, folder):
     """Figures, region, fleet and every viewpoint are there; unknown altitudes are null."""
     document = json.loads((folder / 'plan.json').read_text())
@@ -266,6 +267,7 @@ def relay(tmp_path_factory):
     return plan, folder
 
 
+@pytest.mark.slow
 def test_the_table_says_when_each_flight_begins(relay):
     """By the clock of the mission: delays, swaps, landings; the last one ends the mission."""
     plan, folder = relay
@@ -337,6 +339,7 @@ def test_maps_say_when_and_where_flights_land(relay):
     assert heights == pytest.approx([52.0] * len(heights), abs=0.01)
 
 
+@pytest.mark.slow
 def test_flights_from_before_are_removed(plan, tmp_path):
     """A vehicle that stays this time leaves no flight of the last time behind."""
     routes = (dataclasses.replace(plan.routes[0], sorties=()), *plan.routes[1:])

@@ -106,6 +106,7 @@ def test_the_same_request_has_the_same_plan():
     assert request(max_height_agl_m=200.0).identity() == request().identity()
 
 
+@pytest.mark.slow
 def test_more_vehicles_than_viewpoints():
     """Vehicles without viewpoints stay at home, for no time at all."""
     many = tuple(vehicle(f'rav{k}', STARTS[k % 3]) for k in range(80))
@@ -126,6 +127,7 @@ def test_nearest_to_shortest_is_better_here():
         assert other.makespan_s < paper.makespan_s
 
 
+@pytest.mark.slow
 def test_planning_stops_when_told():
     """The first refusal to go on ends it: without a plan at first, later with the best so far."""
     for limit in (1, 2, 3, 4):

@@ -143,6 +143,7 @@ def test_a_lone_vehicle_meets_nobody():
     assert minimum_separation_m(tracks(world, [[0]]), [0.0]) == np.inf
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.integers(0, 2**32 - 1), st.sampled_from((0.0, 8.0, 30.0)))
 def test_delays_keep_vehicles_apart(seed, separation):

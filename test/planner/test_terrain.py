@@ -116,6 +116,7 @@ def test_a_climb_is_counted():
     assert check_plan(plan) == []
 
 
+@pytest.mark.slow
 def test_a_wall_is_flown_over():
     """Between homes and region a wall 60 m high: legs bend over it, and none comes near."""
     plan = plan_survey(request(terrain=WALL, method='nearest_to_shortest'))

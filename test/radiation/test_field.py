@@ -64,6 +64,7 @@ def test_the_formula_is_exact(sigma, distance):
     assert rates[0] == pytest.approx(sigma / distance**2, rel=FORMULA_TOLERANCE)
 
 
+@pytest.mark.slow
 @given(
     east=st.floats(-2000, 2000),
     north=st.floats(-2000, 2000),

@@ -83,6 +83,7 @@ def test_values_at_the_level_make_no_mess():
     assert areas_above(board, 1.0, (0.0, 0.0), 1.0).is_valid
 
 
+@pytest.mark.slow
 def test_the_map_is_the_field_one_metre_above_the_ground():
     """100 uSv/h lie where 9250 / d^2 + 0.1 does: 9.57 m around, at 1 m above a source at 0."""
     found_map = dose_map(found(), survey([(120.0, 170.0, 9250.0)]), PAPER, 25.0)
@@ -92,6 +93,7 @@ def test_the_map_is_the_field_one_metre_above_the_ground():
     assert found_map.std_usvh.max() == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_doubt_makes_the_upper_cordon_larger():
     """Of the strength by 30 %: its radius grows by exp(1.645 * 0.3 / 2)."""
     found_map = dose_map(found(log_std=0.3), survey([(120.0, 170.0, 9250.0)]), PAPER, 25.0)

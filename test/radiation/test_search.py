@@ -164,6 +164,7 @@ def test_a_cell_is_believed_by_bayes_rule():
     assert grid.probabilities()[1, 1] == pytest.approx(0.1)
 
 
+@pytest.mark.slow
 @given(
     answers=st.lists(
         st.tuples(st.sampled_from('ab'), st.integers(0, 2), st.booleans()), max_size=25

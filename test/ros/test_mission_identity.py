@@ -18,6 +18,7 @@ NAMES = st.from_regex('[A-Za-z0-9][A-Za-z0-9_-]{0,63}', fullmatch=True)
 TOKENS = st.from_regex('[0-9a-f]{1,32}', fullmatch=True)
 
 
+@pytest.mark.slow
 @given(mission=NAMES, token=TOKENS)
 def test_identity_is_read_from_the_enclave(mission: str, token: str) -> None:
     """Whatever the scenario is called, also with hyphens, which ROS forbids in names."""

@@ -135,6 +135,7 @@ def test_every_key_is_explained() -> None:
     assert keys_of(Scenario) - words == set()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('path', SHIPPED, ids=lambda path: path.stem)
 def test_scenario_survives_being_written_and_read(
     path: Path, scenario_text: Callable[[str], Path]

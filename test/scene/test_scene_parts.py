@@ -32,6 +32,7 @@ def corners_of(mesh):
     return mesh.points[mesh.triangles]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', MAKERS)
 def test_meshes_are_finite_lit_from_outside_and_of_a_sane_size(name):
     """Normals have length one and, but for leaves, agree with the winding of their triangles."""

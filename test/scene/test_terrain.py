@@ -79,6 +79,7 @@ def test_nearest_on_a_line():
     assert np.allclose(found.along_m, [4.0, 15.0, 0.0])
 
 
+@pytest.mark.slow
 def test_heights_for_planners_are_those_of_the_scene(tmp_path):
     """Read back they agree within a few centimetres, on and off the detailed ground."""
     origin = GeoPosition(53.28, -9.06, 60.0)

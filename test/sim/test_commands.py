@@ -85,6 +85,7 @@ def _first_vehicle_in(mode: Mode) -> SimulatedVehicle:
 ANSWERS = answers(is_real=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('mode', list(Mode))
 @pytest.mark.parametrize('command', [*VERBS, 'set_home'])
 def test_every_order_has_its_answer_in_every_state(mode: Mode, command: str) -> None:

@@ -86,6 +86,7 @@ def test_axes_of_the_receiver_are_independent() -> None:
     assert np.abs(np.corrcoef(errors.T) - np.eye(6)).max() < 0.1
 
 
+@pytest.mark.slow
 def test_sway_of_a_stream_is_as_wide_as_at_photographs_and_smooth() -> None:
     """At knots and between, roll and pitch have the stated size; 1 ms changes next to nothing."""
     for phase_ns in (0, 300_000_000):

@@ -242,6 +242,7 @@ def test_errors_have_the_stated_size():
     assert np.corrcoef(drifts[:, 0], near[:, 0])[0, 1] > 0.95
 
 
+@pytest.mark.slow
 def test_measured_samples_err_as_their_variances_say(tmp_path):
     """The errors of 2000 samples at rest have the deviations that the messages state.
 
@@ -259,6 +260,7 @@ def test_measured_samples_err_as_their_variances_say(tmp_path):
     assert samples[0].force_variance == pytest.approx(3.9e-2**2)
 
 
+@pytest.mark.slow
 def test_the_orientation_errs_as_a_photograph_does(tmp_path):
     """Its deviation is attitude_std_deg; over 20 s it is one slow turn, of a few deviations."""
     rig = SensorRig(imu=ImuSettings())

@@ -58,6 +58,7 @@ def rav_of(folder: Path) -> Rav:
     return make_rav(options, 'rav1', place, make_shared(options), folder / 'rav1')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('is_restarted', [False, True], ids=['stood still', 'was killed'])
 @pytest.mark.parametrize(
     ('delay_s', 'mode'), [(0.0, Mode.HOLDING), (60.0, Mode.WAITING)], ids=['aloft', 'waits']

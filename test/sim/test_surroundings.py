@@ -156,6 +156,7 @@ def test_with_no_size_it_passes_through_everything():
     assert summary.outcome is FlightOutcome.COMPLETED
 
 
+@pytest.mark.slow
 @settings(max_examples=8)
 @given(st.floats(1.0, 60.0))
 def test_a_restart_changes_no_collision(restart_s):

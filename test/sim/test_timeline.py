@@ -49,6 +49,7 @@ def test_segments_follow_each_other_without_gaps(airframe, route):
     assert all(shot.elapsed_s in ends for shot in timeline.shots())
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(airframes(), routes(), SHARES)
 def test_nothing_jumps(airframe, route, share):
@@ -94,6 +95,7 @@ def test_a_hold_stops_near_and_lasts(airframe, route, share):
     assert rest.position_enu == held.pose(2e5).position_enu
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(airframes(), routes(), SHARES)
 def test_a_landing_ends_below_where_it_stopped(airframe, route, share):

@@ -69,6 +69,7 @@ def test_drift_is_that_of_the_controlled_vehicle(time_s: float):
     assert rate == pytest.approx(speed, abs=0.01)
 
 
+@pytest.mark.slow
 def test_drift_grows_with_gusts_and_airspeed():
     """In the mean wind there is none."""
 

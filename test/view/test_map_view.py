@@ -49,6 +49,7 @@ def drawn(view):
     return render('map.html', map=view, scale=SCALE)
 
 
+@pytest.mark.slow
 def test_map_of_gas_alone_shows_nothing_of_dose_rates():
     """And the true releases of the scenario, as others the true sources."""
     gas = dataclasses.replace(
@@ -70,6 +71,7 @@ def test_region_lies_in_view_with_a_margin():
     assert view.boxes['all'][0] < -500.0
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.floats(0.1, 1e4), st.floats(0.0, 5.0)), min_size=1, max_size=30))
 def test_every_reading_is_drawn_once_as_part_of_a_line(rows):
     """Lines of one colour join at the middle between two readings, and none is lost."""
@@ -101,6 +103,7 @@ def test_scale_is_made_of_what_was_measured_over_the_region():
     assert with_readings(outside).dose_rates_over_region() == [3.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(('source_y', 'is_above'), [(20.0, True), (-20.0, False), (None, False)])
 def test_highest_reading_is_named_away_from_the_nearest_source(source_y, is_above):
     """North of a source the name stands above, else below: south is down."""

@@ -179,6 +179,7 @@ def test_a_further_round_does_not_make_more_than_all(plan):
     assert (rest.planned, rest.missing) == (len(views), 2)
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 40), st.floats(-200, 200), st.floats(-200, 200))))
 def test_never_more_photographed_than_planned(plan, shots):
     """Whatever the photographs say of themselves."""

@@ -84,8 +84,9 @@ class LocateOptions:
         Rate of the weakest release that matters, g/s: what is said of releases that were not
         found is said of this rate.
     particles, sweeps
-        Number of hypotheses for 100 points of readings (fewer for larger surveys, up to six times
-        as many for smaller ones), and how often each is moved at each power of the likelihood.
+        Number of hypotheses for 100 points of readings (fewer for larger surveys, up to three
+        times as many for smaller ones), and how often each is moved at each power of the
+        likelihood.
     """
 
     turn_std_deg: float = 6.0

@@ -46,7 +46,7 @@ _ESS_SHARE = 0.7
 # Hypotheses times points of readings, and hypotheses that are never fewer: large surveys take
 # as many as time allows. Small ones take more: up to so many times, below so many points.
 _MOST_PAIRS, _FEWEST = 120_000, 200
-_MOST_TIMES, _SMALL = 6.0, 100
+_MOST_TIMES, _SMALL = 3.0, 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
