@@ -8,6 +8,8 @@ fi
 _rocsafe_root=$(CDPATH='' cd -- "$(dirname -- "${_rocsafe_root:-./env.sh}")" && pwd -P)
 if [ -r "$_rocsafe_root/.venv/workspace.sh" ]; then
     . "$_rocsafe_root/.venv/workspace.sh"
+    # Threads of the linear algebra wait for each other in loops: five times as long on busy cores.
+    export OPENBLAS_NUM_THREADS="${OPENBLAS_NUM_THREADS:-1}"
     unset _rocsafe_root
 else
     echo "env.sh: nothing is built in $_rocsafe_root yet: run make setup there" >&2
