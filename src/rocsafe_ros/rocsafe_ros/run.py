@@ -35,9 +35,9 @@ EXIT_FAILURE = 1
 EXIT_USAGE = 2
 # Longest delay between a signal and the end of an idle node.
 POLL_S = 0.1
-# Who is silent for 20 s is dead for the others, and some of them never find it again.
+# DDS drops a process that is silent for 20 s, and some of the others never find it again.
 STOOD_STILL_S = 15.0
-# Share of that time in which a process that blocks, and does not stand still, takes the processor.
+# A process that took more of the processor than this share of the time did not stand still.
 BUSY_SHARE = 0.05
 # The supervisor sets this to its process id; its nodes end when it ends.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
@@ -132,7 +132,7 @@ def _spin(
     health = HealthReporter(nodes[0])
     try:
         while rclpy.ok() and not stop.is_set and (outlives is None or outlives(made)):
-            # All events of this time: `spin_once` comes back after each one, at its cost.
+            # Handles all events of this time; `spin_once` would return to Python after each one.
             executor.spin_until_future_complete(Future(), POLL_S)
             stood_s = watch.look_s()
             if stood_s and os.environ.get(SUPERVISOR_VARIABLE) and not is_orphan():
