@@ -190,11 +190,11 @@ class FullDisk:
         raise OSError(self.number, os.strerror(self.number), 'scenario.yaml')
 
 
-def test_what_the_machine_cannot_do_is_no_result(tmp_path: Path) -> None:
+def test_what_the_machine_cannot_do_is_no_result(tmp_path: Path, ros_domain_id: int) -> None:
     """A full disk, or missions in all domains: no row stays, so that the command goes on."""
     found = campaign(tmp_path, seeds=1, limit_s=1)
-    full = FullRuns(folder=tmp_path / 'runs', domains=(97,))
-    with domain_lock('97', 'a test'), pytest.raises(MachineError, match='for 1 s'):
+    full = FullRuns(folder=tmp_path / 'runs', domains=(ros_domain_id,))
+    with domain_lock(str(ros_domain_id), 'a test'), pytest.raises(MachineError, match='for 1 s'):
         carry_out(Task(campaign=found, full=full), found.runs()[0])
     task = Task(campaign=found, full=FullDisk())  # type: ignore[arg-type]
     with pytest.raises(MachineError, match=r'run 0: .*No space left on device'):
