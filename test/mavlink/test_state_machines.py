@@ -9,6 +9,7 @@ import contextlib
 import math
 import os
 import random
+from dataclasses import replace
 from itertools import count
 
 import pytest
@@ -31,7 +32,7 @@ from test.mavlink.watch import Watch
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_mavlink.autopilots.ardupilot import COPTER
+from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
 from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.drone.drone import Drone, DroneSpec
@@ -54,6 +55,17 @@ GOAL_WAITS_S = 45.0
 # order repeated though another station had undone it.
 FOUND = (100969, 106004, 120438, 102518, 108634, 102553, 108998, 213101, 227696)
 PLANS = {size: plan(size) for size in (2, 4, 6)}
+DRIVES = {
+    size: replace(
+        flown,
+        is_drive=True,
+        waypoints=tuple(
+            replace(waypoint, height_m=0.0, height_agl_m=None, is_bend=number % 2 == 0)
+            for number, waypoint in enumerate(flown.waypoints)
+        ),
+    )
+    for size, flown in PLANS.items()
+}
 HERE = GeoPosition(*HOME)
 BEHIND = offset(HERE, 0.0, 150.0)
 # Return, speed, heading, photograph, trigger: their height means nothing.
@@ -61,11 +73,12 @@ WITHOUT_HEIGHT = (20, 178, 115, 203, 206)
 
 
 class Run:
-    """One run, from its seed alone."""
+    """One run, from its seed alone; `kind` is drawn if it is not given."""
 
-    def __init__(self, seed):
+    def __init__(self, seed, kind=None):
         rng = self.rng = random.Random(seed)
-        kind = rng.choice((COPTER, MULTICOPTER))
+        drawn = rng.choice((COPTER, MULTICOPTER))
+        kind = kind or drawn
         self.vehicle = HostileVehicle(kind, modes_of(kind, Verb), rng, spite_of(rng))
         frame = LocalFrame(GeoPosition(*HOME, 535.0))
         limits = FlightLimits(
@@ -73,7 +86,8 @@ class Run:
         )
         self.spec = DroneSpec(name='rav1', target=(1, 1), frame=frame, limits=limits)
         self.journal = FlightJournal()
-        self.flown, self.has_zone = PLANS, rng.random() < 0.3
+        self.flown = DRIVES if kind.drives else PLANS
+        self.has_zone = rng.random() < 0.3 and not kind.drives
         if self.has_zone:
             self.flown = {5: around()}
             self.vehicle.settings |= AROUND[kind.number]
@@ -312,9 +326,10 @@ def _same(stored, items, first):
 
 
 @pytest.mark.slow
-def test_most_runs_meet_somebody_else_in_the_air():
+@pytest.mark.parametrize('kind', [None, ROVER])
+def test_most_runs_meet_somebody_else_in_the_air(kind):
     """A model that no flight begins with would break no rule."""
-    runs = [Run(seed) for seed in range(16)]
+    runs = [Run(seed, kind) for seed in range(16)]
     seen = [set() for _ in runs]
     for run, owners in zip(runs, seen, strict=True):
         hear = run.watch.hear
@@ -338,11 +353,12 @@ def test_no_run_that_broke_a_rule_does_so_again(seed):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize('kind', [None, ROVER])
 @pytest.mark.parametrize('shard', range(SHARDS))
-def test_no_run_breaks_a_rule(shard):
+def test_no_run_breaks_a_rule(shard, kind):
     """No command against pilot or failsafe, nothing unverified flown, each operation ends."""
     for seed in range(shard, RUNS, SHARDS):
         try:
-            Run(seed).fly()
+            Run(seed, kind).fly()
         except Exception as error:
             raise AssertionError(f'seed {seed}: {error!r}') from error
