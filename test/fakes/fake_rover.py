@@ -52,7 +52,8 @@ class FakeRover(FakeCopter):
         # Not while it stands by order.
         is_on = self.parameters['FS_GCS_ENABLE'] == 1.0 and self.mode != HOLD
         if is_on and is_silent and self.is_armed and self.status != 5:
-            self._text(4, 'GCS Failsafe')
+            # As the real one, which names the one that it looked at last.
+            self._text(4, 'Radio Failsafe')
             self.status, self.mode = 5, ACTIONS[self.parameters['FS_ACTION']]
 
     def _on_mode(self, message):
