@@ -121,6 +121,8 @@ class HostileVehicle:
         self.settings = dict(SETTINGS[kind.number])
         self.boot_s = -60.0
         self.changed_s = -1.0
+        self.nowhere_until_s = self.flaps_until_s = self.mute_until_s = -1.0
+        self.mute, self.current_off = '', 0
         self.told_missions = [{'seq': 0, 'mission_state': 2, 'total': 3}]
         self._start(0.0)
 
@@ -140,9 +142,10 @@ class HostileVehicle:
         self.is_breached = False
 
     def say(self, name, **fields):
-        """Send a message."""
+        """Send a message, unless its stream has stopped."""
         message = Message(name, fields, 1, 1)
-        self.said.append(message)
+        if name != self.mute:
+            self.said.append(message)
         return message
 
     # Faults and other people.
@@ -440,11 +443,16 @@ class HostileVehicle:
         up_ms = max(1, round((now_s - self.boot_s) * 1000))
         height = 30_000 if self.is_flying and not self.kind.drives else 0
         is_lost = now_s < self.is_lost_until_s
+        if now_s > self.mute_until_s:
+            self.mute = ''
+        # As before the first fix.
+        here = (self.place_e7[0] + self.shift_e7, self.place_e7[1])
+        here = (0, 0) if now_s < self.nowhere_until_s else here
         self.say(
             'GLOBAL_POSITION_INT',
             time_boot_ms=up_ms % 2**32,
-            lat=self.place_e7[0] + self.shift_e7,
-            lon=self.place_e7[1],
+            lat=here[0],
+            lon=here[1],
             alt=488_000 + height,
             relative_alt=height,
             vx=0,
@@ -471,13 +479,16 @@ class HostileVehicle:
             current_battery=100,
         )
         landed = 0 if self.kind.drives else 2 if self.is_flying else 1
+        if now_s < self.flaps_until_s:
+            landed = self.rng.choice((0, 1, 2, 3, 4))
         if self.spite['landed'] is not None:
             landed = self.spite['landed']
         self.say('EXTENDED_SYS_STATE', landed_state=landed)
         phase = 4 if self.is_paused else 3 if self.is_flying else 2
         phase = 5 if self.is_complete else phase
         total = max(0, len(self.stored[0]) - self.kind.first_own_item)
-        told = {'seq': self.current, 'mission_state': phase, 'total': total}
+        seq = max(0, self.current + self.current_off)
+        told = {'seq': seq, 'mission_state': phase, 'total': total}
         if told not in self.told_missions:
             self.told_missions.append(told)
         self.say('MISSION_CURRENT', **told)

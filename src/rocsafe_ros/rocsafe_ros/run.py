@@ -95,7 +95,7 @@ def run(
         it again.
     """
     if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
-        outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE]).is_needed
+        outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE])
     if outlives is None:
         _end_with_supervisor()
     stop = StopRequest()
@@ -195,7 +195,7 @@ class FleetWatch:
         self._look_s = 0.0
         self._seen_s = time.monotonic()
 
-    def is_needed(self, _made: object) -> bool:
+    def __call__(self, _made: object) -> bool:
         """Return whether the mission goes on."""
         now_s = time.monotonic()
         if now_s >= self._look_s:
