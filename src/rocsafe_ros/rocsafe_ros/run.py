@@ -143,8 +143,12 @@ def _spin(
             # Handles all events of this time; `spin_once` would return to Python after each one.
             executor.spin_until_future_complete(Future(), POLL_S)
             stood_s = watch.look_s()
-            is_left = bool(stood_s) and is_orphan()
-            if stood_s and os.environ.get(FLEET_LOCK_VARIABLE if is_left else SUPERVISOR_VARIABLE):
+            if not stood_s or not os.environ.get(SUPERVISOR_VARIABLE):
+                continue
+            is_left = is_orphan()
+            # The memory of agents is all that is left of their mission: the others, which are
+            # new then, find them again.
+            if not is_left or isinstance(outlives, FleetWatch):
                 text = f'stood still for {stood_s:.0f} s: ends, to be started again'
                 print(text, file=sys.stderr)  # noqa: T201
                 return _AGAIN if is_left else EXIT_FAILURE
