@@ -121,13 +121,16 @@ class MissionFlight:
         sequence, sent = self.sequence.on_message(message, now_s)
         return self if sequence is self.sequence else replace(self, sequence=sequence), sent
 
-    def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
-        """Go on as far as `vehicle`, as it is known now, allows."""
+    def on_tick(self, vehicle: VehicleTelemetry, now_s: float, holder: str = '') -> Answer:
+        """Go on as far as `vehicle`, as it is known now, allows.
+
+        `holder` is who has the vehicle in place of this bridge, see `Custody.holder`.
+        """
         if self.stage is FlightStage.FLYING:
             watched = self._watch(vehicle, now_s)
-            return (
-                watched._parked(vehicle, now_s) if watched._has_arrived(vehicle) else (watched, [])
-            )
+            if not watched._has_arrived(vehicle):
+                return watched, []
+            return (watched._left_on(holder), []) if holder else watched._parked(vehicle, now_s)
         if self.sequence is None:
             return self, []
         sequence, sent = self.sequence.on_tick(vehicle, now_s)
@@ -214,6 +217,13 @@ class MissionFlight:
         """Switch off the motors of a ground vehicle that has arrived: it does not by itself."""
         disarming, sent = self.commands.disarm().on_tick(vehicle, now_s)
         return replace(self, stage=FlightStage.DISARMING, sequence=disarming), sent
+
+    def _left_on(self, holder: str) -> 'MissionFlight':
+        """Return the ended drive of a vehicle that a failsafe or its pilot brought back."""
+        reason = self.reason or f'its {holder} brought it back'
+        return self._end(
+            self.cause or FlightOutcome.ABORTED_BY_OPERATOR, f'{reason}: its motors are on'
+        )
 
     def _after_success(self) -> 'MissionFlight':
         if self.stage is FlightStage.DISARMING and self.autopilot.drives and not self.reason:
