@@ -21,6 +21,7 @@ from rocsafe_console.orders import order_book
 from rocsafe_console.people.roles import Action, Role
 from rocsafe_console.people.session_file import load_sessions
 from rocsafe_console.people.sessions import Sessions
+from rocsafe_console.picture.picture import PHASES
 from rocsafe_console.web.server import ServerThread
 
 CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
@@ -203,7 +204,7 @@ def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
     view.page.close()
 
 
-def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
+def test_a_server_that_ends_is_told_and_comes_back(browser, tmp_path):
     """Nothing looks live meanwhile; the page goes on by itself, as the same user."""
     stage = Stage(tmp_path)
     stage.begin()
@@ -217,14 +218,38 @@ def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
     server.close()
     view.wait('document.documentElement.classList.contains("not-live")')
     assert view.page.locator('.vehicle:not(.grey)').count() == 0
-    assert 'Not live' in view.page.inner_text('#banner')
+    assert 'The console has ended' in view.page.inner_text('#banner')
     stage.context.sessions = Sessions()
     load_sessions(tmp_path, stage.context.sessions, {'anna': Role.COMMANDER})
     server = ServerThread(stage.context, print)
     view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    view.wait('document.querySelector("#banner").hidden')
     view.page.close()
     pilot.stop()
     server.close()
+
+
+def test_an_end_is_told_and_the_report_stays(browser, flight, tmp_path):
+    """Of the mission, then of the console: neither looks live, nor like a fault."""
+    stage, pilot, address = flight
+    run = tmp_path / 'yard-20260601-100000'
+    run.mkdir()
+    (run / 'scenario.yaml').write_text('name: yard')
+    (run / 'report.html').write_text('<title>Report</title>all is told')
+    view = View(browser, address)
+    view.wait('document.querySelector("#pulse").textContent === "live"')
+    stage.phase = PHASES.index('complete')
+    view.wait('document.querySelector("#pulse").textContent === "ended"')
+    pilot.stop()
+    view.wait('document.querySelectorAll(".vehicle.grey").length === 3')
+    assert 'The mission has ended: complete' in view.page.inner_text('#banner')
+    with view.page.context.expect_page() as opened:
+        view.page.click('#banner a')
+    assert 'all is told' in opened.value.inner_text('body')
+    view.page.click('#banner button')
+    view.page.wait_for_selector('#runs:not([hidden]) :text("yard-20260601-100000")')
+    assert not view.faults
+    view.page.close()
 
 
 SPEAKER = """
@@ -304,6 +329,7 @@ def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(
         server.kill()
         view.wait('document.documentElement.classList.contains("not-live")')
         assert view.page.locator('.vehicle:not(.grey)').count() == 0
+        assert 'Not live' in view.page.inner_text('#banner')
         server.begin()
         view.wait(shown)
         assert view.page.inner_text('#pulse') == 'live'

@@ -280,10 +280,12 @@ export class Facts {
   }
 }
 
+export const isOver = (mission) => ['complete', 'failed', 'cancelled'].includes(mission?.phase);
+export const reportLink = (mission) => make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') });
 // The report of a mission that has ended; before that, when there is one.
 function reportOf(mission) {
-  if (!['complete', 'failed', 'cancelled'].includes(mission?.phase)) return make('span', { class: 'note', text: `${t('fact_report')}: ${t('report_later')}` });
-  return make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') });
+  if (!isOver(mission)) return make('span', { class: 'note', text: `${t('fact_report')}: ${t('report_later')}` });
+  return reportLink(mission);
 }
 
 // The eighth of the compass in which a bearing lies.

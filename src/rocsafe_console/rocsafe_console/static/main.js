@@ -4,7 +4,7 @@ import { fillTexts, t, told } from './texts.js';
 import { age, clockText, isNumber, make, missionClock, placeForm, turnPlaces } from './format.js';
 import { Link, ask, tellBy } from './link.js';
 import { MissionMap } from './map.js';
-import { Facts } from './facts.js';
+import { Facts, isOver, reportLink } from './facts.js';
 import { Orders } from './orders.js';
 import { Video } from './video.js';
 import { Sound } from './sound.js';
@@ -135,6 +135,14 @@ const { access } = link.sections;
   }
 });
 
+// What all must know: nothing is heard, or all is over.
+function bannerText(isLive, isMissionOld, missionAge, ended) {
+  const told = (seconds) => (isNumber(seconds) ? age(seconds) : '–');
+  if (!isLive) return link.hasEnded ? t('banner_ended') : t('banner_lost', { age: told(link.silence) });
+  if (isMissionOld) return t('banner_mission', { age: told(missionAge) });
+  return ended ? t('banner_over', { phase: t(`phase_${ended.phase}`) }) : '';
+}
+
 // Whether it is live, told by the word and the colour, twice a second.
 let wasOld = true;
 let seen = {};
@@ -145,22 +153,28 @@ setInterval(() => {
   const { mission, mission_heard_s: heard } = link.sections;
   if (mission?.id !== seen.id) seen = { id: mission?.id, at: link.now };
   const missionAge = link.now - (heard ?? -Infinity);
-  const isOver = ['complete', 'failed', 'cancelled'].includes(mission?.phase);
   // Its first word may have been kept: whether more follow is known some seconds later.
-  const isMissionOld = isLive && mission && !isOver && (isNumber(heard) ? missionAge : link.now - seen.at) > MISSION_SILENT_S;
-  root.classList.toggle('mission-old', !isOver && !(missionAge <= MISSION_SILENT_S));
+  const isMissionOld = isLive && mission && !isOver(mission) && (isNumber(heard) ? missionAge : link.now - seen.at) > MISSION_SILENT_S;
+  root.classList.toggle('mission-old', !isOver(mission) && !(missionAge <= MISSION_SILENT_S));
   // Who does not look hears that what he would see is old.
   const isOld = !isLive || Boolean(isMissionOld);
   if (isOld && !wasOld) sound.play('critical');
   wasOld = isOld;
   const pulse = $('#pulse');
   pulse.classList.toggle('old', isOld);
-  const word = t(isOld ? 'not_live' : 'live');
+  const isEnd = isLive && isOver(mission);
+  pulse.classList.toggle('over', isEnd);
+  const word = t(isOld ? 'not_live' : isEnd ? 'over' : 'live');
   if (pulse.textContent !== word) pulse.textContent = word;
   const banner = $('#banner');
-  banner.hidden = isLive && !isMissionOld;
-  const text = !isLive ? t('banner_lost', { age: isNumber(link.silence) ? age(link.silence) : '–' }) : isMissionOld ? t('banner_mission', { age: isNumber(missionAge) ? age(missionAge) : '–' }) : '';
-  if (banner.textContent !== text) banner.textContent = text;
+  const text = bannerText(isLive, isMissionOld, missionAge, isEnd ? mission : null);
+  banner.hidden = !text;
+  banner.classList.toggle('over', isEnd);
+  // Told anew only where it differs: a reader of the screen would say it twice a second.
+  if (banner.dataset.told !== `${text} ${mission?.id}`) {
+    banner.dataset.told = `${text} ${mission?.id}`;
+    banner.replaceChildren(text, ...(isEnd ? [' ', reportLink(mission), ' ', make('button', { type: 'button', class: 'link', text: t('over_runs'), onclick: () => show('runs') })] : []));
+  }
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
     const both = utc.startsWith(local) ? utc : `${t('local_time', { time: local })}\n${utc}`;
