@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: log-in, views, keys, theme, alarms, and the word whether it is live.
-import { fillTexts, t, told } from './texts.js';
+import { addTexts, fillTexts, t, told } from './texts.js';
 import { age, clockText, isNumber, make, missionClock, placeForm, turnPlaces } from './format.js';
 import { Link, ask, tellBy } from './link.js';
 import { MissionMap } from './map.js';
@@ -10,6 +10,7 @@ import { Video } from './video.js';
 import { Sound } from './sound.js';
 import { Runs } from './runs.js';
 import { Draft } from './draft.js';
+import { Ruler } from './measure.js';
 
 const REVOKED = 4401;
 const MISSION_SILENT_S = 3;
@@ -29,6 +30,8 @@ try { if (localStorage.rocsafeTheme) root.dataset.theme = localStorage.rocsafeTh
 
 fillTexts();
 tellBy(told);
+// Not needed before the first facts, nor in English.
+import('./mission_texts.js').then(({ MISSION_TEXTS }) => addTexts(MISSION_TEXTS));
 nameTheme();
 const link = new Link();
 const map = new MissionMap($('#map'), link);
@@ -43,7 +46,8 @@ const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
 runs.onChange = () => orders.draw();
 const draft = new Draft($('#draft'), map, link, (text) => orders.tell([], text));
-window.rocsafe = { link, map, orders, facts, video, draft };
+const ruler = new Ruler(map.map, $('#place'));
+window.rocsafe = { link, map, orders, facts, video, draft, ruler };
 
 function select(name, isChosen) {
   if (isChosen) selection.add(name); else selection.delete(name);
@@ -53,7 +57,7 @@ function select(name, isChosen) {
 }
 orders.onOffer = (drive) => map.offerDrive(drive);
 map.onVehicle = (name) => select(name, !selection.has(name));
-map.onPlace = (place) => (draft.isDrawing ? draft.onPlace(place) : showPlace(place));
+map.onPlace = (place) => (ruler.isOn ? ruler.add(place) : draft.isDrawing ? draft.onPlace(place) : showPlace(place));
 
 // A place: its coordinates in all forms, a mark, and go to for one chosen vehicle.
 async function showPlace({ lat, lng }) {
@@ -81,7 +85,7 @@ async function showPlace({ lat, lng }) {
     };
     parts.push(make('form', { class: 'place-row', onsubmit: save }, text, make('button', { class: 'small', text: t('mark_save') })));
   }
-  parts.push(make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { box.hidden = true; } }));
+  parts.push(make('p', { class: 'place-row' }, make('button', { type: 'button', class: 'small', id: 'measure', text: t('measure'), onclick: () => ruler.begin([lat, lng]) }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { box.hidden = true; } })));
   box.replaceChildren(...parts);
   box.hidden = false;
   if (document.activeElement === $('#map')) box.querySelector('button, input').focus();
@@ -137,9 +141,9 @@ const { access } = link.sections;
 
 // What all must know: nothing is heard, or all is over.
 function bannerText(isLive, isMissionOld, missionAge, ended) {
-  const told = (seconds) => (isNumber(seconds) ? age(seconds) : '–');
-  if (!isLive) return link.hasEnded ? t('banner_ended') : t('banner_lost', { age: told(link.silence) });
-  if (isMissionOld) return t('banner_mission', { age: told(missionAge) });
+  const since = (seconds) => (isNumber(seconds) ? age(seconds) : '–');
+  if (!isLive) return link.hasEnded ? t('banner_ended') : t('banner_lost', { age: since(link.silence) });
+  if (isMissionOld) return t('banner_mission', { age: since(missionAge) });
   return ended ? t('banner_over', { phase: t(`phase_${ended.phase}`) }) : '';
 }
 
@@ -229,7 +233,7 @@ $('#find').addEventListener('submit', async (event) => {
     map.map.setView([lat, lng], Math.max(map.map.getZoom(), 17), { animate: false });
     map.isFitted = true;
     input.setAttribute('aria-invalid', 'false');
-    if (!draft.isDrawing) showPlace({ lat, lng });
+    if (ruler.isOn) ruler.add({ lat, lng }); else if (!draft.isDrawing) showPlace({ lat, lng });
     $('#map').focus();
   } catch (error) { input.setAttribute('aria-invalid', 'true'); orders.tell([], error.message); }
 });
@@ -264,6 +268,9 @@ document.addEventListener('keydown', (event) => {
   else if ('123'.includes(key)) show(['live', 'runs', 'draft'][Number(key) - 1]);
   else if (key === 'g') $('#find-text').focus();
   else if (key === 'Enter' && event.target.id === 'map') map.chooseMiddle();
+  else if (key === 'm') { if (ruler.isOn) ruler.close(); else ruler.begin(); $('#map').focus(); }
+  else if (key === 'Backspace' && ruler.isOn) ruler.undo();
+  else if (key === 'Escape' && ruler.isOn) ruler.close();
   else if (key === 'c' && draft.isDrawing) draft.finish();
   else if (key === 'Backspace' && draft.isDrawing) draft.undo();
   else if (key === '?') showHelp();
