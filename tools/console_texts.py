@@ -20,7 +20,7 @@ SOURCE = ROOT / 'src'
 CATALOGUE = SOURCE / 'rocsafe_console/rocsafe_console/static/mission_texts.js'
 HEAD = """\
 // SPDX-License-Identifier: Apache-2.0
-// Written by tools/console_texts.py: what vehicles, agents, estimators and checks of scenarios say.
+// Written by tools/console_texts.py: what vehicles, agents, estimators, checks of scenarios say.
 // A translation writes beside each what it is to be; '' leaves it as it is.
 export const MISSION_TEXTS = {
 """

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Written by tools/console_texts.py: what vehicles, agents, estimators and checks of scenarios say.
+// Written by tools/console_texts.py: what vehicles, agents, estimators, checks of scenarios say.
 // A translation writes beside each what it is to be; '' leaves it as it is.
 export const MISSION_TEXTS = {
   "\nno report was made: rocsafe report {0}": "",
