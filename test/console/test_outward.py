@@ -53,7 +53,7 @@ def test_events_have_what_a_receiver_needs(stage):
 
 
 def test_events_tell_how_a_place_came_about_and_what_is_simulated(stage):
-    """As the base schema has it: errors of one deviation, `opex` for a simulation; ATAK's lines."""
+    """As the base schema has `how`, `opex` and errors of one deviation; lines as ATAK has them."""
     picture, now_s = stage.context.live.picture, time.time()
 
     def told() -> dict[str, ElementTree.Element]:
