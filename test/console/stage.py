@@ -91,6 +91,7 @@ class Stage:
         self.names += [ROVER] if has_rover else []
         self.crew = Crew()
         self.steps = 0
+        self.phase = 2
         # What says no more: mission, fix, dose, detector.
         self.silent: set[str] = set()
         self.state = dict.fromkeys(self.names, 4)
@@ -221,7 +222,7 @@ class Stage:
 
     def _mission(self, stamp_s: float) -> MissionNow:
         return MissionNow(
-            mission_id='yard-20260601-100000', phase=2, stamp_s=stamp_s,
+            mission_id='yard-20260601-100000', phase=self.phase, stamp_s=stamp_s,
             images_stored=21 + self.steps // 20, images_expected=59,
             mission_time_s=130.0 + self.steps / 10,
         )  # fmt: skip
