@@ -20,6 +20,7 @@ from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchA
 from rocsafe_dispersion.mission_gas.gas_log import FlightSurvey, NoSurveyError
 from rocsafe_dispersion.mission_gas.release_map import PlumeMap, plume_map
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule, ReleaseVerdict
+from rocsafe_dispersion.plume.losses import NO_LOSSES, Losses
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
 from rocsafe_geo.arrays import FloatArray
@@ -44,6 +45,8 @@ class AssessmentOptions:
         Roughness length of the ground, metres.
     release_height_m
         Height of releases above the ground, metres.
+    losses
+        What takes what is released out of the air.
     margin_m
         How far outside of the readings releases may be, metres.
     locate
@@ -55,6 +58,7 @@ class AssessmentOptions:
     stability: StabilityClass = 'D'
     roughness_m: float = 0.03
     release_height_m: float = 1.0
+    losses: Losses = NO_LOSSES
     margin_m: float = 20.0
     locate: LocateOptions = field(default_factory=LocateOptions)
     rule: ReleaseRule = field(default_factory=ReleaseRule)
@@ -119,12 +123,17 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
     layer = layer_of_class(options.stability, speed, flight.anemometer_m, options.roughness_m)
     area = search_area(flight.survey.places_m, options.margin_m, options.release_height_m)
     found = locate_releases(
-        flight.survey, area, layer, anemometer_m=flight.anemometer_m, options=options.locate
+        flight.survey,
+        area,
+        layer,
+        anemometer_m=flight.anemometer_m,
+        losses=options.losses,
+        options=options.locate,
     )
     area = _with_releases(area, found)
     air = MeanAir(
         towards_mps=flight.wind_towards_mps,
-        travel=similarity_travel(layer, options.release_height_m),
+        travel=similarity_travel(layer, options.release_height_m, losses=options.losses),
         reference_mps=float(layer.speed_mps(flight.anemometer_m)),
         release_height_m=options.release_height_m,
     )

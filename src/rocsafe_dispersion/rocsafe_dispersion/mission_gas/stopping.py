@@ -37,23 +37,26 @@ class ReleaseRule:
         Share of the ground where a release of the smallest rate may still be.
     wrong_wind
         Largest probability that the direction of the wind is wrong altogether.
+    moves
+        Largest probability that a release moves: one that does is never placed for good.
     """
 
     region_m: float = 10.0
     hidden_share: float = 0.05
     wrong_wind: float = 0.05
+    moves: float = 0.05
 
     def __post_init__(self) -> None:
         require_positive('region_m', self.region_m, 'm')
         require_between('hidden_share', self.hidden_share, 1e-3, 0.9)
         require_between('wrong_wind', self.wrong_wind, 1e-3, 0.9)
+        require_between('moves', self.moves, 1e-3, 0.9)
 
     def verdict(self, found: LocatedReleases) -> ReleaseVerdict:
         """Return whether what was found is placed well enough, and no more is hidden."""
         share = found.hidden.share
-        where = (
-            f'of {found.hidden.smallest_g_s:g} g/s may be in {100.0 * share:.0f} % of the ground'
-        )
+        smallest = f'{found.hidden.smallest_g_s:g} {found.amount.rate_unit}'
+        where = f'of {smallest} may be in {100.0 * share:.0f} % of the ground'
         is_searched = share <= self.hidden_share
         if not found.releases:
             text = f'a release {where}'
@@ -67,8 +70,12 @@ class ReleaseRule:
         if found.wrong_wind > self.wrong_wind:
             return ReleaseVerdict(is_enough=False, reason=f'{what}; {_doubted_wind(found)}')
         for release in found.releases:
+            if release.moves > self.moves:
+                return ReleaseVerdict(is_enough=False, reason=f'{what}; {_moves(release)}')
             if release.beyond > _BEYOND:
-                return ReleaseVerdict(is_enough=False, reason=f'{what}; {_is_beyond(release)}')
+                return ReleaseVerdict(
+                    is_enough=False, reason=f'{what}; {_is_beyond(release, found)}'
+                )
         if not self.is_placed(found):
             wanted = f'{self.region_m:g} m are wanted'
             return ReleaseVerdict(is_enough=False, reason=f'{what}: {wanted}')
@@ -95,9 +102,18 @@ def _doubted_wind(found: LocatedReleases) -> str:
     )
 
 
-def _is_beyond(release: FoundRelease) -> str:
+def _moves(release: FoundRelease) -> str:
+    if release.velocity_mps is None:
+        return f'it moves with a probability of {release.moves:.2f}: measure again'
+    east, north = release.velocity_mps
+    side = _SIDES[round(math.degrees(math.atan2(east, north)) / 45.0) % 8]
+    speed = math.hypot(east, north)
+    return f'it moves with {speed:.1g} m/s to the {side}: that place is of the last reading'
+
+
+def _is_beyond(release: FoundRelease, found: LocatedReleases) -> str:
     side = _SIDES[round(release.beyond_deg / 45.0) % 8]
-    which = f'that of {release.rate_g_s:.2g} g/s'
+    which = f'that of {release.rate_g_s:.2g} {found.amount.rate_unit}'
     return (
         f'{which} is outside of the ground searched with a probability of {release.beyond:.2f}, '
         f'to the {side}: measure there'
