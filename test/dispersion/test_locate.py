@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
 from rocsafe_dispersion.estimation.fluctuating_plume import PlumeReadings, Shapes
 from rocsafe_dispersion.estimation.gas_survey import (
     BY_READING,
@@ -21,6 +22,14 @@ from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.placeless import gain_of_places
 from rocsafe_dispersion.estimation.reading_density import cells, log_density
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.estimation.release_sampler import (
+    KIND,
+    OWN,
+    SHARED,
+    Bounds,
+    Kind,
+    ReleaseSampler,
+)
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_dispersion.plume.puffs import PuffCloud
 from rocsafe_dispersion.plume.release import Release
@@ -393,6 +402,22 @@ def test_same_readings_same_answer():
     first, second = found_of(STRONG), found_of.__wrapped__(STRONG)
     assert first.releases[0].rate_g_s == second.releases[0].rate_g_s
     assert np.array_equal(first.releases[0].region_m, second.releases[0].region_m)
+
+
+def test_hypotheses_far_out_have_turns_and_ways():
+    """Moves of the sampler try them: nothing infinite stops a fit."""
+    survey = replace(readings([STRONG], 3), has_times=True)
+    reader = PlumeReadings(survey, AREA.height_m, TRAVEL, SPEED_MPS)
+    bounds = Bounds(edges_m=(-50.0, -50.0, 50.0, 50.0), rates_g_s=(0.1, 10.0), times_s=(0.0, 99.0))
+    generator = np.random.default_rng(1)
+    sampler = ReleaseSampler(reader, BackgroundFilter(survey), bounds, ONE, generator)
+    shared, own = np.full((2, SHARED), 40.0), np.full((2, OWN), 0.5)
+    shared[1] *= -1.0
+    shared[:, KIND] = Kind.MOVES
+    shapes_m, ways_m = sampler.shapes_of(shared), sampler.ways_of(own, shared)
+    assert np.isfinite(ways_m).all()
+    mean, _ = reader.of(sampler.places_of(own), shapes_m, ways_m=ways_m)
+    assert np.isfinite(mean).all()
 
 
 def survey_with(**changed) -> GasSurvey:

@@ -19,7 +19,6 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
 )
 from rocsafe_dispersion.mission_gas.release_files import write_plume_files
 from rocsafe_dispersion.release_conversions import (
-    fill_release_suggestion,
     gas_flight_reading_of,
     particle_flight_reading_of,
     plume_message,
@@ -27,6 +26,7 @@ from rocsafe_dispersion.release_conversions import (
     wind_flight_reading_of,
     zone_markers,
 )
+from rocsafe_hazard.conversions import fill_suggestion
 from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import GasReading, ParticleReading, Region, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
@@ -130,7 +130,7 @@ class EstimatorNode(Node):
             area = None if self._region is None else area_of_region(self._region).polygon(frame)
             count = 0 if assessment.verdict.is_enough else request.count
             places = suggested_places(assessment, count, area)
-            return fill_release_suggestion(response, assessment, places, frame)
+            return fill_suggestion(response, assessment.verdict, places, frame)
 
         return self._fits.answer(response, fill)
 

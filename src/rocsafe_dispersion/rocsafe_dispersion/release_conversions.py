@@ -14,7 +14,6 @@ from visualization_msgs.msg import Marker, MarkerArray
 from rocsafe_dispersion.agents.agent_table import PARTICLES
 from rocsafe_dispersion.estimation.amount import L_PER_M3, counted_per_m3
 from rocsafe_dispersion.estimation.found_release import FoundRelease
-from rocsafe_dispersion.estimation.measuring_places import MeasuringPlace
 from rocsafe_dispersion.mission_gas.gas_log import PER_M3, GasFlightReading, WindFlightReading
 from rocsafe_dispersion.mission_gas.release_assessment import ReleaseAssessment
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
@@ -27,7 +26,6 @@ from rocsafe_interfaces.msg import (
     ReleaseEstimateArray,
     WindReading,
 )
-from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_ros.conversions import ns_of_stamp, point_of_position, stamp_of_ns
 
 # Cells of the plume: 0 is 0.01 ppm, of particles 1/l, or less, each 10 is a factor of 4, 100 is a
@@ -192,18 +190,3 @@ def _line(
     marker.pose.orientation.w = 1.0
     marker.points = [Point(x=x, y=y, z=LINE_HEIGHT_M) for x, y, *_ in corners]
     return marker
-
-
-def fill_release_suggestion(
-    response: SuggestViewpoints.Response,
-    assessment: ReleaseAssessment,
-    places: Sequence[MeasuringPlace],
-    frame: LocalFrame,
-) -> SuggestViewpoints.Response:
-    """Return `response` with the places to measure at next and the reason."""
-    response.status = SuggestViewpoints.Response.OK
-    response.is_enough = assessment.verdict.is_enough
-    response.reason = assessment.verdict.reason
-    response.viewpoints = [point_of_position(frame.position_of(one.place_m)) for one in places]
-    response.expected_gain = [one.gain for one in places]
-    return response

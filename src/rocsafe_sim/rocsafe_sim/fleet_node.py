@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``fleet``: many simulated vehicles in one process."""
 
+from collections import deque
 from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_ros.conversions import diagnostic
@@ -26,6 +28,9 @@ class FleetNode(Node):
     """Simulates the vehicles of `fleet_file`, each with a small node in its own namespace.
 
     In lock-step it is one participant, ``fleet``, which is idle when all vehicles are.
+
+    A step advances all vehicles at once, and then publishes one after the other: services are
+    answered in between, and an order takes effect at the time of the step, as it does after it.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -49,6 +54,12 @@ class FleetNode(Node):
             VehicleInterface(node, rav, options.fix_period_ns, self._on_busy)
             for node, rav in zip(self.vehicle_nodes, ravs, strict=True)
         ]
+        self._unpublished: deque[VehicleInterface] = deque()
+        # Due at once, again and again: other callbacks have their turns between two of its own.
+        self._turns = self.create_timer(
+            0.0, self._publish_next, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._turns.cancel()
         if options.lock_step:
             self._participant = Participant(
                 self, self.get_name(), self._on_step, has_news=self._has_news
@@ -62,9 +73,33 @@ class FleetNode(Node):
         vehicles = (interface.health() for interface in self._interfaces)
         return [diagnostic('runs'), *filter(None, vehicles)]
 
-    def _on_step(self, time_ns: int) -> bool:
-        are_idle = [interface.step(time_ns) for interface in self._interfaces]
-        return all(are_idle)
+    def _on_step(self, time_ns: int) -> bool | None:
+        # Of a step that another one has overtaken.
+        self._publish_all()
+        for interface in self._interfaces:
+            interface.advance(time_ns)
+        self._unpublished.extend(self._interfaces)
+        if self.executor is None:
+            self._publish_all()
+            return self._is_idle
+        self._turns.reset()
+        return None
+
+    def _publish_next(self) -> None:
+        if self._unpublished:
+            self._unpublished.popleft().publish()
+        if not self._unpublished:
+            self._turns.cancel()
+            if self._participant is not None:
+                self._participant.finish(is_idle=self._is_idle)
+
+    def _publish_all(self) -> None:
+        while self._unpublished:
+            self._unpublished.popleft().publish()
+
+    @property
+    def _is_idle(self) -> bool:
+        return all(interface.is_idle for interface in self._interfaces)
 
     def _has_news(self) -> bool:
         return any(interface.has_news for interface in self._interfaces)

@@ -11,20 +11,17 @@ from rocsafe_dispersion.agents.agent_table import Agent
 from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
-from rocsafe_dispersion.estimation.measuring_places import (
-    MeanAir,
-    MeasuringPlace,
-    measuring_places,
-)
+from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.mission_gas.gas_log import FlightSurvey, NoSurveyError
 from rocsafe_dispersion.mission_gas.release_map import PlumeMap, plume_map
-from rocsafe_dispersion.mission_gas.stopping import ReleaseRule, ReleaseVerdict
+from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_dispersion.plume.losses import NO_LOSSES, Losses
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.stability import StabilityClass, layer_of_class
+from rocsafe_hazard.next_places import MeasuringPlace, Verdict, are_within
 
 LEAST_BLOCKS = 8
 # Plume and zones are made anew in a wind that is away from theirs by more than this share of it.
@@ -92,7 +89,7 @@ class ReleaseAssessment:
     wind_10m_mps: float
     found: LocatedReleases
     rule: ReleaseRule
-    verdict: ReleaseVerdict
+    verdict: Verdict
     plume: PlumeMap | None
 
     def is_of_wind(self, towards_mps: tuple[float, float]) -> bool:
@@ -219,7 +216,5 @@ def _candidates(area: SearchArea, height_m: float, within: shapely.Polygon | Non
     # Whole metres: vehicles fly no finer.
     height = math.ceil(height_m)
     places = np.column_stack([east.ravel(), north.ravel(), np.full(east.size, float(height))])
-    if within is None:
-        return places
-    inside = shapely.contains_xy(within, places[:, 0], places[:, 1])
+    inside = are_within(places, within)
     return places[inside] if inside.any() else places

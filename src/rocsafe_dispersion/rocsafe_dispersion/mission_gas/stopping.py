@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.locate import LocatedReleases
 from rocsafe_geo.limits import require_between, require_positive
+from rocsafe_hazard.next_places import Verdict
 
 _PLACELESS = (
     'doubted: the readings are explained better without the places where they were taken; '
@@ -15,14 +16,6 @@ _PLACELESS = (
 # Probability beyond the ground from which a release is said to be there.
 _BEYOND = 0.5
 _SIDES = ('N', 'NE', 'E', 'SE', 'S', 'SW', 'W', 'NW')
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReleaseVerdict:
-    """Whether a search may end, and the reason in words."""
-
-    is_enough: bool
-    reason: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +45,7 @@ class ReleaseRule:
         require_between('wrong_wind', self.wrong_wind, 1e-3, 0.9)
         require_between('moves', self.moves, 1e-3, 0.9)
 
-    def verdict(self, found: LocatedReleases) -> ReleaseVerdict:
+    def verdict(self, found: LocatedReleases) -> Verdict:
         """Return whether what was found is placed well enough, and no more is hidden."""
         share = found.hidden.share
         smallest = f'{found.hidden.smallest_g_s:g} {found.amount.rate_unit}'
@@ -61,27 +54,25 @@ class ReleaseRule:
         if not found.releases:
             text = f'a release {where}'
             reason = f'no release found: {text}' if is_searched else text
-            return ReleaseVerdict(is_enough=is_searched, reason=reason)
+            return Verdict(is_enough=is_searched, reason=reason)
         count = len(found.releases)
         what = f'{count} release{"s" if count > 1 else ""}'
         what = f'{what}, placed within {widest_m(found):.0f} m (95 %)'
         if found.gain_of_places <= 0.0:
-            return ReleaseVerdict(is_enough=False, reason=f'{what}; {_PLACELESS}')
+            return Verdict(is_enough=False, reason=f'{what}; {_PLACELESS}')
         if found.wrong_wind > self.wrong_wind:
-            return ReleaseVerdict(is_enough=False, reason=f'{what}; {_doubted_wind(found)}')
+            return Verdict(is_enough=False, reason=f'{what}; {_doubted_wind(found)}')
         for release in found.releases:
             if release.moves > self.moves:
-                return ReleaseVerdict(is_enough=False, reason=f'{what}; {_moves(release)}')
+                return Verdict(is_enough=False, reason=f'{what}; {_moves(release)}')
             if release.beyond > _BEYOND:
-                return ReleaseVerdict(
-                    is_enough=False, reason=f'{what}; {_is_beyond(release, found)}'
-                )
+                return Verdict(is_enough=False, reason=f'{what}; {_is_beyond(release, found)}')
         if not self.is_placed(found):
             wanted = f'{self.region_m:g} m are wanted'
-            return ReleaseVerdict(is_enough=False, reason=f'{what}: {wanted}')
+            return Verdict(is_enough=False, reason=f'{what}: {wanted}')
         if not is_searched:
-            return ReleaseVerdict(is_enough=False, reason=f'{what}; another {where}')
-        return ReleaseVerdict(is_enough=True, reason=what)
+            return Verdict(is_enough=False, reason=f'{what}; another {where}')
+        return Verdict(is_enough=True, reason=what)
 
     def is_placed(self, found: LocatedReleases) -> bool:
         """Return whether there are releases, all of them placed well enough."""
