@@ -37,7 +37,7 @@ from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
 from rocsafe_dispersion.plume.losses import Losses
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.wind.similarity import SurfaceLayer
-from rocsafe_geo.wind.stability import CLASSES, layer_of_class
+from rocsafe_geo.wind.stability import CLASSES, StabilityClass, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
 # More readings of a table are averaged: time and memory grow with their number.
@@ -87,8 +87,8 @@ def _of_table(options: argparse.Namespace) -> dict[str, Any]:
     found = _located(gas, area, options)
     verdict = ReleaseRule().verdict(found)
     known = agent(options.agent) if options.agent else None
-    wind_10m_mps = float(_layer(gas, options).speed_mps(10.0))
-    return document_of(found, gas.frame, known, wind_10m_mps) | {
+    layer = _layer(gas, options)
+    return document_of(found, gas.frame, known, layer, options.stability) | {
         'is_enough': verdict.is_enough,
         'verdict': verdict.reason,
         'notes': list(gas.notes),
@@ -137,8 +137,8 @@ def _highest(
 
 def _assessed(assessment: ReleaseAssessment, frame: LocalFrame) -> dict[str, Any]:
     flight = assessment.flight
-    wind_10m_mps = assessment.wind_10m_mps
-    return document_of(assessment.found, frame, flight.agent, wind_10m_mps) | {
+    layer, stability = assessment.layer, assessment.stability
+    return document_of(assessment.found, frame, flight.agent, layer, stability) | {
         'agent': flight.agent.name,
         'sensor': flight.sensor,
         'wind_towards_mps': list(flight.wind_towards_mps),
@@ -223,13 +223,17 @@ def parser() -> argparse.ArgumentParser:
 
 
 def document_of(
-    found: LocatedReleases, frame: LocalFrame | None, known: Agent | None, wind_10m_mps: float
+    found: LocatedReleases,
+    frame: LocalFrame | None,
+    known: Agent | None,
+    layer: SurfaceLayer,
+    stability: StabilityClass,
 ) -> dict[str, Any]:
     """Return what was found as values for JSON; `known` is what was released, if anybody knows."""
     return {
         'releases': [
             _release(release, found.amount, frame)
-            | near_field(release.rate_g_s, known, wind_10m_mps)
+            | near_field(release.rate_g_s, known, layer, stability)
             for release in found.releases
         ],
         'another': {

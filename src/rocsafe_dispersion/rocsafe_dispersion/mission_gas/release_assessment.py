@@ -20,6 +20,7 @@ from rocsafe_dispersion.plume.losses import NO_LOSSES, Losses
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.similarity import SurfaceLayer
 from rocsafe_geo.wind.stability import StabilityClass, layer_of_class
 from rocsafe_hazard.next_places import MeasuringPlace, Verdict, are_within
 
@@ -73,8 +74,8 @@ class ReleaseAssessment:
         Where releases were looked for, with the regions of those that were found beyond.
     air
         The mean air.
-    wind_10m_mps
-        Speed of its wind at 10 m, m/s.
+    layer, stability
+        The same, as a surface layer, and its Pasquill class.
     found
         What was found.
     rule, verdict
@@ -86,7 +87,8 @@ class ReleaseAssessment:
     flight: FlightSurvey
     area: SearchArea
     air: MeanAir
-    wind_10m_mps: float
+    layer: SurfaceLayer
+    stability: StabilityClass
     found: LocatedReleases
     rule: ReleaseRule
     verdict: Verdict
@@ -138,7 +140,8 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         flight=flight,
         area=area,
         air=air,
-        wind_10m_mps=float(layer.speed_mps(10.0)),
+        layer=layer,
+        stability=options.stability,
         found=found,
         rule=options.rule,
         verdict=options.rule.verdict(found),
