@@ -147,11 +147,11 @@ class Stage:
                 [self._cordon(level, size) for level, size in ((25.0, 70.0), (100.0, 30.0))],
             )
             put('releases', {
-                'stamp_s': now_s, 'agent': 'ammonia', 'sensor': 'pid', 'verdict': 'enough',
-                'is_enough': True,
+                'stamp_s': now_s, 'rate_unit': 'g/s', 'agent': 'ammonia', 'sensor': 'pid',
+                'verdict': 'enough', 'is_enough': True,
                 'releases': [{
-                    'id': 0, 'place': place_of(-60, -30), 'radius_95_m': 8.0, 'rate_g_s': 90.0,
-                    'rate_low_g_s': 60.0, 'rate_high_g_s': 140.0,
+                    'id': 0, 'place': place_of(-60, -30), 'radius_95_m': 8.0, 'rate': 90.0,
+                    'rate_low': 60.0, 'rate_high': 140.0,
                 }],
             })  # fmt: skip
             zone = {'level': 'AEGL-2 160 ppm', 'colour': '#ff8000'}

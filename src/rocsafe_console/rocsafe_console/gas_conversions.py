@@ -15,9 +15,10 @@ _UNITS = {'mg_m3': 'mg/m³'}
 
 
 def releases_of(message: ReleaseEstimateArray) -> dict[str, Any]:
-    """Return the estimated releases of gas, and the verdict in words."""
+    """Return the estimated releases of gas or particles, and the verdict in words."""
     return {
         'stamp_s': seconds_of(message.header.stamp),
+        'rate_unit': message.rate_unit,
         'agent': message.agent,
         'sensor': message.sensor,
         'verdict': message.verdict,
@@ -70,7 +71,7 @@ def _release_of(release: ReleaseEstimate) -> dict[str, Any]:
         'place': place_of(release.position),
         # A circle of the area that holds the place with a probability of 0.95.
         'radius_95_m': math.sqrt(release.region_95_m2 / math.pi),
-        'rate_g_s': release.rate_g_s,
-        'rate_low_g_s': release.rate_low_g_s,
-        'rate_high_g_s': release.rate_high_g_s,
+        'rate': release.rate,
+        'rate_low': release.rate_low,
+        'rate_high': release.rate_high,
     }

@@ -154,7 +154,7 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
 def _releases(picture: Picture, prefix: str) -> Iterator[Event]:
     found = picture.sections.value('releases') or {}
     for one in placed(found.get('releases', [])):
-        rate = formats.figures(_number(one['rate_g_s']), 2)
+        rate = f'{formats.figures(_number(one["rate"]), 2)} {found["rate_unit"]}'
         size_m = _number(one['radius_95_m'])
         where = f'95 % within {formats.figures(size_m, 2)} m'
         yield Event(
@@ -165,7 +165,7 @@ def _releases(picture: Picture, prefix: str) -> Iterator[Event]:
             longitude_deg=one['place'][1],
             circular_error_m=size_m / SIGMAS_OF_95,
             stale_s=LASTING_STALE_S,
-            remarks=f'{rate} g/s of {found["agent"]}, {where}; {_made(found.get("heard_s"))}',
+            remarks=f'{rate} of {found["agent"]}, {where}; {_made(found.get("heard_s"))}',
         )
 
 

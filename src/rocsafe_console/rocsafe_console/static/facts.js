@@ -128,7 +128,7 @@ export class Facts {
       return make('li', { class: lineOf(isOld) }, this.lookButton(...source.place, t('source_name', { id: source.id })), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
     });
     for (const one of gas?.releases ?? []) {
-      const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });
+      const line = t('release_line', { low: figures(one.rate_low, 2), high: figures(one.rate_high, 2), unit: gas.rate_unit, agent: gas.agent, size: figures(one.radius_95_m, 2) });
       list.push(make('li', { class: lineOf(isGasOld) }, this.lookButton(...one.place, t('release_name', { id: one.id })), ` ${line}`));
     }
     const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text: told(text) }));

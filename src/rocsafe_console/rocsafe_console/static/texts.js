@@ -19,7 +19,7 @@ export const TEXTS = {
   no_wind: 'no wind measured', no_picture: 'no photograph yet', no_plan: 'no plan yet', no_alarm: 'no alarm', no_vehicle: 'no vehicle is heard',
   by_at: '{vehicle}, {detector}', trend_rising: 'rising', trend_falling: 'falling', trend_steady: 'steady',
   saturated: 'at least: the detector is saturated',
-  source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} g/s of {agent}, within {size} m',
+  source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} {unit} of {agent}, within {size} m',
   zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %', gas_zone_line: '{level}: {radius} m from release',
   wind_line: 'from {from}° at {speed} m/s', wind_by: 'by {vehicle}', access_line: 'Approach from upwind: {side}.',
   coverage_line: '{stored} of {expected} photographs stored', time_line: 'planned {planned}, at least {bound}',

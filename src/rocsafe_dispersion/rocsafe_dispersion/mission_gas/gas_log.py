@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_dispersion.agents.agent_table import Agent, agent
+from rocsafe_dispersion.agents.agent_table import PARTICLES, Agent, agent
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
+from rocsafe_dispersion.estimation import amount
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
@@ -26,6 +27,8 @@ WIND_S = 20.0
 RECENT_S = 600.0
 # Rotors blow a sample down, never below this height above the ground, metres.
 LEAST_HEIGHT_M = 0.5
+# Unit of counts of particles.
+PER_M3 = amount.PARTICLES.concentration_key
 
 
 class NoSurveyError(ValueError):
@@ -34,7 +37,10 @@ class NoSurveyError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GasFlightReading:
-    """One reading of a gas sensor; fields as in GasReading, its place NaN if unknown."""
+    """One reading of a gas sensor or of a particle counter.
+
+    Fields as in GasReading, its place NaN if unknown. Particles are in ``per_m3``.
+    """
 
     vehicle: str
     time_ns: int
@@ -52,9 +58,9 @@ class GasFlightReading:
 
     @property
     def is_usable(self) -> bool:
-        """Whether its place is known, it is a number of ppm, and it is finite."""
+        """Whether its place is known, it is a number of ppm or of particles, and it is finite."""
         values = (self.latitude_deg, self.longitude_deg, self.altitude_m, self.corrected, self.std)
-        return self.unit == 'ppm' and all(map(math.isfinite, values))
+        return self.unit in ('ppm', PER_M3) and all(map(math.isfinite, values))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +91,7 @@ class Sampling:
     delay_s
         Time from the air beside the vehicle to the sensor, seconds.
     agent
-        What is released; empty: what the sensor is made for.
+        What is released, a chemical or particles; empty: what the sensor is made for.
     """
 
     dilution: float = 1.0
@@ -93,7 +99,8 @@ class Sampling:
     agent: str = ''
 
     def __post_init__(self) -> None:
-        if self.agent and agent(self.agent).molar_mass_g_mol is None:
+        is_chemical = self.agent not in ('', PARTICLES.name)
+        if is_chemical and agent(self.agent).molar_mass_g_mol is None:
             raise ValueError(f'agent {self.agent!r} needs a known molar mass')
 
 
@@ -167,9 +174,12 @@ class GasLog:
         known, factor = self._scale(next(iter(readings.values())))
         times, towards = _sorted_winds(self._winds.values())
         ground = self.frame.origin.altitude_m
-        blocks = _blocks(readings, self.frame, self._sampling.delay_s)
+        # Counters stand in the air below the rotors: nothing delays what they read.
+        delay_s = 0.0 if known is PARTICLES else self._sampling.delay_s
+        blocks = _blocks(readings, self.frame, delay_s)
         values = factor * np.array([block.mean for block in blocks])
-        std = factor * max(_noise([block.mean for block in blocks]), blocks[0].std, 1e-12)
+        noise = max(_noise([block.mean for block in blocks]), 1e-12)
+        std = factor * np.maximum(noise, [block.std for block in blocks])
         places = np.array([block.places_m for block in blocks])
         places[:, :, 2] = np.maximum(places[:, :, 2], LEAST_HEIGHT_M)
         vehicles = sorted({block.vehicle for block in blocks})
@@ -179,11 +189,12 @@ class GasLog:
             weights=np.full(POINTS, 1.0 / POINTS),
             wind_towards_mps=np.array([_wind_at(times, towards, b.time_s) for b in blocks]),
             values_g_m3=values,
-            std_g_m3=np.full(len(values), std),
+            std_g_m3=std,
             is_below=np.zeros(len(values), bool),
             is_above=np.array([block.is_saturated for block in blocks]),
             times_s=np.array([block.time_s - first_s for block in blocks]),
             instruments=np.array([vehicles.index(block.vehicle) for block in blocks]),
+            amount=amount.PARTICLES if known is PARTICLES else amount.GRAMS,
         )
         heights = [one.altitude_m - ground for one in self._winds.values()]
         return FlightSurvey(
@@ -214,19 +225,24 @@ class GasLog:
             if readings and self._response(next(iter(readings.values())))
         }
         if not able:
-            raise NoSurveyError('no reading in ppm of a sensor that could see the agent')
+            raise NoSurveyError('no reading in ppm, or of particles, that could see the agent')
         # The noise of slow sensors is that of their readings without delay.
         contrasts = {name: _contrast(readings.values()) for name, readings in able.items()}
         return max(sorted(able), key=contrasts.__getitem__)
 
     def _response(self, reading: GasFlightReading) -> float:
-        """Return the reading for 1 ppm of the agent; 1 where the kind is not known."""
+        """Return the reading for 1 of the agent, ppm or particles; 1: the kind is not known."""
+        is_of_particles = self._sampling.agent == PARTICLES.name
+        if self._sampling.agent and (is_of_particles or reading.unit == PER_M3):
+            return float(is_of_particles and reading.unit == PER_M3)
         if not self._sampling.agent or reading.sensor not in GAS_SENSORS:
             return 1.0
         return GAS_SENSORS[reading.sensor].response(agent(self._sampling.agent))
 
     def _scale(self, reading: GasFlightReading) -> tuple[Agent, float]:
-        """Return the agent, and g/m^3 in the free air for 1 ppm read."""
+        """Return the agent, and g/m^3 in the free air for 1 ppm read; of particles 1/m^3."""
+        if reading.unit == PER_M3:
+            return PARTICLES, 1.0 / self._sampling.dilution
         known = agent(self._sampling.agent or reading.calibration_gas)
         shown = self._response(reading) * self._sampling.dilution
         return known, known.g_m3(1.0) / shown
@@ -279,7 +295,7 @@ def _way_blocks(
                 time_s=float(times[own].mean()),
                 places_m=line,
                 mean=float(np.mean([way[index].corrected for index in own])),
-                std=float(np.mean([way[index].std for index in own])) / math.sqrt(len(own)),
+                std=math.hypot(*(way[index].std for index in own)) / len(own),
                 is_saturated=any(way[index].is_saturated for index in own),
             )
         )
