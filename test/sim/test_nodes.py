@@ -322,12 +322,12 @@ def test_a_vehicle_is_commanded_in_the_middle_of_a_step_of_its_fleet(
 
     def publish_later(interface: VehicleInterface) -> None:
         if waits[0]:
-            fleet._unpublished.append(interface)
+            fleet._waiting.append(interface.publish)
         else:
             publish(interface)
 
     monkeypatch.setattr(VehicleInterface, 'publish', publish_later)
-    operator.ros.spin_until(lambda: fleet._unpublished, DEADLINE_S)
+    operator.ros.spin_until(lambda: len(fleet._waiting) == 2, DEADLINE_S)
     step_ns = fleet.get_clock().now().nanoseconds
     assert operator.call('b/hold', Trigger.Request()).success
 

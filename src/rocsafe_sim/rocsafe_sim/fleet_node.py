@@ -2,6 +2,8 @@
 """The node ``fleet``: many simulated vehicles in one process."""
 
 from collections import deque
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +33,7 @@ class FleetNode(Node):
 
     A step advances all vehicles at once, and then publishes one after the other: services are
     answered in between, and an order takes effect at the time of the step, as it does after it.
+    What orders have left to be computed is computed in such turns, too.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -50,16 +53,16 @@ class FleetNode(Node):
             )
             for rav in ravs
         ]
-        self._interfaces = [
-            VehicleInterface(node, rav, options.fix_period_ns, self._on_busy)
-            for node, rav in zip(self.vehicle_nodes, ravs, strict=True)
-        ]
-        self._unpublished: deque[VehicleInterface] = deque()
+        self._waiting: deque[Callable[[], None]] = deque()
         # Due at once, again and again: other callbacks have their turns between two of its own.
         self._turns = self.create_timer(
-            0.0, self._publish_next, clock=Clock(clock_type=ClockType.STEADY_TIME)
+            0.0, self._take_turn, clock=Clock(clock_type=ClockType.STEADY_TIME)
         )
         self._turns.cancel()
+        self._interfaces: list[VehicleInterface] = []
+        for number, (node, rav) in enumerate(zip(self.vehicle_nodes, ravs, strict=True)):
+            on_busy = partial(self._on_busy, number)
+            self._interfaces.append(VehicleInterface(node, rav, options.fix_period_ns, on_busy))
         if options.lock_step:
             self._participant = Participant(
                 self, self.get_name(), self._on_step, has_news=self._has_news
@@ -75,27 +78,27 @@ class FleetNode(Node):
 
     def _on_step(self, time_ns: int) -> bool | None:
         # Of a step that another one has overtaken.
-        self._publish_all()
+        self._take_all_turns()
         for interface in self._interfaces:
             interface.advance(time_ns)
-        self._unpublished.extend(self._interfaces)
+        self._waiting.extend(interface.publish for interface in self._interfaces)
         if self.executor is None:
-            self._publish_all()
+            self._take_all_turns()
             return self._is_idle
         self._turns.reset()
         return None
 
-    def _publish_next(self) -> None:
-        if self._unpublished:
-            self._unpublished.popleft().publish()
-        if not self._unpublished:
+    def _take_turn(self) -> None:
+        if self._waiting:
+            self._waiting.popleft()()
+        if not self._waiting:
             self._turns.cancel()
             if self._participant is not None:
                 self._participant.finish(is_idle=self._is_idle)
 
-    def _publish_all(self) -> None:
-        while self._unpublished:
-            self._unpublished.popleft().publish()
+    def _take_all_turns(self) -> None:
+        while self._waiting:
+            self._waiting.popleft()()
 
     @property
     def _is_idle(self) -> bool:
@@ -104,7 +107,9 @@ class FleetNode(Node):
     def _has_news(self) -> bool:
         return any(interface.has_news for interface in self._interfaces)
 
-    def _on_busy(self) -> None:
+    def _on_busy(self, number: int) -> None:
+        self._waiting.append(self._interfaces[number].look_ahead)
+        self._turns.reset()
         if self._participant is not None:
             self._participant.report(is_idle=False)
 

@@ -94,6 +94,10 @@ class VehicleInterface:
         """Whether nothing happens until the next command."""
         return self._rav.vehicle.is_idle
 
+    def look_ahead(self) -> None:
+        """Compute what an order has left to the next step."""
+        self._rav.vehicle.look_ahead()
+
     def advance(self, time_ns: int) -> None:
         """Advance the vehicle to `time_ns`; `publish` follows, orders may come in between."""
         vehicle = self._rav.vehicle
