@@ -343,6 +343,39 @@ def test_particles_are_counted_beside_gas(named, sensor):
 
 
 @pytest.mark.slow
+def test_an_open_path_is_a_mean_down_to_the_ground():
+    """From 12 m, where a sensor beside the vehicle would meet little of the plume."""
+    release = Release(place_m=(-22.0, 13.0), height_m=1.0, rate_g_s=5.0)
+    plume = SteadyPlume(release=release, travel=AIR.travel, wind=EASTWARDS)
+    chemical, generator = agent('methane'), np.random.default_rng(3)
+    heights = np.arange(0.05, 12.0, 0.1)
+    log = GasLog(FRAME, Sampling(dilution=DILUTION, delay_s=3.0))
+    numbers = iter(range(1, 10_000))
+    for east in np.arange(-45.0, 46.0, 10.0):
+        for north in np.arange(-45.0, 46.0, 10.0):
+            column = np.column_stack([np.full((120, 2), (east, north)), heights])
+            below = chemical.ppm(float(plume.concentrations_g_m3(column).sum()) * 0.1)
+            for _ in range(4):
+                number = next(numbers)
+                read = below * math.exp(0.2 * generator.standard_normal())
+                read += 2.0 * generator.standard_normal()
+                place = (float(east), float(north), 12.0)
+                log.add_wind(wind(number))
+                log.add_gas(gas(number, place, read, sensor='open_path_methane', unit='ppm_m',
+                                calibration_gas='methane', std=2.0))  # fmt: skip
+    flight = log.survey()
+    assert flight.flight_height_m == pytest.approx(12.0, abs=0.1)
+    assert flight.survey.weights.sum() == pytest.approx(1.0)
+    found = assess(flight, QUICK).found
+    (one,) = found.releases
+    assert one.holds(-22.0, 13.0)
+    assert math.dist(one.place_m, (-22.0, 13.0)) < 12.0
+    assert one.rate_low_g_s < 5.0 < one.rate_high_g_s
+    # What is read beside the vehicle, or diluted, is another rate.
+    assert 0.5 < one.rate_g_s / 5.0 < 2.0
+
+
+@pytest.mark.slow
 def test_files_of_particles_name_their_units(tmp_path):
     """Rates in particles a second, the map in particles a litre; no levels are known."""
     changed = {'agent': 'particles', 'settling_mps': 0.001, 'smallest_per_s': 1e7}

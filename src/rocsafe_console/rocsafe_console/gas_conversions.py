@@ -10,8 +10,7 @@ from rocsafe_console.conversions import geodetic_line, place_of, seconds_of
 from rocsafe_console.picture.gas import GasNow
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import GasReading, ReleaseEstimate, ReleaseEstimateArray
-
-_UNITS = {'mg_m3': 'mg/m³'}
+from rocsafe_view import formats
 
 
 def releases_of(message: ReleaseEstimateArray) -> dict[str, Any]:
@@ -34,7 +33,7 @@ def gas_of(vehicle: str, message: GasReading) -> GasNow:
         stamp_s=seconds_of(message.header.stamp),
         value=message.raw,
         std=message.std,
-        unit=_UNITS.get(message.unit, message.unit),
+        unit=formats.gas_unit(message.unit),
         sensor=message.sensor,
         calibration_gas=message.calibration_gas,
         latitude_deg=message.position.latitude,

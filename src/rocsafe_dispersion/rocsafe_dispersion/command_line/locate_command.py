@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from rocsafe_dispersion.agents.agent_table import PARTICLES, Agent, agent
+from rocsafe_dispersion.detection.gas_sensor import OPEN_PATH
 from rocsafe_dispersion.estimation.amount import Amount
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
@@ -125,7 +126,7 @@ def _highest(
     height_m = reading.altitude_m - frame.origin.altitude_m
     return {
         'value': reading.corrected * (counted.shown(PARTICLES) if counted.is_particles else 1.0),
-        'unit': counted.shown_unit,
+        'unit': 'ppm m' if reading.unit == OPEN_PATH else counted.shown_unit,
         'vehicle': reading.vehicle,
         'time_ns': reading.time_ns,
         'latitude_deg': reading.latitude_deg,

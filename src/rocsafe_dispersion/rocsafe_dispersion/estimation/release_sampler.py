@@ -344,7 +344,7 @@ class ReleaseSampler:
 def _student_quantile(shares: FloatArray) -> FloatArray:
     """Return the quantiles of Student's t of four degrees of freedom, in its closed form.
 
-    A wind direction that is about right errs by it. (Shaw 2006, J. Comput. Finance 9, 37.)
+    A wind direction that is about right errs by it.
     """
     root = np.sqrt(4.0 * shares * (1.0 - shares))
     above = np.maximum(np.cos(np.arccos(root) / 3.0) / root - 1.0, 0.0)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rocsafe_dispersion.agents.agent_table import PARTICLES, Agent, agent
+from rocsafe_dispersion.detection.gas_sensor import OPEN_PATH
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_dispersion.estimation import amount
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
@@ -21,6 +22,8 @@ MOST_BLOCKS = 120
 LEAST_BLOCK_S = 4.0
 # Points of the way flown in a block.
 POINTS = 5
+# Heights of a path straight down to the ground, and their weights, on the interval -1 to 1.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 # The wind of a block is the mean of this time before its end: a plume arrives with its past.
 WIND_S = 20.0
 # The wind that plumes and zones are told for, a mean of ten minutes, is that of the last so long.
@@ -58,9 +61,9 @@ class GasFlightReading:
 
     @property
     def is_usable(self) -> bool:
-        """Whether its place is known, it is a number of ppm or of particles, and it is finite."""
+        """Whether its place is known, its unit is one that is located, and it is finite."""
         values = (self.latitude_deg, self.longitude_deg, self.altitude_m, self.corrected, self.std)
-        return self.unit in ('ppm', PER_M3) and all(map(math.isfinite, values))
+        return self.unit in ('ppm', PER_M3, OPEN_PATH) and all(map(math.isfinite, values))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,22 +177,30 @@ class GasLog:
         known, factor = self._scale(next(iter(readings.values())))
         times, towards = _sorted_winds(self._winds.values())
         ground = self.frame.origin.altitude_m
-        # Counters stand in the air below the rotors: nothing delays what they read.
-        delay_s = 0.0 if known is PARTICLES else self._sampling.delay_s
+        unit = next(iter(readings.values())).unit
+        # Only what is drawn in comes later: counters and light are in the air that they read.
+        delay_s = self._sampling.delay_s if unit == 'ppm' else 0.0
         blocks = _blocks(readings, self.frame, delay_s)
-        values = factor * np.array([block.mean for block in blocks])
+        values: FloatArray = np.array([block.mean for block in blocks])
         noise = max(_noise([block.mean for block in blocks]), 1e-12)
-        std = factor * np.maximum(noise, [block.std for block in blocks])
-        places = np.array([block.places_m for block in blocks])
+        std: FloatArray = np.maximum(noise, [block.std for block in blocks])
+        places: FloatArray = np.array([block.places_m for block in blocks])
         places[:, :, 2] = np.maximum(places[:, :, 2], LEAST_HEIGHT_M)
+        flight_height_m = float(np.median(places[:, :, 2]))
+        weights: FloatArray = np.full(POINTS, 1.0 / POINTS)
+        if unit == OPEN_PATH:
+            # A sum over the height is a mean times the height.
+            lengths_m = places[:, :, 2].mean(axis=1)
+            values, std = values / lengths_m, std / lengths_m
+            places, weights = _down(places)
         vehicles = sorted({block.vehicle for block in blocks})
         first_s = min(block.time_s for block in blocks)
         survey = GasSurvey(
             places_m=places,
-            weights=np.full(POINTS, 1.0 / POINTS),
+            weights=weights,
             wind_towards_mps=np.array([_wind_at(times, towards, b.time_s) for b in blocks]),
-            values_g_m3=values,
-            std_g_m3=std,
+            values_g_m3=factor * values,
+            std_g_m3=factor * std,
             is_below=np.zeros(len(values), bool),
             is_above=np.array([block.is_saturated for block in blocks]),
             times_s=np.array([block.time_s - first_s for block in blocks]),
@@ -203,7 +214,7 @@ class GasLog:
             agent=known,
             wind_towards_mps=self.recent_wind(),
             anemometer_m=max(float(np.median(heights)), 2.0),
-            flight_height_m=float(np.median(places[:, :, 2])),
+            flight_height_m=flight_height_m,
         )
 
     def recent_wind(self) -> tuple[float, float]:
@@ -244,8 +255,8 @@ class GasLog:
         if reading.unit == PER_M3:
             return PARTICLES, 1.0 / self._sampling.dilution
         known = agent(self._sampling.agent or reading.calibration_gas)
-        shown = self._response(reading) * self._sampling.dilution
-        return known, known.g_m3(1.0) / shown
+        dilution = 1.0 if reading.unit == OPEN_PATH else self._sampling.dilution
+        return known, known.g_m3(1.0) / (self._response(reading) * dilution)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -258,6 +269,16 @@ class _Block:
     mean: float
     std: float
     is_saturated: bool
+
+
+def _down(places_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return points below places (n, k, 3), down to the ground, and weights of their mean.
+
+    Each height is below another place of the way: time grows with the number of points.
+    """
+    below = places_m[:, 3 * np.arange(len(_NODES)) % places_m.shape[1]]
+    below[:, :, 2] *= (_NODES + 1.0) / 2.0
+    return below, np.asarray(_WEIGHTS / 2.0)
 
 
 def _blocks(
