@@ -30,6 +30,7 @@ export const MISSION_TEXTS = {
   "a detector shows about {0} {1} at the end than at the start": "",
   "a dose budget of {0} uSv": "",
   "a dose rate at which the vehicle turns back": "",
+  "a failsafe has stopped it": "",
   "a failsafe has the vehicle, in {0}": "",
   "a failsafe switched it to {0}": "",
   "a fence has at most {0} corners in all": "",
