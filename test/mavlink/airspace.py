@@ -97,6 +97,14 @@ class Airspace:
         """Let the battery's voltage fall below its limit."""
         self.copters[system].lose_battery()
 
+    def be_switched(self, mode, system=1):
+        """Let its pilot switch its mode."""
+        self.copters[system].be_switched(mode)
+
+    def be_switched_off(self, system=1):
+        """Let its pilot stop its motors."""
+        self.copters[system].be_switched_off()
+
     def leave_fence(self, system=1):
         """Fly out of the circle."""
         self.copters[system].breach_fence()

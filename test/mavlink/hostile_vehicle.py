@@ -23,6 +23,8 @@ TEXTS = (
     'EKF Failsafe: changed to LAND Mode',
     'Circle fence breached',
 )
+# A rover tells its battery and a crash by these words alone: its status stays as it was.
+ROVER_TEXTS = ('Battery 1 is low 10.60V used 274 mAh', 'Crash: Going to HOLD')
 # Positions and the like come this often, as on a slow radio.
 FAST_S = 1.0
 PIECE = 50
@@ -119,13 +121,15 @@ class HostileVehicle:
         self.settings = dict(SETTINGS[kind.number])
         self.boot_s = -60.0
         self.changed_s = -1.0
+        self.nowhere_until_s = self.flaps_until_s = self.mute_until_s = -1.0
+        self.mute, self.current_off = '', 0
         self.told_missions = [{'seq': 0, 'mission_state': 2, 'total': 3}]
         self._start(0.0)
 
     def _start(self, now_s):
         self.mode = self.modes['idle']
         self.owner, self.status = OURS, 3
-        self.is_armed = self.is_flying = self.is_paused = False
+        self.is_armed = self.is_flying = self.is_paused = self.is_complete = False
         self.current, self.phase, self.reached = 0, 1, 0
         self.since_s = self.next_s = now_s
         self.home, self.home_mm = HOME_E7, 488_000
@@ -138,9 +142,10 @@ class HostileVehicle:
         self.is_breached = False
 
     def say(self, name, **fields):
-        """Send a message."""
+        """Send a message, unless its stream has stopped."""
         message = Message(name, fields, 1, 1)
-        self.said.append(message)
+        if name != self.mute:
+            self.said.append(message)
         return message
 
     # Faults and other people.
@@ -153,7 +158,7 @@ class HostileVehicle:
         """A failsafe acts: with or without words, with or without a status."""
         kind = self.rng.randrange(3)
         if kind != 1:
-            self._announce(self.rng.choice(TEXTS))
+            self._announce(self.rng.choice(TEXTS + ROVER_TEXTS if self.kind.drives else TEXTS))
         if kind != 2:
             self.status = 5
         self.take(FAILSAFE, self.modes[self.rng.choice(('return', 'land', 'hold'))], now_s)
@@ -236,9 +241,14 @@ class HostileVehicle:
             packed = self.kind.is_mode_packed
             main, sub = int(message['param2']), int(message.fields.get('param3', 0.0))
             self._switch(sub << 24 | main << 16 if packed else main, now_s)
+        elif number == 193 and self.kind.drives:
+            return 4
         elif number == 400:
-            self.is_armed = first == 1.0 or self.is_flying
+            self.is_armed = first == 1.0 or (self.is_flying and not self.kind.drives)
             self.since_s = now_s
+            # It goes on where it was in its mission if it is switched off within it.
+            if self.kind.drives and not self.is_armed and self.mode != self.modes['mission']:
+                self.current = 0
             if self.is_armed and self.rng.random() < self.spite['rehomes']:
                 self.home = (HOME_E7[0] + self.rng.choice((100, 9000)), HOME_E7[1])
                 self.home_mm += self.rng.choice((0, 5000))
@@ -247,7 +257,7 @@ class HostileVehicle:
         elif number == 193:
             self.is_paused = first == 0.0
         elif number == 224:
-            self.current = int(first)
+            self.current, self.is_complete = int(first), False
         elif number == 192:
             self.place_e7 = (message['x'], message['y'])
             self._switch(self.modes['hold' if self.kind.repositions_itself else 'guided'], now_s)
@@ -265,6 +275,8 @@ class HostileVehicle:
     def _obeyed(self, mode, now_s):
         self.take(OURS, mode, now_s)
         self.is_paused = False
+        if mode == self.modes['mission'] and self.is_complete:
+            self.current, self.is_complete = 0, False
         self.next_s = now_s + ITEM_S
 
     def _offer(self, message):
@@ -340,7 +352,7 @@ class HostileVehicle:
         beat = self.say(
             'HEARTBEAT',
             **{
-                'type': 2,
+                'type': 10 if self.kind.drives else 2,
                 'autopilot': self.kind.number,
                 'base_mode': 0x80 if self.is_armed else 0,
                 'custom_mode': self.mode,
@@ -384,7 +396,9 @@ class HostileVehicle:
             self.is_flying = False
             return
         for_s = now_s - self.since_s
-        if self.mode in (self.modes['return'], self.modes['land']):
+        if self.kind.drives:
+            self._drive(for_s, now_s)
+        elif self.mode in (self.modes['return'], self.modes['land']):
             if for_s > LANDING_S:
                 self._land(now_s)
         elif self.mode == self.modes['mission'] and self.stored[0]:
@@ -400,6 +414,19 @@ class HostileVehicle:
         elif not self.is_flying and for_s > ON_GROUND_S:
             self._land(now_s)
 
+    def _drive(self, for_s, now_s):
+        """Stand at the end of a way or at home, switched on."""
+        self.is_flying = True
+        if self.mode == self.modes['return'] and for_s > LANDING_S:
+            self.place_e7 = HOME_E7
+        elif self.mode == self.modes['mission'] and self.stored[0] and now_s >= self.next_s:
+            self.next_s = now_s + ITEM_S
+            self.current = max(self.current, 1)
+            if self.current < len(self.stored[0]):
+                self.say('MISSION_ITEM_REACHED', seq=self.current)
+                self._move_on()
+            self.is_complete = self.current >= len(self.stored[0])
+
     def _move_on(self):
         """Be where the item led, and go on with the next one."""
         for _, command, *_turns, x_e7, y_e7, _z in self.stored[0][self.current :][:1]:
@@ -414,13 +441,18 @@ class HostileVehicle:
 
     def _tell(self, now_s):
         up_ms = max(1, round((now_s - self.boot_s) * 1000))
-        height = 30_000 if self.is_flying else 0
+        height = 30_000 if self.is_flying and not self.kind.drives else 0
         is_lost = now_s < self.is_lost_until_s
+        if now_s > self.mute_until_s:
+            self.mute = ''
+        # As before the first fix.
+        here = (self.place_e7[0] + self.shift_e7, self.place_e7[1])
+        here = (0, 0) if now_s < self.nowhere_until_s else here
         self.say(
             'GLOBAL_POSITION_INT',
             time_boot_ms=up_ms % 2**32,
-            lat=self.place_e7[0] + self.shift_e7,
-            lon=self.place_e7[1],
+            lat=here[0],
+            lon=here[1],
             alt=488_000 + height,
             relative_alt=height,
             vx=0,
@@ -446,13 +478,17 @@ class HostileVehicle:
             voltage_battery=12_600,
             current_battery=100,
         )
-        landed = 2 if self.is_flying else 1
+        landed = 0 if self.kind.drives else 2 if self.is_flying else 1
+        if now_s < self.flaps_until_s:
+            landed = self.rng.choice((0, 1, 2, 3, 4))
         if self.spite['landed'] is not None:
             landed = self.spite['landed']
         self.say('EXTENDED_SYS_STATE', landed_state=landed)
         phase = 4 if self.is_paused else 3 if self.is_flying else 2
+        phase = 5 if self.is_complete else phase
         total = max(0, len(self.stored[0]) - self.kind.first_own_item)
-        told = {'seq': self.current, 'mission_state': phase, 'total': total}
+        seq = max(0, self.current + self.current_off)
+        told = {'seq': seq, 'mission_state': phase, 'total': total}
         if told not in self.told_missions:
             self.told_missions.append(told)
         self.say('MISSION_CURRENT', **told)

@@ -185,3 +185,57 @@ MISFORTUNES = (
         _wind_blows,
     ),
 )
+
+
+def _is_nowhere(run):
+    """It tells latitude and longitude 0, as before its first fix."""
+    run.vehicle.nowhere_until_s = run.now_s + run.rng.choice((2.0, 15.0))
+
+
+def _stream_stops(run):
+    """One message does not come any more for a while, as after a change of rates."""
+    names = ('MISSION_CURRENT', 'HOME_POSITION', 'GLOBAL_POSITION_INT', 'EXTENDED_SYS_STATE')
+    run.vehicle.mute = run.rng.choice((*names, 'SYS_STATUS', 'COMMAND_ACK', 'STATUSTEXT'))
+    run.vehicle.mute_until_s = run.now_s + run.rng.choice((5.0, 30.0))
+
+
+def _landed_state_flaps(run):
+    """As of a vehicle in gusts near the ground."""
+    run.vehicle.flaps_until_s = run.now_s + 15.0
+
+
+def _current_is_off(run):
+    """It counts its items by one more or less than it was sent them."""
+    run.vehicle.current_off = run.rng.choice((-1, 0, 1))
+
+
+def _answers_another(run):
+    """What it says is for another station, which has ordered and asked the same."""
+    vehicle, rng = run.vehicle, run.rng
+    other = {'target_system': 254, 'target_component': 190}
+    number, result = rng.choice(list(COMMANDS)), rng.choice((0, 1, 2, 4, 5))
+    vehicle.say('COMMAND_ACK', command=number, result=result, **other)
+    for kind in range(3):
+        vehicle.say('MISSION_ACK', type=rng.choice((0, 1, 5, 15)), mission_type=kind, **other)
+        vehicle.say('MISSION_REQUEST_INT', seq=rng.randrange(9), mission_type=kind, **other)
+        vehicle.say('MISSION_COUNT', count=rng.randrange(9), mission_type=kind, **other)
+
+
+def _answers_late(run):
+    """The link repeats what it answered some seconds ago, as it was."""
+    number = run.rng.choice((176, 192, 193, 224, 300, 400))
+    run.vehicle.say('COMMAND_ACK', command=number, result=run.rng.choice((0, 1, 4, 5)))
+
+
+def _bridge_stands_still(run):
+    """Stopped, swapped out, or on a machine that slept."""
+    run.still_until_s = run.now_s + run.rng.choice((4.0, 12.0, 60.0))
+
+
+STRANGE = (
+    *MISFORTUNES,
+    *(_is_nowhere, _is_nowhere, _stream_stops, _stream_stops, _stream_stops),
+    *(_landed_state_flaps, _landed_state_flaps, _current_is_off, _current_is_off),
+    *(_answers_another, _answers_another, _answers_another, _answers_late, _answers_late),
+    *(_bridge_stands_still, _bridge_stands_still, _bridge_stands_still),
+)

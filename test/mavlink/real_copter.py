@@ -133,6 +133,17 @@ class Copter:
 
         self._ask(wanted, is_taken)
 
+    def command(self, number, *parameters):
+        """Order something from the second station, and wait until it is accepted."""
+        fields = {'target_system': self.system, 'target_component': 1, 'command': number}
+        fields |= {f'param{n}': value for n, value in enumerate(parameters, 1)}
+
+        def is_accepted(said):
+            is_it = said.name == 'COMMAND_ACK' and said['command'] == number
+            return is_it and said['result'] == 0
+
+        self._ask(Message('COMMAND_LONG', fields), is_accepted)
+
     def item_count(self, kind):
         """Return how many items of a kind lie on it."""
         fields = {'target_system': self.system, 'target_component': 1, 'mission_type': kind}

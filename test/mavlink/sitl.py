@@ -32,7 +32,16 @@ PRECAUTIONS = {
     'fence': {'FENCE_ENABLE': 1, 'FENCE_TYPE': 2, 'FENCE_RADIUS': 1000, 'FENCE_ACTION': 1},
     'link': {'FS_GCS_ENABLE': 1},
 }
+# A rover comes back on its own tracks, or stands.
+ROVER_PRECAUTIONS = {
+    '': {},
+    'battery': {'BATT_LOW_VOLT': 11.0, 'BATT_FS_LOW_ACT': 4},
+    'battery holds': {'BATT_LOW_VOLT': 11.0, 'BATT_FS_LOW_ACT': 2},
+    'link': {'FS_GCS_ENABLE': 1, 'FS_ACTION': 4},
+}
 PARAM_SET_REAL32 = 9
+# Of COMPONENT_ARM_DISARM.
+FORCED = 21196.0
 ROVER_BINARY = os.environ.get('ROCSAFE_SITL_ROVER', '')
 # Tracks, and speeds of a robot that takes evidence.
 ROVER_PARAMETERS = {
@@ -102,6 +111,7 @@ class SitlAirspace(RealAirspace):
     words = WORDS
     begins_with = SET_CURRENT
     kind = SitlCopter
+    precautions = PRECAUTIONS
 
     def __init__(self, systems, folder, speedup=10, precaution=''):
         port = free_port()
@@ -109,7 +119,11 @@ class SitlAirspace(RealAirspace):
             f'udp://127.0.0.1:{port}',
             {
                 system: self.kind(
-                    system, port, Path(folder) / f'sitl-{system}', speedup, PRECAUTIONS[precaution]
+                    system,
+                    port,
+                    Path(folder) / f'sitl-{system}',
+                    speedup,
+                    self.precautions[precaution],
                 )
                 for system in systems
             },
@@ -132,3 +146,12 @@ class SitlGround(SitlAirspace):
     """Rovers on one link."""
 
     kind = SitlRover
+    precautions = ROVER_PRECAUTIONS
+
+    def be_switched(self, mode, system=1):
+        """Let a second station switch its mode."""
+        self.copters[system].command(176, 1.0, float(mode))
+
+    def be_switched_off(self, system=1):
+        """Let a second station stop its motors, whatever it does."""
+        self.copters[system].command(400, 0.0, FORCED)

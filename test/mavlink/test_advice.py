@@ -10,7 +10,9 @@ from test.mavlink.test_flight import plan
 from test.mavlink.test_station import ready_air
 
 from rocsafe_geo.position import GeoPosition, offset
+from rocsafe_mavlink.autopilots.ardupilot import COPTER
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.checks.setting_checks import setting_checks
@@ -244,21 +246,21 @@ def test_height_above_the_ground_is_bounded():
 
 
 @pytest.mark.parametrize(
-    ('autopilot', 'found', 'verdict'),
+    ('kind', 'found', 'verdict'),
     [
-        (12, {'GF_ACTION': 0.0}, CheckVerdict.WARN),
-        (12, {'GF_ACTION': 1.0}, CheckVerdict.WARN),
-        (12, {'GF_ACTION': 2.0}, CheckVerdict.PASS),
-        (12, {'GF_ACTION': 3.0}, CheckVerdict.PASS),
-        (12, {'GF_ACTION': 4.0}, CheckVerdict.FAIL),
-        (12, {'GF_ACTION': 5.0}, CheckVerdict.PASS),
-        (3, {'FENCE_ACTION': 0.0}, CheckVerdict.WARN),
-        (3, {'FENCE_ACTION': 1.0}, CheckVerdict.PASS),
+        (MULTICOPTER.name, {'GF_ACTION': 0.0}, CheckVerdict.WARN),
+        (MULTICOPTER.name, {'GF_ACTION': 1.0}, CheckVerdict.WARN),
+        (MULTICOPTER.name, {'GF_ACTION': 2.0}, CheckVerdict.PASS),
+        (MULTICOPTER.name, {'GF_ACTION': 3.0}, CheckVerdict.PASS),
+        (MULTICOPTER.name, {'GF_ACTION': 4.0}, CheckVerdict.FAIL),
+        (MULTICOPTER.name, {'GF_ACTION': 5.0}, CheckVerdict.PASS),
+        (COPTER.name, {'FENCE_ACTION': 0.0}, CheckVerdict.WARN),
+        (COPTER.name, {'FENCE_ACTION': 1.0}, CheckVerdict.PASS),
     ],
 )
-def test_action_at_the_fence_is_judged_by_its_value(autopilot, found, verdict):
+def test_action_at_the_fence_is_judged_by_its_value(kind, found, verdict):
     """One that only reports is warned of; one that stops the motors forbids a flight."""
-    reader = ParameterReader(autopilot=autopilot, target=(1, 1), found=found, asks=99)
+    reader = ParameterReader(kind=kind, target=(1, 1), found=found, asks=99)
     known = VehicleSettings(parameters=reader, station=255)
     checks = setting_checks(known, FlightLimits())
     (check,) = [check for check in checks if check.name == 'action at the fence']

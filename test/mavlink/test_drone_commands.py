@@ -13,10 +13,9 @@ from test.mavlink.test_flight import plan
 from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition, distance_m, offset
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED, ROVER
 from rocsafe_mavlink.autopilots.parameters import Parameter, ParameterReader
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER, OFFBOARD
-from rocsafe_mavlink.autopilots.px4 import PX4 as PX4_NUMBER
 from rocsafe_mavlink.checks.check import CheckVerdict, failures
 from rocsafe_mavlink.checks.preflight import preflight
 from rocsafe_mavlink.drone.commands import DroneCommands
@@ -212,7 +211,7 @@ def test_nothing_is_ordered_by_the_suite_itself():
 )
 def test_parameters_are_read_in_both_spellings(names, speed):
     """The unit follows from the spelling that answered."""
-    reader = ParameterReader(autopilot=3, target=TARGET, found={})
+    reader = ParameterReader(kind=COPTER.name, target=TARGET, found={})
     reader, asked = reader.on_tick(0.0)
     assert {'WP_SPD', 'WPNAV_SPEED'} <= {message['param_id'] for message in asked}
     for name, value in names.items():
@@ -230,7 +229,7 @@ def test_px4_copies_the_bits_of_integers():
     """A 2 comes as a float that is nearly nothing."""
     (value,) = struct.unpack('<f', struct.pack('<i', 2))
     told = said('PARAM_VALUE', param_id='NAV_DLL_ACT', param_value=value, param_type=6)
-    reader = ParameterReader(autopilot=PX4_NUMBER, target=TARGET, found={}).on_message(told)
+    reader = ParameterReader(kind=MULTICOPTER.name, target=TARGET, found={}).on_message(told)
     assert reader.value(Parameter.LINK_LOSS_ACTION) == 2.0
 
 
@@ -239,7 +238,7 @@ def test_link_loss_that_does_nothing_may_forbid_the_flight():
     limits = FlightLimits(must_return_on_link_loss=True)
     for found in ({'FS_GCS_ENABLE': 0.0}, {}):
         knowledge = VehicleSettings(
-            parameters=ParameterReader(autopilot=3, target=TARGET, found=found)
+            parameters=ParameterReader(kind=COPTER.name, target=TARGET, found=found)
         )
         checks = preflight(ready(), COPTER, None, limits, 100.0, knowledge)
         verdicts = {check.name: check.verdict for check in checks}
@@ -251,7 +250,7 @@ def test_link_loss_that_does_nothing_may_forbid_the_flight():
 )
 def test_setting_is_waited_for(asks, value):
     """What was asked for just now is not yet without an answer."""
-    reader = ParameterReader(autopilot=3, target=TARGET, found={}, asks=asks)
+    reader = ParameterReader(kind=COPTER.name, target=TARGET, found={}, asks=asks)
     checks = preflight(
         ready(), COPTER, None, FlightLimits(), 100.0, VehicleSettings(parameters=reader)
     )
@@ -437,17 +436,71 @@ def test_orders_that_make_no_sense_are_refused():
 )
 def test_only_a_return_passes_where_a_return_is_required(found, failed):
     """Landing, braking or going on is no return, nor is one that another station hides."""
-    reader = ParameterReader(autopilot=3, target=TARGET, found=found, asks=6)
+    reader = ParameterReader(kind=COPTER.name, target=TARGET, found=found, asks=6)
     known = VehicleSettings(parameters=reader, station=250)
     limits = FlightLimits(must_return_on_link_loss=True)
     checks = preflight(ready(), COPTER, None, limits, 100.0, known)
     assert {check.name for check in checks if check.verdict is CheckVerdict.FAIL} == failed
 
 
+@pytest.mark.parametrize(
+    ('found', 'failed'),
+    [
+        ({'FS_GCS_ENABLE': 1.0, 'FS_ACTION': 4.0}, set()),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_ACTION': 3.0, 'FS_OPTIONS': 1.0}, set()),
+        ({'FS_GCS_ENABLE': 0.0, 'FS_ACTION': 4.0}, {'link-loss failsafe'}),
+        ({'FS_GCS_ENABLE': 2.0, 'FS_ACTION': 4.0}, {'link-loss failsafe'}),
+        # Nothing, straight home through what stands there, a stand, stopped motors.
+        ({'FS_GCS_ENABLE': 1.0, 'FS_ACTION': 0.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_ACTION': 1.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_ACTION': 2.0}, {'link-loss action'}),
+        ({'FS_GCS_ENABLE': 1.0, 'FS_ACTION': 5.0}, {'link-loss action'}),
+    ],
+)
+def test_rover_returns_by_its_own_numbers(found, failed):
+    """Those of a copter mean something else."""
+    reader = ParameterReader(kind=ROVER.name, target=TARGET, found=found, asks=6)
+    known = VehicleSettings(parameters=reader, station=250)
+    limits = FlightLimits(must_return_on_link_loss=True)
+    checks = preflight(ready(), ROVER, None, limits, 100.0, known)
+    assert {check.name for check in checks if check.verdict is CheckVerdict.FAIL} == failed
+    # What a rover does not have is not asked for.
+    assert not {'height of the return', 'heading on the way'} & {check.name for check in checks}
+
+
+@pytest.mark.parametrize(
+    ('kind', 'found', 'verdict'),
+    [
+        (COPTER, {'MIS_RESTART': 1.0}, CheckVerdict.FAIL),
+        (ROVER, {'MIS_RESTART': 1.0}, CheckVerdict.FAIL),
+        (COPTER, {'MIS_RESTART': 0.0}, CheckVerdict.PASS),
+        (COPTER, {}, CheckVerdict.WARN),
+        (ROVER, {'MIS_DONE_BEHAVE': 3.0}, CheckVerdict.FAIL),
+        (ROVER, {'MIS_DONE_BEHAVE': 1.0}, CheckVerdict.PASS),
+        (ROVER, {'SRTL_POINTS': 0.0}, CheckVerdict.FAIL),
+        (ROVER, {'SRTL_POINTS': 300.0}, CheckVerdict.PASS),
+        (COPTER, {'RTL_ALT_FINAL': 500.0}, CheckVerdict.WARN),
+        (COPTER, {'RTL_ALT_FINAL': 0.0}, CheckVerdict.PASS),
+        (MULTICOPTER, {'RTL_LAND_DELAY': -1.0}, CheckVerdict.WARN),
+        (MULTICOPTER, {'RTL_LAND_DELAY': 0.0}, CheckVerdict.PASS),
+    ],
+)
+def test_settings_that_change_what_an_order_does_are_judged(kind, found, verdict):
+    """A mission that begins anew after a hold, a return that never lands, and the like."""
+    reader = ParameterReader(kind=kind.name, target=TARGET, found=found, asks=6)
+    known = VehicleSettings(parameters=reader, station=250)
+    checks = preflight(ready(), kind, None, FlightLimits(), 100.0, known)
+    name = next(iter(found), 'MIS_RESTART')
+    (check,) = [check for check in checks if check.value.startswith(name)]
+    assert check.verdict is verdict
+
+
 @pytest.mark.parametrize('value', [0.0, 1.0, 3.0, 5.0])
 def test_px4_returns_by_one_action_only(value):
     """Holding, landing or stopping the motors is no return."""
-    reader = ParameterReader(autopilot=12, target=TARGET, found={'NAV_DLL_ACT': value}, asks=6)
+    reader = ParameterReader(
+        kind=MULTICOPTER.name, target=TARGET, found={'NAV_DLL_ACT': value}, asks=6
+    )
     limits = FlightLimits(must_return_on_link_loss=True)
     knowledge = VehicleSettings(parameters=reader)
     checks = preflight(ready(), MULTICOPTER, None, limits, 100.0, knowledge)
@@ -472,7 +525,8 @@ def test_settings_that_make_a_failsafe_worse_are_warned_of(found, warned):
     good = {'ARMING_CHECK': 1.0, 'RTL_ALT': 3000.0, 'FS_THR_ENABLE': 1.0}
     told = {'WP_YAW_BEHAVIOR': 0.0, **({} if 'ARMING_SKIPCHK' in found else good), **found}
     known = VehicleSettings(
-        parameters=ParameterReader(autopilot=3, target=TARGET, found=told, asks=6), station=255
+        parameters=ParameterReader(kind=COPTER.name, target=TARGET, found=told, asks=6),
+        station=255,
     )
     checks = preflight(ready(), COPTER, None, FlightLimits(), 100.0, known)
     names = {'checks before arming', 'height of the return', 'radio-loss action'}

@@ -414,7 +414,7 @@ def test_fence_of_parameters_is_kept(found, failed):
     """Height and radius about home, as far as they are on; unanswered they are warned of."""
     on = {'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 7.0, 'FENCE_RADIUS': 300.0, 'FENCE_ALT_MAX': 100.0}
     told = {name: value for name, value in {**on, **found}.items() if value is not None}
-    reader = ParameterReader(autopilot=3, target=TARGET, found=told, asks=6)
+    reader = ParameterReader(kind=COPTER.name, target=TARGET, found=told, asks=6)
     known = VehicleSettings(fence=Fence(), parameters=reader)
     checks = preflight(ready(), COPTER, plan(), FlightLimits(), NOW_S, known)
     values = {check.name: check.value for check in checks if check.verdict is CheckVerdict.FAIL}
@@ -498,6 +498,11 @@ def test_words_of_failsafes():
     assert failsafe_of('GCS Failsafe Cleared') is None
     assert failsafe_of('GCS Failsafe') is FlightOutcome.FAILSAFE_LINK
     assert failsafe_of('Mission: 1 Takeoff') is None
+    # All that a Rover says.
+    for words in ('Battery 1 is low 10.60V used 9 mAh', 'Battery 2 is critical 9.8V used 9 mAh'):
+        assert failsafe_of(words) is FlightOutcome.FAILSAFE_BATTERY
+    assert failsafe_of('Battery 2 is missing, last: 9.80V used 9 mAh') is None
+    assert failsafe_of('Crash: Going to HOLD') is FlightOutcome.FAILSAFE_OTHER
     for words in (
         'Radio Failsafe',
         'Failsafe: Terrain data missing',

@@ -9,8 +9,9 @@ from test.fakes.fake_autopilot import HOME
 from test.mavlink.test_station import Air, ready_air
 
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, GUIDED, RTL
+from rocsafe_mavlink.autopilots.ardupilot import AUTO, BRAKE, COPTER, GUIDED, RTL
 from rocsafe_mavlink.autopilots.parameters import ParameterReader
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.checks.check import CheckVerdict
 from rocsafe_mavlink.checks.preflight import route_checks
 from rocsafe_mavlink.checks.way_checks import exclusion_checks, start_of
@@ -78,35 +79,35 @@ def test_rally_points_make_the_way_free(options, is_free):
 
 
 @pytest.mark.parametrize(
-    ('autopilot', 'found', 'fence', 'verdict'),
+    ('kind', 'found', 'fence', 'verdict'),
     [
-        (3, {}, Fence(), CheckVerdict.FAIL),
-        (3, {'OA_TYPE': 2.0}, Fence(), CheckVerdict.FAIL),
+        (COPTER.name, {}, Fence(), CheckVerdict.FAIL),
+        (COPTER.name, {'OA_TYPE': 2.0}, Fence(), CheckVerdict.FAIL),
         (
-            3,
+            COPTER.name,
             {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0},
             Fence(exclusions=(SQUARE,)),
             CheckVerdict.PASS,
         ),
         (
-            3,
+            COPTER.name,
             {'OA_TYPE': 2.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 3.0},
             Fence(exclusions=(SQUARE,)),
             CheckVerdict.FAIL,
         ),
         (
-            3,
+            COPTER.name,
             {'OA_TYPE': 1.0, 'FENCE_ENABLE': 1.0, 'FENCE_TYPE': 4.0},
             Fence(exclusions=(SQUARE,)),
             CheckVerdict.FAIL,
         ),
-        (12, {'RTL_TYPE': 2.0}, Fence(), CheckVerdict.PASS),
-        (12, {'RTL_TYPE': 0.0}, Fence(), CheckVerdict.FAIL),
+        (MULTICOPTER.name, {'RTL_TYPE': 2.0}, Fence(), CheckVerdict.PASS),
+        (MULTICOPTER.name, {'RTL_TYPE': 0.0}, Fence(), CheckVerdict.FAIL),
     ],
 )
-def test_autopilot_that_returns_around_exclusions_passes(autopilot, found, fence, verdict):
+def test_autopilot_that_returns_around_exclusions_passes(kind, found, fence, verdict):
     """ArduCopter by its path planner and its fence, PX4 back along its mission; no others."""
-    reader = ParameterReader(autopilot=autopilot, target=(1, 1), found=found, asks=99)
+    reader = ParameterReader(kind=kind, target=(1, 1), found=found, asks=99)
     vehicle = VehicleTelemetry(
         system=1,
         component=1,

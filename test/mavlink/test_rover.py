@@ -7,17 +7,18 @@ import pytest
 from rclpy.action import ActionClient
 from std_srvs.srv import Trigger
 from test.fakes.fake_autopilot import HOME
-from test.fakes.fake_rover import FakeRover
+from test.fakes.fake_rover import MANUAL, FakeRover
 from test.mavlink import sitl
-from test.mavlink.airspace import Airspace
+from test.mavlink.airspace import HARMLESS, Airspace
 from test.mavlink.operator_post import HOME_PLACE, Ground
 
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop, VehicleState
 from rocsafe_interfaces.srv import Resume
-from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
+from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER, ROVER_SMART_RTL
 from rocsafe_mavlink.drone.drone import DroneSpec
+from rocsafe_mavlink.flight import flight
 from rocsafe_mavlink.plan.flight_limits import FlightLimits
 from rocsafe_mavlink.plan.flight_plan import mission_of
 from rocsafe_mavlink.vehicle_interface.drive_conversions import drive_assignment
@@ -57,17 +58,35 @@ def drive(*norths, vehicle='rav1', dwell_s=2.0):
 
 
 @pytest.fixture(params=ROVERS)
-def ground(ros, request, tmp_path):
+def make_ground(ros, request, tmp_path):
+    """Give a function that makes a bridge with one rover, and an operator."""
+    made = []
+
+    def make(precaution='', rate=10.0, **options):
+        is_real = request.param == 'sitl'
+        if is_real:
+            air = sitl.SitlGround((1,), tmp_path, rate, precaution)
+        else:
+            air = Airspace((1,), kind=FakeRover)
+            air.copters[1].parameters.update(sitl.ROVER_PRECAUTIONS[precaution])
+        drone = {'drives': True, 'speed_mps': SPEED_MPS}
+        ground = Ground(ros, air, tmp_path / 'state', drone=drone, **options)
+        ground.deadline_s = REAL_S if is_real else 60.0
+        ground.drives = ActionClient(ground.operator, DriveRoute, 'rav1/drive_route')
+        ground.actions.append(ground.drives)
+        made.append(ground)
+        return ground
+
+    yield make
+    for ground in made:
+        ground.close()
+        ground.air.close()
+
+
+@pytest.fixture
+def ground(make_ground):
     """Give a bridge with one rover, and an operator."""
-    real = request.param == 'sitl'
-    air = sitl.SitlGround((1,), tmp_path) if real else Airspace((1,), kind=FakeRover)
-    made = Ground(ros, air, tmp_path / 'state', drone={'drives': True, 'speed_mps': SPEED_MPS})
-    made.deadline_s = REAL_S if real else 60.0
-    made.drives = ActionClient(made.operator, DriveRoute, 'rav1/drive_route')
-    made.actions.append(made.drives)
-    yield made
-    made.close()
-    air.close()
+    return make_ground()
 
 
 def sent(ground, route, **fields):
@@ -133,6 +152,128 @@ def test_drive_that_is_sent_again_joins_the_one_under_way(ground):
     assert again.outcome == DriveRoute.Result.COMPLETED, again.error_msg
     assert list(again.evidence_taken) == ['e1', 'e2']
     assert ground.ended(first, ground.deadline_s).outcome == DriveRoute.Result.COMPLETED
+
+
+def orders(ground):
+    """Return the orders that reached the rover so far."""
+    ground.air.hear_all()
+    return [order for order in ground.air.told() if order not in HARMLESS]
+
+
+def refused(ground, *names):
+    """Assert that orders are refused, and that none of them reaches the rover."""
+    before = orders(ground)
+    for name in names:
+        kind = Resume if name == 'resume' else Trigger
+        answer = ground.call(f'rav1/{name}', kind)
+        assert not answer.success
+        assert 'not ours to command' in answer.message
+    other = drive(30.0)
+    other.route_id = 'drive-2'
+    replaced = ground.ended(sent(ground, other, replace=True))
+    assert replaced.outcome == DriveRoute.Result.REJECTED
+    assert 'not ours to command' in replaced.error_msg
+    assert orders(ground) == before
+
+
+def test_rover_that_stands_by_its_battery_is_not_driven_on(make_ground, monkeypatch):
+    """It says so by one text; its mode obeys, and its status is that of each stand.
+
+    After a while its drive ends, so that nobody waits for a vehicle that nobody may order.
+    """
+    monkeypatch.setattr(flight, 'STOOD_S', 20.0)
+    ground = make_ground('battery holds')
+    result = under_way(ground, drive(8.0, 60.0))
+    ground.air.drain()
+    ground.until(lambda: 'failsafe: battery' in ground.seen().text, ground.deadline_s)
+    refused(ground, 'resume')
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.BATTERY_LOW, done.error_msg
+    assert 'its motors are on' in done.error_msg
+    assert ground.air.is_armed()
+
+
+def test_rover_that_its_battery_brings_home_is_left_on(make_ground):
+    """The drive ends there; nothing is ordered, not even that its motors stop."""
+    ground = make_ground('battery')
+    result = under_way(ground, drive(8.0, 60.0))
+    before = orders(ground)
+    ground.air.drain()
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.BATTERY_LOW, done.error_msg
+    assert 'its motors are on' in done.error_msg
+    assert ground.air.is_armed()
+    assert orders(ground) == before
+
+
+def test_rover_that_its_pilot_takes_is_his(ground):
+    """By any mode of his, until he switches it off; the drive ends then."""
+    result = under_way(ground, drive(8.0, 60.0))
+    ground.air.be_switched(MANUAL)
+    ground.until(lambda: 'MANUAL' in ground.seen().text, ground.deadline_s)
+    refused(ground, 'hold', 'resume', 'return_home', 'land')
+    before = orders(ground)
+    ground.air.be_switched_off()
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.RETURNED_EARLY, done.error_msg
+    assert orders(ground) == before
+
+
+def test_rover_that_its_pilot_sends_home_is_left_on(ground):
+    """Whoever chose the way home is the one who switches it off."""
+    result = under_way(ground, drive(8.0, 60.0))
+    before = orders(ground)
+    ground.air.be_switched(ROVER_SMART_RTL)
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.RETURNED_EARLY, done.error_msg
+    assert 'its pilot brought it back' in done.error_msg
+    assert ground.air.is_armed()
+    assert orders(ground) == before
+
+
+def test_drive_after_one_that_was_switched_off_begins_at_its_begin(ground):
+    """The rover keeps the item at which it was, and would leave out the way to it."""
+    route = drive(8.0, 16.0, 40.0, dwell_s=1.0)
+    result = sent(ground, route)
+    ground.until(lambda: ground.seen().viewpoints_visited >= 2, ground.deadline_s)
+    ground.air.be_switched_off()
+    assert ground.ended(result, ground.deadline_s).outcome != DriveRoute.Result.COMPLETED
+    other = drive(12.0, 4.0, 10.0, dwell_s=1.0)
+    other.route_id = 'drive-2'
+    done = ground.ended(sent(ground, other), ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.COMPLETED, done.error_msg
+    assert list(done.evidence_taken) == ['e1', 'e2', 'e3']
+    # From 14 m or more to 12, 4, 10, 5 and 0 m; without the first places 20 m or less.
+    assert done.distance_driven_m > 22.0
+
+
+def test_another_drive_takes_the_place_of_the_first(ground):
+    """The rover stands, is sent the way, and drives it from its first place."""
+    first = under_way(ground, drive(8.0, 60.0))
+    other = drive(14.0, 6.0)
+    other.route_id = 'drive-2'
+    done = ground.ended(sent(ground, other, replace=True), ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.COMPLETED, done.error_msg
+    assert list(done.evidence_taken) == ['e1', 'e2']
+    assert ground.ended(first).outcome == DriveRoute.Result.ABORTED
+
+
+def test_rover_whose_station_falls_silent_comes_back(make_ground):
+    """By its own failsafe, on its tracks; the bridge that comes back orders nothing."""
+    ground = make_ground('link', 3.0, needs_supervisor=True)
+    ground.supervise()
+    result = under_way(ground, drive(8.0, 60.0))
+    before = orders(ground)
+    ground.abandon()
+    with ground.air.calm():
+        ground.until(lambda: ground.seen().state == VehicleState.RETURNING, ground.deadline_s)
+    ground.supervise()
+    refused(ground, 'resume')
+    done = ground.ended(result, ground.deadline_s)
+    assert done.outcome == DriveRoute.Result.ABORTED, done.error_msg
+    # A Rover names any of its failsafes.
+    assert 'Failsafe' in done.error_msg
+    assert orders(ground) == before
 
 
 def test_cancelled_drive_stands(ground):

@@ -9,6 +9,7 @@ import contextlib
 import math
 import os
 import random
+from dataclasses import replace
 from itertools import count
 
 import pytest
@@ -24,14 +25,14 @@ from test.mavlink.hostile_vehicle import (
     modes_of,
     spite_of,
 )
-from test.mavlink.misfortunes import MISFORTUNES
+from test.mavlink.misfortunes import MISFORTUNES, STRANGE
 from test.mavlink.test_flight import plan
 from test.mavlink.test_homeward import SQUARE, around
 from test.mavlink.watch import Watch
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_mavlink.autopilots.ardupilot import COPTER
+from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
 from rocsafe_mavlink.autopilots.autopilot import Verb
 from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.drone.drone import Drone, DroneSpec
@@ -47,6 +48,8 @@ SHARDS = 10
 STEP_S, FLIGHT_S, CALM_S = 0.25, 100.0, 45.0
 # No operation may take longer: a start with 13 items, with every answer at the last moment.
 DEADLINE_S = 420.0
+# As the bridge's node, which throws away what waited meanwhile.
+DEAF_S = 3.0
 # As the action server: a goal waits so long.
 GOAL_WAITS_S = 45.0
 # A way home sent after a failsafe; one that was forgotten with the bridge, or shown by a status
@@ -54,6 +57,17 @@ GOAL_WAITS_S = 45.0
 # order repeated though another station had undone it.
 FOUND = (100969, 106004, 120438, 102518, 108634, 102553, 108998, 213101, 227696)
 PLANS = {size: plan(size) for size in (2, 4, 6)}
+DRIVES = {
+    size: replace(
+        flown,
+        is_drive=True,
+        waypoints=tuple(
+            replace(waypoint, height_m=0.0, height_agl_m=None, is_bend=number % 2 == 0)
+            for number, waypoint in enumerate(flown.waypoints)
+        ),
+    )
+    for size, flown in PLANS.items()
+}
 HERE = GeoPosition(*HOME)
 BEHIND = offset(HERE, 0.0, 150.0)
 # Return, speed, heading, photograph, trigger: their height means nothing.
@@ -61,11 +75,12 @@ WITHOUT_HEIGHT = (20, 178, 115, 203, 206)
 
 
 class Run:
-    """One run, from its seed alone."""
+    """One run, from its seed alone; `kind` is drawn if it is not given."""
 
-    def __init__(self, seed):
+    def __init__(self, seed, kind=None, misfortunes=MISFORTUNES):
         rng = self.rng = random.Random(seed)
-        kind = rng.choice((COPTER, MULTICOPTER))
+        drawn = rng.choice((COPTER, MULTICOPTER))
+        kind = kind or drawn
         self.vehicle = HostileVehicle(kind, modes_of(kind, Verb), rng, spite_of(rng))
         frame = LocalFrame(GeoPosition(*HOME, 535.0))
         limits = FlightLimits(
@@ -73,7 +88,8 @@ class Run:
         )
         self.spec = DroneSpec(name='rav1', target=(1, 1), frame=frame, limits=limits)
         self.journal = FlightJournal()
-        self.flown, self.has_zone = PLANS, rng.random() < 0.3
+        self.flown = DRIVES if kind.drives else PLANS
+        self.has_zone = rng.random() < 0.3 and not kind.drives
         if self.has_zone:
             self.flown = {5: around()}
             self.vehicle.settings |= AROUND[kind.number]
@@ -81,7 +97,8 @@ class Run:
         bad = rng.choice((0.0, 0.0, 0.1, 0.4))
         late_s = rng.choice((0.0, 0.0, 0.4, 2.5))
         self.down, self.up = (Channel(rng, bad, bad / 2.0, late_s) for _ in range(2))
-        self.now_s = 0.0
+        self.misfortunes = misfortunes
+        self.now_s, self.still_until_s, self.deaf_until_s = 0.0, -1.0, -1.0
         self.ordered_s, self.cut_until_s, self.resume_s = 0.0, -1.0, math.inf
         self.lands_s, self.wind_until_s = math.inf, -1.0
         self.watch = Watch(self)
@@ -154,6 +171,8 @@ class Run:
             self.vehicle.say('WIND', speed=20.0)
         for message in self.vehicle.step(now_s):
             self.down.put(now_s, message)
+        if self._stands_still(now_s):
+            return
         for message in self.down.due(now_s):
             self.watch.hear(message)
             self.drone.take(message, now_s)
@@ -170,6 +189,21 @@ class Run:
         for number in self.pending():
             late_s = now_s - self.begun[number]
             assert late_s < DEADLINE_S, f'{number} has taken {late_s:.0f} s'
+
+    def _stands_still(self, now_s):
+        """Whether the bridge does nothing now; after that it is deaf for a while, as its node."""
+        is_still = now_s < self.still_until_s
+        if is_still:
+            self.deaf_until_s = self.still_until_s + DEAF_S
+            self.begun = {number: since_s + STEP_S for number, since_s in self.begun.items()}
+        elif self.still_until_s > 0.0:
+            self.still_until_s = -1.0
+            self.drone.session.forget_contact('the bridge stood still', now_s)
+        if now_s < self.deaf_until_s:
+            list(self.down.due(now_s))
+        for message in self.up.due(now_s):
+            self.vehicle.receive(message, now_s)
+        return is_still
 
     def pending(self):
         """Return the operations that have not ended."""
@@ -297,7 +331,7 @@ class Run:
                 )
             )
         if rng.random() < self.wild:
-            rng.choice(MISFORTUNES)(self)
+            rng.choice(self.misfortunes)(self)
 
 
 def _same(stored, items, first):
@@ -312,9 +346,10 @@ def _same(stored, items, first):
 
 
 @pytest.mark.slow
-def test_most_runs_meet_somebody_else_in_the_air():
+@pytest.mark.parametrize('kind', [None, ROVER])
+def test_most_runs_meet_somebody_else_in_the_air(kind):
     """A model that no flight begins with would break no rule."""
-    runs = [Run(seed) for seed in range(16)]
+    runs = [Run(seed, kind) for seed in range(16)]
     seen = [set() for _ in runs]
     for run, owners in zip(runs, seen, strict=True):
         hear = run.watch.hear
@@ -338,11 +373,13 @@ def test_no_run_that_broke_a_rule_does_so_again(seed):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize('misfortunes', [MISFORTUNES, STRANGE], ids=['usual', 'strange'])
+@pytest.mark.parametrize('kind', [None, ROVER], ids=['flies', 'drives'])
 @pytest.mark.parametrize('shard', range(SHARDS))
-def test_no_run_breaks_a_rule(shard):
+def test_no_run_breaks_a_rule(shard, kind, misfortunes):
     """No command against pilot or failsafe, nothing unverified flown, each operation ends."""
     for seed in range(shard, RUNS, SHARDS):
         try:
-            Run(seed).fly()
+            Run(seed, kind, misfortunes).fly()
         except Exception as error:
             raise AssertionError(f'seed {seed}: {error!r}') from error

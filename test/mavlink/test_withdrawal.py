@@ -52,7 +52,7 @@ def replacing(air, item=3):
 @pytest.mark.parametrize(
     ('take_over', 'words'),
     [
-        (lambda copter: copter.lose_battery(), 'withdrawn: Battery Failsafe'),
+        (lambda copter: copter.lose_battery(), 'withdrawn: Battery 1 is low'),
         (lambda copter: setattr(copter, 'mode', LOITER), 'withdrawn: the vehicle was switched'),
         (lambda copter: setattr(copter, 'mode', RTL), 'withdrawn: the vehicle was switched'),
     ],

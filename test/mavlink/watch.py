@@ -17,7 +17,7 @@ READING = frozenset(
         'PARAM_REQUEST_READ',
     }
 )
-FAILSAFE_WORDS = ('failsafe', 'breached')
+FAILSAFE_WORDS = ('failsafe', 'breached', 'battery 1 is low', 'crash: ')
 
 
 # The square of `around`, a metre smaller, in 1e-7 degrees of latitude and longitude.
@@ -170,6 +170,9 @@ class Watch:
             assert not (is_resumed and self.is_given_up), f'{what}: its route was given up'
             # In the mission already it goes on by itself, whatever is sent.
             is_low = self.height_m < 1.0 and self.mode != modes['mission']
+            if run.vehicle.kind.drives:
+                flight = run.drone.session.flight
+                is_low = is_low and flight is not None and flight.is_beginning
             is_first = run.vehicle.kind.starts_anywhere or self.current <= run.first + 1
             assert is_first or not is_low, f'{what}: it would begin at item {self.current}'
 

@@ -178,8 +178,24 @@ OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2
             'must be within 1970-01-01 to 2038-01-01',
             errors.EXIT_USAGE,
         ),
+        (
+            {'vehicles[0].link': 'udp://0.0.0.0:14550'},
+            'listens beyond this machine: set allow_lan: true',
+            errors.EXIT_FAILED,
+        ),
+        (
+            {'vehicles[0].link': 'udp://0.0.0.0:14550', 'vehicles[0].drone': {'allow_lan': True}},
+            'set signing_key_file, or unsigned: true',
+            errors.EXIT_FAILED,
+        ),
     ],
-    ids=['exclusion over the home', 'endurance of 5 s', 'start in the year 1066'],
+    ids=[
+        'exclusion over the home',
+        'endurance of 5 s',
+        'start in the year 1066',
+        'link to a network',
+        'unsigned link',
+    ],
 )
 def test_check_finds_what_will_fail(
     changes: dict[str, object],

@@ -157,6 +157,33 @@ def test_node_that_stood_still_ends_to_be_started_again(own_domain, monkeypatch,
     assert (process.returncode, errors) == (0, '')
 
 
+def test_node_without_a_supervisor_starts_itself_again(own_domain, monkeypatch, tmp_path):
+    """Its mission goes on by agents, whose lock tells so."""
+    lock = tmp_path / 'agents.lock'
+    lock.touch()
+    monkeypatch.setenv('ROCSAFE_SUPERVISOR_PID', '1')
+    monkeypatch.setenv('ROCSAFE_FLEET_LOCK', str(lock))
+    script = tmp_path / 'node'
+    code = 'import rocsafe_ros.run\nrocsafe_ros.run.STOOD_STILL_S = 0.5\n' + NODE
+    script.write_text(f'#!{sys.executable}\n{code}')
+    script.chmod(0o755)
+    with lock.open('rb') as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        process = subprocess.Popen(
+            [script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert process.stdout.readline() == 'alive\n'
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(3.0)
+        process.send_signal(signal.SIGCONT)
+        assert process.stderr.readline().startswith('stood still for ')
+        for _ in range(40):
+            assert process.stdout.readline() == 'alive\n'
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 0
+
+
 def test_node_ends_when_its_supervisor_is_killed(own_domain):
     """No orphan is left, even when the supervisor had no chance to say anything."""
     supervisor = start(SUPERVISOR, NODE)

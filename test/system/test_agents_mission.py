@@ -58,6 +58,28 @@ def test_mission_goes_on_without_its_orchestrator(fly: Fly) -> None:
 
 
 @pytest.mark.all
+def test_mission_without_its_orchestrator_goes_on_after_a_standstill(fly: Fly) -> None:
+    """All its processes stand still for longer than DDS remembers them."""
+    flight = fly('--speed', '6')
+    flight.wait_for_images(2)
+    flight.process.send_signal(signal.SIGKILL)
+    flight.process.wait()
+    agents = flight.run.log_of('agents')
+    time.sleep(1.0)
+    assert photographed(flight) < planned(flight)
+    stopped = flight.living()
+    for number in (signal.SIGSTOP, signal.SIGCONT):
+        for pid in stopped:
+            os.kill(pid, number)
+        time.sleep(45.0 if number == signal.SIGSTOP else 0.0)
+    end = time.monotonic() + DEADLINE_S
+    while flight.living() and time.monotonic() < end:
+        time.sleep(0.1)
+    assert flight.living() == [], agents.read_text()
+    assert photographed(flight) == planned(flight), agents.read_text()
+
+
+@pytest.mark.all
 def test_resumed_mission_is_joined_and_brought_to_its_end(fly: Fly) -> None:
     """The orchestrator is killed in the flight and comes back: no process but it was started anew.
 

@@ -2,7 +2,8 @@
 """The executable ``preflight``: checks vehicles before a flight, without ROS.
 
 Reads a request as JSON from standard input: `bridge` (parameters of the bridge, the content of the
-drones file among them), `routes` (see `plan_of`, by vehicle; may be left out) and `patience_s`.
+drones file among them), `routes` (see `plan_of`, by vehicle; may be left out) and `patience_s`;
+with `only_options` true nothing is opened, and only a mistake in the parameters is told.
 Writes the answer as JSON: for each vehicle its checks and its home. It only reads: nothing is
 commanded but the messages that it needs.
 """
@@ -41,6 +42,9 @@ def main() -> int:
             name: plan_of(route, speeds_mps[name])
             for name, route in request.get('routes', {}).items()
         }
+        if request.get('only_options'):
+            json.dump({'vehicles': []}, sys.stdout)
+            return EXIT_GOOD
         patience_s = min(float(request.get('patience_s', 0.0)), LARGEST_PATIENCE_S)
         stations = make_stations(options, fleet)
     except (KeyError, TypeError, ValueError, MavlinkError) as error:

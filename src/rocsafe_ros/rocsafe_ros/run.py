@@ -39,6 +39,8 @@ POLL_S = 0.1
 STOOD_STILL_S = 15.0
 # A process that took more of the processor than this share of the time did not stand still.
 BUSY_SHARE = 0.05
+# Code of `_spin` where nobody is there to start the process again but itself.
+_AGAIN = 75
 # The supervisor sets this to its process id; its nodes end when it ends.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 _PR_SET_PDEATHSIG = 1
@@ -46,6 +48,8 @@ _PR_SET_PDEATHSIG = 1
 # on without their supervisor.
 FLEET_LOCK_VARIABLE = 'ROCSAFE_FLEET_LOCK'
 FLEET_LOOK_S = 1.0
+# The agents' process may start again: longer than that takes on a busy machine.
+FLEET_STARTS_S = 20.0
 # A file that the supervisor of such a mission keeps locked, also one that resumes it.
 SUPERVISOR_LOCK_VARIABLE = 'ROCSAFE_SUPERVISOR_LOCK'
 
@@ -86,11 +90,12 @@ def run(
         0 after SIGINT or SIGTERM, when ROS is shut down, or after ``--help``; 2, with one line on
         standard error, if an argument or a parameter is wrong; 1, with one line, if the process
         stood still for so long that the others have given it up, and there is a supervisor to
-        start it again. Any other exception ends the process with its traceback, and its supervisor
-        decides whether to start it again.
+        start it again; in a mission that goes on without one it starts itself again. Any other
+        exception ends the process with its traceback, and its supervisor decides whether to start
+        it again.
     """
     if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
-        outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE]).is_needed
+        outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE])
     if outlives is None:
         _end_with_supervisor()
     stop = StopRequest()
@@ -109,12 +114,15 @@ def run(
         print(f'cannot start ROS: {_first_line(error)}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
     try:
-        return _spin(make_node, stop, outlives)
+        code = _spin(make_node, stop, outlives)
     except (ParameterError, InvalidParameterTypeException) as error:
         print(f'error: {error}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
     finally:
         rclpy.try_shutdown()
+    if code == _AGAIN:
+        os.execv(sys.argv[0], sys.argv)  # noqa: S606 - the command of this very process
+    return code
 
 
 def _spin(
@@ -135,10 +143,15 @@ def _spin(
             # Handles all events of this time; `spin_once` would return to Python after each one.
             executor.spin_until_future_complete(Future(), POLL_S)
             stood_s = watch.look_s()
-            if stood_s and os.environ.get(SUPERVISOR_VARIABLE) and not is_orphan():
+            if not stood_s or not os.environ.get(SUPERVISOR_VARIABLE):
+                continue
+            is_left = is_orphan()
+            # The memory of agents is all that is left of their mission: the others, which are
+            # new then, find them again.
+            if not is_left or isinstance(outlives, FleetWatch):
                 text = f'stood still for {stood_s:.0f} s: ends, to be started again'
                 print(text, file=sys.stderr)  # noqa: T201
-                return EXIT_FAILURE
+                return _AGAIN if is_left else EXIT_FAILURE
     except ExternalShutdownException:
         pass
     finally:
@@ -184,15 +197,16 @@ class FleetWatch:
     def __init__(self, lock: str) -> None:
         self._lock = lock
         self._look_s = 0.0
-        self._goes_on = True
+        self._seen_s = time.monotonic()
 
-    def is_needed(self, _made: object) -> bool:
+    def __call__(self, _made: object) -> bool:
         """Return whether the mission goes on."""
         now_s = time.monotonic()
         if now_s >= self._look_s:
             self._look_s = now_s + FLEET_LOOK_S
-            self._goes_on = not is_orphan() or is_locked(self._lock)
-        return self._goes_on
+            if not is_orphan() or is_locked(self._lock):
+                self._seen_s = now_s
+        return now_s - self._seen_s < FLEET_STARTS_S
 
 
 def is_locked(path: str) -> bool:

@@ -5,9 +5,9 @@ import math
 from itertools import pairwise
 
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_mavlink.autopilots.ardupilot import ARDUPILOT
+from rocsafe_mavlink.autopilots.ardupilot import COPTER, ROVER
 from rocsafe_mavlink.autopilots.parameters import SPELLINGS, Parameter, ParameterReader
-from rocsafe_mavlink.autopilots.px4 import PX4
+from rocsafe_mavlink.autopilots.px4 import MULTICOPTER
 from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict, check_that
 from rocsafe_mavlink.checks.setting_checks import setting_text
 from rocsafe_mavlink.knowledge.telemetry import VehicleTelemetry
@@ -24,9 +24,11 @@ PLANS_AROUND = frozenset({2.0, 3.0})
 RETURNS_BY_ROUTE = 2.0
 # RALLY_LIMIT_KM of an ArduCopter that does not answer.
 USUAL_RALLY_LIMIT_M = 300.0
+_PLANS_AROUND = 'OA_TYPE 2 with the exclusions in its fence, or other rally points'
 _REMEDY = {
-    ARDUPILOT: 'OA_TYPE 2 with the exclusions in its fence, or other rally points',
-    PX4: 'RTL_TYPE 2, or other rally points',
+    COPTER.name: _PLANS_AROUND,
+    ROVER.name: _PLANS_AROUND,
+    MULTICOPTER.name: 'RTL_TYPE 2, or other rally points',
 }
 
 
@@ -82,7 +84,7 @@ def fence_limits(
     furthest_m = max(distance_m(home, waypoint.position) for waypoint in plan.waypoints)
     highest_m = max(waypoint.height_m for waypoint in plan.waypoints)
     types = reader.value(Parameter.FENCE_TYPES)
-    has_types = Parameter.FENCE_TYPES in SPELLINGS[reader.autopilot]
+    has_types = Parameter.FENCE_TYPES in SPELLINGS[reader.kind]
     if has_types and math.isnan(types):
         text = setting_text(reader, Parameter.FENCE_TYPES)
         # Old or reduced firmware does not answer; the check says so.
@@ -93,7 +95,8 @@ def fence_limits(
         (FENCE_HEIGHT_BIT, Parameter.FENCE_HEIGHT_M, highest_m),
         (FENCE_CIRCLE_BIT, Parameter.FENCE_RADIUS_M, furthest_m),
     ):
-        if has_types and not int(types) & bit:
+        is_known = parameter in SPELLINGS[reader.kind]
+        if not is_known or (has_types and not int(types) & bit):
             continue
         limit_m, text = reader.value(parameter), setting_text(reader, parameter)
         # A PX4 has no such fence where its limit is 0.
@@ -128,9 +131,7 @@ def homeward_checks(plan: FlightPlan, home: GeoPosition, known: VehicleSettings)
         includes_home=reader.value(Parameter.RALLY_INCLUDES_HOME) != 0.0,
     )
     fault = return_fault(plan, places)
-    return [
-        check_that(name, not fault, fault or 'clear', f'{limit}, or {_REMEDY[reader.autopilot]}')
-    ]
+    return [check_that(name, not fault, fault or 'clear', f'{limit}, or {_REMEDY[reader.kind]}')]
 
 
 def _returns_around(plan: FlightPlan, known: VehicleSettings, reader: ParameterReader) -> bool:

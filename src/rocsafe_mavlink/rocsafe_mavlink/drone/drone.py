@@ -173,9 +173,7 @@ class Drone:
         entry, flight = self._record.entry, self.flight
         if entry is None:
             return
-        # A flight that ended as lost is noted first. Old messages do not revive it.
-        is_heard_flying = self.is_in_air and self.vehicle.contact(now_s) is Contact.FRESH
-        if flight is None or (flight.is_over and is_heard_flying and entry.outcome is None):
+        if flight is None:
             self._adopt(entry)
         else:
             self._record.note(flight, now_s, is_in_air=self.is_in_air)

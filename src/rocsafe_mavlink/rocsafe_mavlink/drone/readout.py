@@ -206,8 +206,10 @@ class Readout:
     def _read_parameters(self, kind: Autopilot | None, now_s: float) -> list[Message]:
         if kind is None:
             return []
-        new = ParameterReader(autopilot=kind.number, target=self.target, found={})
-        parameters, sent = (self.settings.parameters or new).on_tick(now_s)
+        known = self.settings.parameters
+        if known is None or known.kind != kind.name:
+            known = ParameterReader(kind=kind.name, target=self.target, found={})
+        parameters, sent = known.on_tick(now_s)
         if parameters is not self.settings.parameters:
             self._note(parameters=parameters)
         return sent

@@ -185,7 +185,8 @@ class VehicleSession:
         """Let time pass."""
         flight, sequence = self.flight, self.sequence
         if flight is not None:
-            self.flight, sent = flight.on_tick(self.telemetry, now_s)
+            holder = self.custody.holder(self.telemetry, flight.autopilot)
+            self.flight, sent = flight.on_tick(self.telemetry, now_s, holder)
             self.send(sent, now_s)
             self._note_verified(flight.sequence, self.flight.sequence)
         if sequence is not None:

@@ -7,6 +7,7 @@ failsafe is never countermanded, and a link that comes back is no reason to resu
 always what the vehicle says of itself.
 """
 
+import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -16,7 +17,7 @@ from rocsafe_mavlink.flight.command_sequence import CommandSequence
 from rocsafe_mavlink.flight.command_step import CommandStep, Refusal
 from rocsafe_mavlink.flight.custody import is_commanded
 from rocsafe_mavlink.flight.flight_outcome import FlightOutcome, failsafe_of
-from rocsafe_mavlink.flight.flight_signs import is_at_home, shown_failsafe
+from rocsafe_mavlink.flight.flight_signs import is_at_home, shown_failsafe, stands
 from rocsafe_mavlink.flight.vehicle_commands import VehicleCommands
 from rocsafe_mavlink.knowledge.telemetry import Contact, Home, MissionPhase, VehicleTelemetry
 from rocsafe_mavlink.plan.flight_plan import WAYPOINT, FlightPlan, Mission, mission_of
@@ -26,6 +27,8 @@ from rocsafe_mavlink.wire.dialect import Message
 from rocsafe_mavlink.wire.units import position_of_e7
 
 GIVE_UP_LOST_S = 600.0
+# A failsafe that lets a ground vehicle stand for so long has ended its drive.
+STOOD_S = 60.0
 Answer = tuple['MissionFlight', list[Message]]
 
 
@@ -62,6 +65,8 @@ class MissionFlight:
         Why it left its mission; the first reason counts.
     was_called_down
         Whether an operator had it return or land, whatever it did before.
+    stood_s
+        Steady time since when a failsafe lets a ground vehicle stand; infinite: it does not.
     outcome
         How the flight ended; None before.
     reason
@@ -77,6 +82,7 @@ class MissionFlight:
     visited: int = 0
     cause: FlightOutcome | None = None
     was_called_down: bool = False
+    stood_s: float = math.inf
     outcome: FlightOutcome | None = None
     reason: str = ''
 
@@ -121,13 +127,18 @@ class MissionFlight:
         sequence, sent = self.sequence.on_message(message, now_s)
         return self if sequence is self.sequence else replace(self, sequence=sequence), sent
 
-    def on_tick(self, vehicle: VehicleTelemetry, now_s: float) -> Answer:
-        """Go on as far as `vehicle`, as it is known now, allows."""
+    def on_tick(self, vehicle: VehicleTelemetry, now_s: float, holder: str = '') -> Answer:
+        """Go on as far as `vehicle`, as it is known now, allows.
+
+        `holder` is who has the vehicle in place of this bridge, see `Custody.holder`.
+        """
         if self.stage is FlightStage.FLYING:
             watched = self._watch(vehicle, now_s)
-            return (
-                watched._parked(vehicle, now_s) if watched._has_arrived(vehicle) else (watched, [])
-            )
+            if not watched._has_arrived(vehicle):
+                return watched._left_standing(vehicle, holder, now_s), []
+            if holder:
+                return watched._left_on(f'its {holder} brought it back'), []
+            return watched._parked(vehicle, now_s)
         if self.sequence is None:
             return self, []
         sequence, sent = self.sequence.on_tick(vehicle, now_s)
@@ -214,6 +225,24 @@ class MissionFlight:
         """Switch off the motors of a ground vehicle that has arrived: it does not by itself."""
         disarming, sent = self.commands.disarm().on_tick(vehicle, now_s)
         return replace(self, stage=FlightStage.DISARMING, sequence=disarming), sent
+
+    def _left_standing(
+        self, vehicle: VehicleTelemetry, holder: str, now_s: float
+    ) -> 'MissionFlight':
+        """Return the drive, ended if a failsafe has let the vehicle stand for long.
+
+        Nobody may order it to go on, and its battery lasts for hours.
+        """
+        is_stopped = self.autopilot.drives and holder == 'failsafe' and stands(vehicle)
+        since_s = min(self.stood_s, now_s) if is_stopped and not self.is_over else math.inf
+        if now_s - since_s > STOOD_S:
+            return self._left_on('a failsafe has stopped it')
+        return self if since_s == self.stood_s else replace(self, stood_s=since_s)
+
+    def _left_on(self, why: str) -> 'MissionFlight':
+        """Return the ended drive of a vehicle that somebody else has, and may switch off."""
+        cause = self.cause or FlightOutcome.ABORTED_BY_OPERATOR
+        return self._end(cause, f'{self.reason or why}: its motors are on')
 
     def _after_success(self) -> 'MissionFlight':
         if self.stage is FlightStage.DISARMING and self.autopilot.drives and not self.reason:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Outcomes of a flight, and the failsafe that an autopilot's text announces."""
 
+import re
 from enum import Enum
 
 
@@ -21,6 +22,10 @@ class FlightOutcome(Enum):
 
 _WORDS = (
     ('battery failsafe', FlightOutcome.FAILSAFE_BATTERY),
+    # All that an ArduPilot Rover says of it, and its status stays as it was.
+    (r'battery \d+ is (low|critical)', FlightOutcome.FAILSAFE_BATTERY),
+    # It switches a Rover to a mode that obeys.
+    ('^crash: ', FlightOutcome.FAILSAFE_OTHER),
     ('gcs failsafe', FlightOutcome.FAILSAFE_LINK),
     ('ekf failsafe', FlightOutcome.FAILSAFE_GPS),
     ('fence breached', FlightOutcome.FAILSAFE_FENCE),
@@ -44,4 +49,4 @@ def failsafe_of(text: str) -> FlightOutcome | None:
     said = text.lower()
     if said.startswith(_BEFORE_ARMING) or any(words in said for words in _HARMLESS):
         return None
-    return next((outcome for words, outcome in _WORDS if words in said), None)
+    return next((outcome for words, outcome in _WORDS if re.search(words, said)), None)

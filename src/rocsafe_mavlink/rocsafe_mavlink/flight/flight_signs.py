@@ -53,8 +53,13 @@ def is_at_home(vehicle: VehicleTelemetry) -> bool:
     motion, home = vehicle.motion, vehicle.home
     if motion is None or home is None:
         return False
-    speed_mps = math.hypot(*motion.velocity_enu_mps[:2])
-    return speed_mps < STANDS_MPS and distance_m(home.place, motion.position) < AT_HOME_M
+    return stands(vehicle) and distance_m(home.place, motion.position) < AT_HOME_M
+
+
+def stands(vehicle: VehicleTelemetry) -> bool:
+    """Return whether a ground vehicle tells that it does not move."""
+    motion = vehicle.motion
+    return motion is not None and math.hypot(*motion.velocity_enu_mps[:2]) < STANDS_MPS
 
 
 def heights_moved(begun: Home | None, now: Home | None) -> str:

@@ -73,6 +73,7 @@ class VehicleCommands:
         autopilot = self.autopilot
         steps = (
             self._mode(autopilot.arms_in),
+            *([self._set_first(mission)] if autopilot.drives else []),
             replace(
                 self._do(calls.arm(self.target), lambda vehicle: vehicle.is_armed),
                 refusal=self._not_in(autopilot.arms_in),
@@ -90,9 +91,11 @@ class VehicleCommands:
             ),
         )
         *before, last = (self._unless_changed(mission, step) for step in steps)
-        # A PX4 is told the first item with the start. A rover keeps the last one of a drive that
-        # is complete, and begins anew all the same.
-        if not (autopilot.starts_anywhere or autopilot.drives):
+        # A PX4 is told the first item with the start. A rover is told it before: it keeps that of
+        # a drive within which it was switched off.
+        if autopilot.drives:
+            before[2:] = [_unless_past(mission.first_place, step) for step in before[2:]]
+        elif not autopilot.starts_anywhere:
             before = [_unless_past(mission.first_item, step) for step in before]
         return self._sequence('flight', self._upload(mission), *before, last)
 
@@ -280,6 +283,11 @@ class VehicleCommands:
         if not self.autopilot.pauses_missions:
             return switch
         return replace(self._do(calls.resume(self.target), _is_active), otherwise=switch)
+
+    def _set_first(self, mission: Mission) -> CommandStep:
+        """Return the step that lets a drive begin at its first item."""
+        is_first = _flies_to(mission.first_item, mission.first_place)
+        return self._do(calls.set_current(self.target, mission.first_item), is_first)
 
     def _start_in_air(self, mission: Mission) -> list[CommandStep]:
         """Return the steps that start a mission in the air, behind its take-off item."""

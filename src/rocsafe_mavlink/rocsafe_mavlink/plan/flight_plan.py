@@ -137,6 +137,12 @@ class Mission:
     first_item: int
     waypoint_items: tuple[int, ...]
 
+    @property
+    def first_place(self) -> int:
+        """Number of the item of its first place after the take-off."""
+        ahead = range(self.first_item, len(self.items))
+        return next((n for n in ahead if self.items[n].command == WAYPOINT), self.first_item)
+
     def visited(self, reached_item: int) -> int:
         """Return how many waypoints have been passed once item `reached_item` is reached."""
         return sum(number <= reached_item for number in self.waypoint_items)

@@ -10,6 +10,7 @@ from rocsafe_geo.position import distance_m
 from rocsafe_orchestrator.errors import EXIT_COMPLETE
 from rocsafe_orchestrator.planning_commands.plan_command import planned
 from rocsafe_orchestrator.planning_commands.plan_tables import quality_table
+from rocsafe_orchestrator.planning_commands.preflight_command import require_links
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_checks import flight_mistakes
 from rocsafe_scenario.scenario_file import read_scenario
@@ -29,6 +30,7 @@ def check(path: Path, console: Console) -> int:
     scenario = read_scenario(path)
     for line in flight_mistakes(scenario):
         console.print(line, style='yellow', highlight=False, soft_wrap=True)
+    require_links(scenario)
     console.print(_survey_table(scenario))
     console.print(_vehicle_table(scenario))
     if scenario.radiation.sources:

@@ -66,6 +66,20 @@ def look(
     return vehicles
 
 
+def require_links(scenario: Scenario) -> None:
+    """Raise `OrchestratorError` if a bridge would refuse its vehicles; nothing is opened.
+
+    The executable of the bridge judges: its options are its own.
+    """
+    block = scenario.ground_vehicle
+    driver = block if block and block.link else None
+    if not scenario.linked and driver is None:
+        return
+    bridge = bridge_parameters(scenario, '', scenario.linked, driver)
+    executable = find_executable('rocsafe_mavlink', 'preflight')
+    answer_of(executable, {'bridge': bridge, 'only_options': True}, SPARE_S)
+
+
 def cleared(scenario: Scenario, wait_s: float, now: datetime, host: str = '') -> Scenario:
     """Check the real vehicles of a host; return the scenario with homes and the present time.
 
