@@ -67,9 +67,9 @@ bench: ## set up and measure a mission: speed, start-up, memory, size of the fle
 	@. ./env.sh && python benchmarks/mission.py $(ARGS)
 
 .PHONY: docs
-docs: ## write the tables of docs/interfaces.md from the code
+docs: ## write the tables of docs/interfaces.md and the console's catalogue of texts from the code
 	@sh tools/setup.sh
-	@. ./env.sh && python tools/interface_tables.py
+	@. ./env.sh && python tools/interface_tables.py && python tools/console_texts.py
 
 .PHONY: wheels
 wheels: ## set up and make wheels of all packages and libraries in dist/, for machines without a compiler

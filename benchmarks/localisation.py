@@ -296,7 +296,7 @@ def adaptive(count: int) -> Iterator[Row]:
                 break
             grid = trial.survey.positions_enu_m
             chosen = next_waypoints(found, grid, SENSITIVITY, OPTIONS.kernel, 8)
-            more = np.array([one.position_enu_m for one in chosen]) if chosen else grid[:8]
+            more = np.array([one.place_m for one in chosen]) if chosen else grid[:8]
             new = generator.poisson(SENSITIVITY * _rates(trial.truth, more)).astype(float)
             places, counts = np.vstack([places, more]), np.append(counts, new)
         used.append(len(places))

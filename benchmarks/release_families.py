@@ -64,6 +64,8 @@ class Trial:
         Of the detector.
     reading_s, between_s, sensor_m
         Length of a reading and time from one to the next, seconds; height, metres.
+    wind, eddies
+        True wind, and how intermittent gas is in it.
     clouds
         Filaments of each release.
     generator
@@ -82,6 +84,8 @@ class Trial:
     reading_s: float
     between_s: float
     sensor_m: float
+    wind: ProfileWind
+    eddies: FilamentOptions
     clouds: tuple[FilamentCloud, ...]
     generator: np.random.Generator
 
@@ -207,6 +211,8 @@ def trial(split: str, number: int, turned_deg: float = 0.0) -> Trial:
         reading_s=float(generator.uniform(2.0, 10.0)),
         between_s=float(generator.uniform(8.0, 15.0)),
         sensor_m=float(generator.uniform(2.0, 4.0)),
+        wind=wind,
+        eddies=options,
         clouds=tuple(
             FilamentCloud(
                 Release(place_m=(x, y), height_m=RELEASE_M, rate_g_s=rate), travel, wind,

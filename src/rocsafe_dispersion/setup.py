@@ -23,7 +23,7 @@ setup(
         ('share/ament_index/resource_index/packages', ['resource/' + NAME]),
         ('share/' + NAME, ['package.xml']),
     ],
-    extras_require={'test': ['pytest']},
+    extras_require={'test': ['pytest'], 'dense': ['degadisx==0.1.4']},
     zip_safe=False,
     entry_points={
         'console_scripts': [

@@ -91,6 +91,7 @@ class Stage:
         self.names += [ROVER] if has_rover else []
         self.crew = Crew()
         self.steps = 0
+        self.phase = 2
         # What says no more: mission, fix, dose, detector.
         self.silent: set[str] = set()
         self.state = dict.fromkeys(self.names, 4)
@@ -146,11 +147,11 @@ class Stage:
                 [self._cordon(level, size) for level, size in ((25.0, 70.0), (100.0, 30.0))],
             )
             put('releases', {
-                'stamp_s': now_s, 'agent': 'ammonia', 'sensor': 'pid', 'verdict': 'enough',
-                'is_enough': True,
+                'stamp_s': now_s, 'rate_unit': 'g/s', 'agent': 'ammonia', 'sensor': 'pid',
+                'verdict': 'enough', 'is_enough': True,
                 'releases': [{
-                    'id': 0, 'place': place_of(-60, -30), 'radius_95_m': 8.0, 'rate_g_s': 90.0,
-                    'rate_low_g_s': 60.0, 'rate_high_g_s': 140.0,
+                    'id': 0, 'place': place_of(-60, -30), 'radius_95_m': 8.0, 'rate': 90.0,
+                    'rate_low': 60.0, 'rate_high': 140.0,
                 }],
             })  # fmt: skip
             zone = {'level': 'AEGL-2 160 ppm', 'colour': '#ff8000'}
@@ -221,7 +222,7 @@ class Stage:
 
     def _mission(self, stamp_s: float) -> MissionNow:
         return MissionNow(
-            mission_id='yard-20260601-100000', phase=2, stamp_s=stamp_s,
+            mission_id='yard-20260601-100000', phase=self.phase, stamp_s=stamp_s,
             images_stored=21 + self.steps // 20, images_expected=59,
             mission_time_s=130.0 + self.steps / 10,
         )  # fmt: skip

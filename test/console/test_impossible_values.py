@@ -53,10 +53,11 @@ def say(picture, bad: float) -> None:
         )
     put = picture.sections.put
     source = {'id': 0, 'half_axes_m': [bad, bad], 'dose_rate_at_1m_usvh': bad, 'probability': ''}
-    release = {'id': 0, 'radius_95_m': bad, 'rate_g_s': bad}
+    release = {'id': 0, 'radius_95_m': bad, 'rate': bad}
     places = ([1.0, 1.0], [bad, bad])
     put('sources', {'sources': [{**source, 'place': one} for one in places]})
-    put('releases', {'agent': '', 'releases': [{**release, 'place': one} for one in places]})
+    releases = [{**release, 'place': one} for one in places]
+    put('releases', {'agent': '', 'rate_unit': '', 'releases': releases})
     ring = [[1.0, 1.0], [2.0, bad], [3.0, 3.0], [1.0, 2.0]]
     put('cordons', [{'level_usvh': bad, 'is_mean': False, 'ring': ring}])
     put('region', {'name': '', 'rings': [[]]})

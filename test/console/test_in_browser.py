@@ -14,14 +14,17 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from test.console.stage import TOKEN, Stage, place_of, served
+from test.console.stage import ORIGIN, TOKEN, Stage, place_of, served
 from test.console.test_video import jpeg_of
 
 from rocsafe_console.orders import order_book
 from rocsafe_console.people.roles import Action, Role
 from rocsafe_console.people.session_file import load_sessions
 from rocsafe_console.people.sessions import Sessions
+from rocsafe_console.picture.picture import PHASES
 from rocsafe_console.web.server import ServerThread
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.position import GeoPosition
 
 CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
 playwright = pytest.importorskip('playwright.sync_api', reason='playwright is not installed')
@@ -203,7 +206,7 @@ def test_a_mission_is_shown_live_and_grey_when_it_falls_silent(browser, flight):
     view.page.close()
 
 
-def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
+def test_a_server_that_ends_is_told_and_comes_back(browser, tmp_path):
     """Nothing looks live meanwhile; the page goes on by itself, as the same user."""
     stage = Stage(tmp_path)
     stage.begin()
@@ -217,14 +220,38 @@ def test_a_server_that_dies_is_told_and_comes_back(browser, tmp_path):
     server.close()
     view.wait('document.documentElement.classList.contains("not-live")')
     assert view.page.locator('.vehicle:not(.grey)').count() == 0
-    assert 'Not live' in view.page.inner_text('#banner')
+    assert 'The console has ended' in view.page.inner_text('#banner')
     stage.context.sessions = Sessions()
     load_sessions(tmp_path, stage.context.sessions, {'anna': Role.COMMANDER})
     server = ServerThread(stage.context, print)
     view.wait('document.querySelectorAll(".vehicle:not(.grey)").length === 3')
+    view.wait('document.querySelector("#banner").hidden')
     view.page.close()
     pilot.stop()
     server.close()
+
+
+def test_an_end_is_told_and_the_report_stays(browser, flight, tmp_path):
+    """Of the mission, then of the console: neither looks live, nor like a fault."""
+    stage, pilot, address = flight
+    run = tmp_path / 'yard-20260601-100000'
+    run.mkdir()
+    (run / 'scenario.yaml').write_text('name: yard')
+    (run / 'report.html').write_text('<title>Report</title>all is told')
+    view = View(browser, address)
+    view.wait('document.querySelector("#pulse").textContent === "live"')
+    stage.phase = PHASES.index('complete')
+    view.wait('document.querySelector("#pulse").textContent === "ended"')
+    pilot.stop()
+    view.wait('document.querySelectorAll(".vehicle.grey").length === 3')
+    assert 'The mission has ended: complete' in view.page.inner_text('#banner')
+    with view.page.context.expect_page() as opened:
+        view.page.click('#banner a')
+    assert 'all is told' in opened.value.inner_text('body')
+    view.page.click('#banner button')
+    view.page.wait_for_selector('#runs:not([hidden]) :text("yard-20260601-100000")')
+    assert not view.faults
+    view.page.close()
 
 
 SPEAKER = """
@@ -304,6 +331,7 @@ def test_a_server_that_is_killed_comes_back_and_shows_nothing_old_as_live(
         server.kill()
         view.wait('document.documentElement.classList.contains("not-live")')
         assert view.page.locator('.vehicle:not(.grey)').count() == 0
+        assert 'Not live' in view.page.inner_text('#banner')
         server.begin()
         view.wait(shown)
         assert view.page.inner_text('#pulse') == 'live'
@@ -466,9 +494,9 @@ def test_a_translated_refusal_is_told_in_its_words(browser, flight):
     view = View(browser, address)
     told = view.page.evaluate(
         """async () => {
-            const { REFUSALS, told } = await import('/static/texts.js?again');
-            REFUSALS['not planned anew: {0}'] = 'kein neuer Plan: {0}';
-            REFUSALS['{0} has changed since you looked: look again'] = 'zu spät für {0}';
+            const { addTexts, told } = await import('/static/texts.js?again');
+            addTexts({ 'not planned anew: {0}': 'kein neuer Plan: {0}',
+                '{0} has changed since you looked: look again': 'zu spät für {0}' });
             return ['not planned anew: rav2 has changed since you looked: look again',
                 'a text that nobody knows'].map(told);
         }"""
@@ -932,6 +960,59 @@ def test_a_region_is_drawn_and_evidence_marked_by_keys_alone(browser, tmp_path):
         assert page.evaluate(focus) == 'draft-plan'
         assert not view.faults
         page.close()
+
+
+def test_a_distance_is_measured_by_clicks_and_by_keys(browser, flight):
+    """On the ellipsoid, within a thousandth; nothing is marked or ordered meanwhile."""
+    stage, _, address = flight
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    place = ORIGIN
+
+    def choose(east_m: float, north_m: float) -> None:
+        other = LocalFrame(GeoPosition(*place, 0.0)).position_of((east_m, north_m, 0.0))
+        box = view.page.evaluate(
+            f'(() => {{ const p = rocsafe.map.map.latLngToContainerPoint('
+            f'[{other.latitude_deg}, {other.longitude_deg}]); return [p.x, p.y]; }})()'
+        )
+        view.page.mouse.click(*(sum(pair) for pair in zip(box, corner, strict=True)))
+
+    view.page.evaluate(f'rocsafe.map.map.setView([{place[0]}, {place[1]}], 18)')
+    view.page.evaluate('rocsafe.map.isFitted = true')
+    bounds = view.page.locator('#map').bounding_box()
+    corner = (bounds['x'], bounds['y'])
+    choose(0.0, 0.0)
+    view.page.click('#measure')
+    choose(60.0, 0.0)
+    choose(60.0, 40.0)
+    words = view.page.inner_text('#place').split('\n')
+    numbers = [float(number) for line in words[:3] for number in re.findall(r'[\d.]+', line)[:2]]
+    leg, bearing, length = numbers[0], numbers[1], numbers[2]
+    assert (leg, bearing, length) == (
+        pytest.approx(40.0, abs=0.6), pytest.approx(0.0, abs=2.0), pytest.approx(100.0, abs=1.0),
+    )  # fmt: skip
+    exact = LocalFrame(GeoPosition(*place, 0.0))
+    far = exact.position_of((3000.0, 4000.0, 0.0))
+    told = view.page.evaluate(
+        f"""import('/static/measure.js').then(({{ distanceOf, bearingOf, areaOf }}) => [
+            distanceOf([{place[0]}, {place[1]}], [{far.latitude_deg}, {far.longitude_deg}]),
+            bearingOf([{place[0]}, {place[1]}], [{far.latitude_deg}, {far.longitude_deg}])])"""
+    )
+    assert told == [pytest.approx(5000.0, rel=1e-4), pytest.approx(36.87, abs=0.05)]
+    view.page.keyboard.press('Backspace')
+    assert 'bearing 090' in view.page.inner_text('#place')
+    view.page.keyboard.press('Escape')
+    assert view.page.locator('#place').is_hidden()
+    view.page.keyboard.press('m')
+    view.page.keyboard.press('Enter')
+    view.page.keyboard.press('ArrowRight')
+    # The map moves for a quarter of a second.
+    view.wait('!rocsafe.map.map._panAnim?._inProgress')
+    view.page.keyboard.press('Enter')
+    assert 'bearing 090' in view.page.inner_text('#place')
+    assert not stage.crew.sent
+    assert not view.faults
+    view.page.close()
 
 
 def test_a_replay_shows_nothing_of_the_live_mission(browser, tmp_path, flight):

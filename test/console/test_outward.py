@@ -52,6 +52,38 @@ def test_events_have_what_a_receiver_needs(stage):
     assert len(ElementTree.tostring(found[kinds.index('u-d-f')])) < 1400
 
 
+def test_events_tell_how_a_place_came_about_and_what_is_simulated(stage):
+    """As the base schema has `how`, `opex` and errors of one deviation; lines as ATAK has them."""
+    picture, now_s = stage.context.live.picture, time.time()
+
+    def told() -> dict[str, ElementTree.Element]:
+        events = (event.to_xml(now_s) for event in events_of(picture, now_s))
+        return {
+            one.get('uid').split('.', 2)[2]: one for one in map(ElementTree.fromstring, events)
+        }
+
+    found = told()
+    hows = {name: event.get('how') for name, event in found.items()}
+    assert (hows['rav1'], hows['source.0'], hows['mark.1']) == ('m-s', 'm-f', 'h-e')
+    assert {event.get('opex') for event in found.values()} == {'s'}
+    # The half axis of the ellipse of 95 % is 9 m.
+    assert float(found['source.0'].find('point').get('ce')) == pytest.approx(
+        9.0 / 2.4477, abs=0.05
+    )
+    assert '95 % within 9.0 m' in found['source.0'].find('detail/remarks').text
+    parts = [part.tag for part in found['cordon.1'].find('detail') if part.tag != 'link']
+    style = ['strokeColor', 'strokeWeight', 'fillColor', 'contact', 'remarks', 'labels_on']
+    assert parts == style
+    one = picture.vehicles['rav1']
+    one.report = replace(one.report, is_simulated=False)
+    found = told()
+    assert (found['rav1'].get('how'), found['rav1'].get('opex')) == ('m-g', None)
+    assert found['rav2'].get('opex') == 's'
+    assert found['source.0'].get('opex') is None
+    assert 'simulated' in found['rav2'].find('detail/remarks').text
+    assert 'simulated' not in found['rav1'].find('detail/remarks').text
+
+
 def test_a_ground_vehicle_is_told_as_one(tmp_path):
     """On the ground, not as a rotary aircraft, and with the words for what drives."""
     stage = Stage(tmp_path, vehicles=1, has_rover=True)
@@ -109,6 +141,8 @@ def test_every_collection_is_geojson_by_its_address(stage):
         url = caller.ask('/api/links', {})[1]['url'].removeprefix(address.rstrip('/'))
         caller.cookie = ''
         _, landing = caller.ask(url)
+        # Some clients, such as OWSLib, put a slash at the end.
+        assert caller.ask(f'{url}/')[1] == landing
         data = next(one['href'] for one in landing['links'] if one['rel'] == 'data')
         _, listed = caller.ask(data.removeprefix(address.rstrip('/')))
         assert [one['id'] for one in listed['collections']] == list(COLLECTIONS)

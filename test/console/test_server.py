@@ -25,7 +25,8 @@ from rocsafe_console.people.roles import MAY, VERBS, Action, Role
 from rocsafe_console.people.sessions import MOST_SESSIONS
 from rocsafe_console.people.users import User, Users, write_users
 from rocsafe_console.runs.drafts import Drafts, Step
-from rocsafe_console.runs.launches import Launches
+from rocsafe_console.runs.jobs import KINDS, Jobs
+from rocsafe_console.runs.launches import Launch, Launches
 from rocsafe_console.web import context as context_module
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, REFUSALS, REFUSALS_S, WebOptions
@@ -431,6 +432,18 @@ def test_the_table_of_roles_holds_at_the_server(tmp_path, people, role):
             is_refused = status == 403 and f'the role {role.value} may not' in answer['error']
             assert is_refused == (action not in MAY[role]), action
         assert {order.verb for order, _ in stage.crew.sent} == VERBS & MAY[role]
+
+
+@pytest.mark.parametrize('path', ['/api/drafts/yard/launch', '/api/jobs/campaign/yard'])
+def test_the_page_of_one_mission_launches_no_other(stage, caller, path, monkeypatch):
+    """It would fly unseen: a mission's own page hears that mission alone."""
+    monkeypatch.setitem(KINDS, 'campaign', replace(KINDS['campaign'], words=lambda *_: ('x',)))
+    monkeypatch.setattr(Jobs, 'begin', lambda *_: Launch(state='running', text=''))
+    monkeypatch.setattr(Drafts, 'launch', lambda *_: Launch(state='running', text=''))
+    assert caller.ask(path, {})[0] == 200
+    stage.context.environment = {**stage.context.environment, 'ROCSAFE_MISSION_TOKEN': 'x'}
+    status, answer = caller.ask(path, {})
+    assert (status, 'belongs to one mission' in answer['error']) == (403, True)
 
 
 def test_what_a_role_is_refused_is_logged_and_fills_no_disk(tmp_path, people):

@@ -28,7 +28,7 @@ S = 1_000_000_000
 TANKER = GeoPosition(53.28, -9.06, 60.0)
 AT = (TANKER.latitude_deg, TANKER.longitude_deg)
 CHLORINE = ReleaseSettings(name='tanker', agent='chlorine', position=AT, rate_g_s=50.0)
-SPORES = ReleaseSettings(name='spores', agent=PARTICLES, position=AT, rate_per_s=1e9)
+SPORES = ReleaseSettings(name='spores', agent=PARTICLES.name, position=AT, rate_per_s=1e9)
 EASTWARDS = WindSettings(towards_east_mps=4.0)
 SETTINGS = AirFile(
     wind=EASTWARDS,
@@ -152,7 +152,7 @@ def test_still_air_has_no_releases():
 
 def test_scenario_knows_the_same_names():
     """Of agents that may be released, and of sensors."""
-    released = {one.name for one in agents().values() if one.is_industrial} | {PARTICLES}
+    released = {one.name for one in agents().values() if one.is_industrial} | {PARTICLES.name}
     assert set(typing.get_args(ReleasedAgent)) == released
     assert set(typing.get_args(GasSensorKind)) == set(GAS_SENSORS)
 

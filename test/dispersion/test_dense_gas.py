@@ -1,14 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dense gas by Britter and McQuaid against the example of CCPS 1999."""
 
+import importlib.machinery
+import math
+import sys
+import types
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rocsafe_dispersion.agents.agent_table import agent
-from rocsafe_dispersion.mission_gas.near_field import near_field, near_field_line
-from rocsafe_dispersion.plume.dense_gas import DenseRelease
+from rocsafe_dispersion.mission_gas.near_field import AWAY_M, near_field, near_field_line
+from rocsafe_dispersion.plume import degadis
+from rocsafe_dispersion.plume.dense_gas import LABEL, DenseRelease, dense_release
+from rocsafe_dispersion.plume.release import Release
+from rocsafe_dispersion.plume.spread import similarity_travel
+from rocsafe_dispersion.plume.steady_plume import SteadyPlume
+from rocsafe_geo.wind.stability import layer_of_class
+from rocsafe_geo.wind.wind_vector import WindVector
 
 # Liquid natural gas, 0.23 m^3/s of liquid of 425.6 kg/m^3, as gas of 1.76 kg/m^3 at -162 degrees.
 LNG = DenseRelease(
@@ -66,12 +77,61 @@ def test_bad_values_are_refused(changed, named):
         DenseRelease(**(values | changed))
 
 
-def test_a_leak_of_chlorine_is_dense_near_by():
+def told(rate_g_s: float, name: str, speed_mps: float):
+    """Return the near field of a leak in class D."""
+    known = agent(name) if name else None
+    return near_field(rate_g_s, known, layer_of_class('D', speed_mps, 10.0, 0.03), 'D')
+
+
+def test_a_leak_of_chlorine_is_dense_near_by(monkeypatch):
     """Told beside the passive plume, with the method; little of it is not, nor ammonia."""
-    values = near_field(2000.0, agent('chlorine'), 3.0)['dense_gas']
+    monkeypatch.setattr(degadis, 'MODULE', 'a_module_that_is_not_installed')
+    values = told(2000.0, 'chlorine', 3.0)['dense_gas']
     assert values['largest_ppm'] == sorted(values['largest_ppm'], reverse=True)
     assert values['half_widths_m'] == sorted(values['half_widths_m'])
     assert 'screening by Britter and McQuaid' in near_field_line(values)
-    assert near_field(0.01, agent('chlorine'), 6.0) == {}
-    assert near_field(2000.0, agent('ammonia'), 3.0) == {}
-    assert near_field(2000.0, None, 3.0) == {}
+    assert told(0.01, 'chlorine', 6.0) == {}
+    assert told(2000.0, 'ammonia', 3.0) == {}
+    assert told(2000.0, '', 3.0) == {}
+
+
+def test_a_model_that_finds_no_solution_leaves_the_screening(monkeypatch):
+    """It gets the deck of the release, in the order of DEGADIS."""
+    decks = []
+
+    def run_steady(path):
+        decks.append(path.read_text().splitlines())
+        raise RuntimeError('no solution')
+
+    monkeypatch.setitem(sys.modules, 'degadisx', types.SimpleNamespace(
+        run_steady=run_steady, __spec__=importlib.machinery.ModuleSpec('degadisx', None)
+    ))  # fmt: skip
+    values = told(2000.0, 'chlorine', 3.0)['dense_gas']
+    assert values['method'] == LABEL
+    (deck,) = decks
+    # Wind at a height over a roughness, class, averaging time.
+    assert deck[4:7] == ['3 10 0.03', '4', '0 600']
+    rate_kg_s, radius_m = map(float, deck[-6].split()[1:3])
+    assert rate_kg_s == pytest.approx(2.0, rel=1e-6)
+    assert radius_m == pytest.approx(math.sqrt(2.0 / 3.61 / 3.0 / math.pi), rel=0.02)
+
+
+def test_degadis_is_between_the_plume_and_the_screening():
+    """Where it is installed: a mean of ten minutes, wider and lower than the screening."""
+    pytest.importorskip('degadisx', reason='the extra rocsafe_dispersion[dense]')
+    values = told(1000.0, 'chlorine', 4.0)['dense_gas']
+    assert values['method'] == degadis.LABEL
+    layer = layer_of_class('D', 4.0, 10.0, 0.03)
+    plume = SteadyPlume(
+        release=Release(place_m=(0.0, 0.0), rate_g_s=1000.0),
+        travel=similarity_travel(layer, 0.0),
+        wind=WindVector(towards_east_mps=4.0, towards_north_mps=0.0),
+    )
+    places = np.column_stack([AWAY_M, np.zeros(3), np.zeros(3)])
+    passive = [agent('chlorine').ppm(one) for one in plume.concentrations_g_m3(places).tolist()]
+    dense = dense_release(agent('chlorine'), 1000.0, 4.0)
+    assert dense is not None
+    screening = 1e6 * dense.volume_shares(np.array(AWAY_M))
+    told_ppm = np.array(values['largest_ppm'])
+    assert (told_ppm < screening).all()
+    assert (told_ppm[1:] > 1.1 * np.array(passive[1:])).all()

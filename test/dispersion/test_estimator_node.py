@@ -16,7 +16,7 @@ from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
-from rocsafe_interfaces.msg import GasReading, GeoPoint, WindReading
+from rocsafe_interfaces.msg import GasReading, GeoPoint, ParticleReading, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
@@ -106,7 +106,8 @@ def test_releases_zones_and_places_to_measure_come_from_readings(ros, tmp_path):
     # Quantile 0.95 of chi-square with two degrees of freedom.
     assert miss @ np.linalg.solve(covariance, miss) < 5.991
     assert np.hypot(*miss) < 25.0
-    assert release.rate_low_g_s < RELEASE.rate_g_s < release.rate_high_g_s
+    assert heard[-1].rate_unit == 'g/s'
+    assert release.rate_low < RELEASE.rate_g_s < release.rate_high
     # Estimates of fewer readings may have come before, with nothing in their maps.
     ros.spin_until(lambda: bool(plumes and len(plumes[-1].data) and zones), DEADLINE_S)
     assert max(plumes[-1].data) > 0
@@ -138,6 +139,37 @@ def test_releases_zones_and_places_to_measure_come_from_readings(ros, tmp_path):
     ros.executor.add_node(again)
     ros.spin_until(is_whole, DEADLINE_S)
     for each in (again, drone):
+        ros.executor.remove_node(each)
+        each.destroy_node()
+
+
+def test_counts_of_particles_make_an_estimate(ros):
+    """Of which the message names the unit; nothing is asked of windows that counted nothing."""
+    node = EstimatorNode(context=ros.context, parameter_overrides=parameters(agent='particles'))
+    drone = Node('drone', context=ros.context)
+    bio = topics.create_publisher(drone, topics.BIO, 'rav1')
+    wind = topics.create_publisher(drone, topics.ANEMOMETER, 'rav1')
+    heard = []
+    topics.create_subscription(drone, topics.RELEASES, heard.append)
+    for each in (node, drone):
+        ros.executor.add_node(each)
+    ros.spin_until(
+        lambda: bio.get_subscription_count() and wind.get_subscription_count(), DEADLINE_S
+    )
+    for number, (one, other) in enumerate(readings()):
+        wind.publish(other)
+        message = ParticleReading(
+            window_s=1.0, total=120 * (number > 0), fluorescent=number % 5,
+            particles_per_l=10_000.0 * (number > 0), position=one.position,
+        )  # fmt: skip
+        message.header.stamp = one.header.stamp
+        bio.publish(message)
+    ros.spin_until(lambda: bool(heard) and heard[-1].reading_count == len(PLACES) - 1, DEADLINE_S)
+    assert heard[-1].agent == 'particles'
+    assert heard[-1].sensor == 'particle_counter'
+    assert heard[-1].rate_unit == 'particles/s'
+    assert 'particles/s may be' in heard[-1].verdict
+    for each in (node, drone):
         ros.executor.remove_node(each)
         each.destroy_node()
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
 from rocsafe_dispersion.estimation.fluctuating_plume import PlumeReadings, Shapes
 from rocsafe_dispersion.estimation.gas_survey import (
     BY_READING,
@@ -21,12 +22,21 @@ from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.placeless import gain_of_places
 from rocsafe_dispersion.estimation.reading_density import cells, log_density
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.estimation.release_sampler import (
+    KIND,
+    OWN,
+    SHARED,
+    Bounds,
+    Kind,
+    ReleaseSampler,
+)
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
+from rocsafe_dispersion.plume.puffs import PuffCloud
 from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
 
-from .airs import EASTWARDS, LAYER, SPEED_MPS
+from .airs import EASTWARDS, LAYER, SPEED_MPS, WIND
 
 AREA = SearchArea(west_m=-50.0, south_m=-50.0, east_m=50.0, north_m=50.0, cell_m=5.0)
 ONE = LocateOptions(most_releases=1)
@@ -73,6 +83,33 @@ def test_mean_is_the_plume():
     plume = SteadyPlume(release=release, travel=TRAVEL, wind=EASTWARDS)
     assert mean[0] == pytest.approx(plume.concentrations_g_m3(places()), rel=1e-3, abs=1e-9)
     assert not spread.any()
+
+
+@pytest.mark.parametrize('velocity', [(0.0, 1.0), (1.0, -0.5), (-1.5, 0.0)])
+def test_plume_of_a_release_that_moves_is_that_of_its_puffs(velocity):
+    """Gas is read where it was released, by the time that it took: within 15 % in the plume."""
+    last_s = 40.0
+    end = np.array([-10.0, 5.0])
+    start = end - last_s * np.array(velocity)
+    release = Release(
+        place_m=tuple(start.tolist()), height_m=AREA.height_m, rate_g_s=1.0, start_s=-400.0,
+        track=((400.0, *start.tolist()), (400.0 + last_s, *end.tolist())),
+    )  # fmt: skip
+    cloud = PuffCloud([(release, TRAVEL)], WIND, interval_s=0.1, longest_s=200.0)
+    at = places(5.0)
+    times = np.full(len(at), last_s)
+    times[0] = 0.0
+    survey = point_survey(
+        at, np.tile((SPEED_MPS, 0.0), (len(at), 1)), np.zeros(len(at)), np.ones(len(at)), times
+    )
+    reader = PlumeReadings(survey, AREA.height_m, TRAVEL, SPEED_MPS)
+    mean, _ = reader.of(end[None], shapes(1), ways_m=(end - start)[None])
+    truth = cloud.at(last_s + 0.05).concentrations_g_m3(at)
+    # Nearer than that, puffs spread against the wind, too.
+    behind = at[:, 0] - end[0]
+    seen = (truth > 0.2 * truth.max()) & (behind > 8.0)
+    assert seen.sum() > 8
+    assert mean[0][seen] == pytest.approx(truth[seen], rel=0.15)
 
 
 def test_intensity_is_that_of_a_plume_that_moves_as_a_whole():
@@ -334,11 +371,53 @@ def test_release_that_starts_or_ends_among_the_readings(is_end):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize('way_m', [(0.0, 0.0), (25.0, -30.0)])
+def test_release_that_moves_is_told_from_one_that_stands(way_m):
+    """Flown over twice: its place is that of the last reading, and it is never enough."""
+    empty = readings([], 4)
+    both = {name: np.concatenate([getattr(empty, name)] * 2) for name in BY_READING}
+    twice = replace(empty, **both | {'times_s': np.arange(200.0) * 4.0}, has_times=True)
+    reader = PlumeReadings(twice, AREA.height_m, TRAVEL, SPEED_MPS)
+    mean, _ = reader.of(np.array([STRONG[:2]]), shapes(1), ways_m=np.array([way_m]))
+    scatter = np.exp(0.3 * np.random.default_rng(6).standard_normal(200))
+    flown = replace(twice, values_g_m3=twice.values_g_m3 + STRONG[2] * mean[0] * scatter)
+    found = locate_releases(flown, AREA, LAYER, options=ONE)
+    (release,) = found.releases
+    assert release.holds(*STRONG[:2])
+    assert math.dist(release.place_m, STRONG[:2]) < 10.0
+    if way_m == (0.0, 0.0):
+        assert release.moves < 0.05
+        assert release.velocity_mps is None
+        return
+    assert release.moves > 0.95
+    assert release.velocity_mps == pytest.approx(np.array(way_m) / 796.0, abs=0.03)
+    verdict = ReleaseRule(region_m=1000.0, hidden_share=0.9).verdict(found)
+    assert not verdict.is_enough
+    assert 'it moves with 0.05 m/s to the' in verdict.reason
+
+
+@pytest.mark.slow
 def test_same_readings_same_answer():
     """Bit by bit."""
     first, second = found_of(STRONG), found_of.__wrapped__(STRONG)
     assert first.releases[0].rate_g_s == second.releases[0].rate_g_s
     assert np.array_equal(first.releases[0].region_m, second.releases[0].region_m)
+
+
+def test_hypotheses_far_out_have_turns_and_ways():
+    """Moves of the sampler try them: nothing infinite stops a fit."""
+    survey = replace(readings([STRONG], 3), has_times=True)
+    reader = PlumeReadings(survey, AREA.height_m, TRAVEL, SPEED_MPS)
+    bounds = Bounds(edges_m=(-50.0, -50.0, 50.0, 50.0), rates_g_s=(0.1, 10.0), times_s=(0.0, 99.0))
+    generator = np.random.default_rng(1)
+    sampler = ReleaseSampler(reader, BackgroundFilter(survey), bounds, ONE, generator)
+    shared, own = np.full((2, SHARED), 40.0), np.full((2, OWN), 0.5)
+    shared[1] *= -1.0
+    shared[:, KIND] = Kind.MOVES
+    shapes_m, ways_m = sampler.shapes_of(shared), sampler.ways_of(own, shared)
+    assert np.isfinite(ways_m).all()
+    mean, _ = reader.of(sampler.places_of(own), shapes_m, ways_m=ways_m)
+    assert np.isfinite(mean).all()
 
 
 def survey_with(**changed) -> GasSurvey:

@@ -12,6 +12,7 @@ from rocsafe_dispersion.command_line.locate_command import main
 from rocsafe_dispersion.estimation.gas_csv import read_gas
 from rocsafe_dispersion.estimation.locate import locate_releases
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
+from rocsafe_dispersion.plume.losses import Losses
 from rocsafe_dispersion.plume.release import Release
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.plume.steady_plume import SteadyPlume
@@ -44,7 +45,42 @@ def test_release_is_found_in_a_file(tmp_path: Path, capsys):
     assert main([str(path), '--json', '--most', '1']) == 0
     (release,) = json.loads(capsys.readouterr().out)['releases']
     assert np.hypot(release['east_m'] + 20.0, release['north_m'] - 5.0) < 15.0
-    assert 0.3 < release['rate_g_s'] / 2.0 < 3.0
+    assert release['rate_unit'] == 'g/s'
+    assert 0.3 < release['rate'] / 2.0 < 3.0
+
+
+@pytest.mark.slow
+def test_counts_of_particles_that_settle_are_located(tmp_path: Path, capsys):
+    """In particles a second; whoever is not told how they fall and decay finds less of them."""
+    rate_per_s, litres = 3e9, 0.3
+    losses = Losses(settling_mps=0.03, decay_per_s=0.02)
+    plume = SteadyPlume(
+        release=Release(place_m=(-20.0, 5.0), height_m=0.5, rate_g_s=rate_per_s),
+        travel=similarity_travel(LAYER, 0.5, losses=losses), wind=EASTWARDS,
+    )  # fmt: skip
+    generator = np.random.default_rng(5)
+    lines = [HEAD.replace('value_g_m3', 'count,litres')]
+    for east in np.arange(-45.0, 50.0, 10.0):
+        for north in np.arange(-45.0, 50.0, 10.0):
+            (value,) = plume.concentrations_g_m3(np.array([[east, north, 2.0]]))
+            count = generator.poisson(litres * (100.0 + value / 1000.0))
+            lines.append(f'{east},{north},2,{count},{litres},{SPEED_MPS:.4g},270')
+    path = tmp_path / 'counts.csv'
+    path.write_text('\n'.join(lines) + '\n')
+    told = ['--settling=0.03', '--decay=0.02']
+    found = []
+    for options in (told, []):
+        assert main([str(path), '--json', '--most', '1', *options]) == 0
+        document = json.loads(capsys.readouterr().out)
+        assert 'backgrounds_per_m3' in document
+        found += document['releases']
+    first, untold = found
+    assert np.hypot(first['east_m'] + 20.0, first['north_m'] - 5.0) < 15.0
+    assert first['rate_unit'] == 'particles/s'
+    assert first['rate_95'][0] < rate_per_s < first['rate_95'][1]
+    assert untold['rate'] < 0.8 * first['rate']
+    assert main([str(path), '--most', '1', *told]) == 0
+    assert 'particles/s (95 %' in capsys.readouterr().out
 
 
 @pytest.mark.slow
@@ -177,6 +213,16 @@ def test_pipes_and_other_encodings_are_refused(tmp_path: Path):
         (HEAD + '\n1,2,3,4,5,270\n\n' + HEAD + '\n', "line 4: height_m is 'height_m'"),
         (HEAD + '\n' + '1' * 20_000 + '\n', 'line 2: is longer than 10000 characters'),
         (HEAD + '\n1,2,3,4,1e300,270\n', 'line 2: speed_mps is 1e+300 m/s: must be 0 to 100'),
+        (HEAD.replace('value_g_m3', 'count') + '\n1,2,3,4,5,270\n', 'a column litres must tell'),
+        (
+            HEAD.replace('value_g_m3', 'count,litres') + '\n1,2,3,-4,1,5,270\n',
+            'line 2: count is -4',
+        ),
+        (
+            HEAD.replace('value_g_m3', 'count,litres') + '\n1,2,3,4,0,5,270\n',
+            'line 2: litres is 0',
+        ),
+        (HEAD + ',count\n1,2,3,4,5,270,7\n', 'has 2 of the columns value_g_m3'),
         (HEAD + '\n' + '1,2,3,4,5,270\n' * 20_001, 'has more than 20000 rows'),
     ],
 )
@@ -197,6 +243,10 @@ def test_missing_file_and_unknown_agent_are_refused(tmp_path: Path, capsys):
     assert 'none.csv' in capsys.readouterr().err
     assert main([str(tmp_path / 'none.csv'), '--agent', 'water']) == 2
     assert 'water' in capsys.readouterr().err
+    path = tmp_path / 'counts.csv'
+    path.write_text(HEAD.replace('value_g_m3', 'value_per_l') + '\n1,2,3,4,5,270\n')
+    assert main([str(path), '--agent', 'ammonia']) == 2
+    assert 'counts particles: no agent may be named' in capsys.readouterr().err
 
 
 def test_a_table_is_told_to_be_enough_or_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -13,6 +13,7 @@ import yaml
 
 from rocsafe_dispersion.agents.agent_table import agent
 from rocsafe_dispersion.command_line import locate_command
+from rocsafe_dispersion.estimation.amount import PARTICLES
 from rocsafe_dispersion.estimation.fluctuating_plume import Shapes
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places, predicted
@@ -313,7 +314,91 @@ def test_a_sensor_blind_to_the_agent_is_not_used():
         log.survey()
 
 
-def written(folder, readings, text: str = '') -> str:
+def counts(step_m: float = 15.0) -> list[GasFlightReading]:
+    """Return counts of particles of the same flight, a gram of gas taken for 1e9 particles."""
+    per_ppm = 1e9 * agent('isobutylene').g_m3(1.0)
+    return [
+        replace(
+            one, sensor='particle_counter', unit='per_m3', calibration_gas='particles', std=1e4,
+            corrected=1e5 + per_ppm * one.corrected, raw=1e5 + per_ppm * one.raw,
+        )
+        for one in flight_readings(step_m=step_m)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ('named', 'sensor'),
+    [('', 'particle_counter'), ('particles', 'particle_counter'), ('isobutylene', 'pid_10_6_ev')],
+)
+def test_particles_are_counted_beside_gas(named, sensor):
+    """What is asked for decides; else what is seen most clearly."""
+    log = GasLog(FRAME, Sampling(dilution=DILUTION, agent=named))
+    for number, reading in enumerate(counts(), 1):
+        log.add_gas(reading)
+        log.add_gas(gas(number, (float(number), 0.0, 3.0), 0.01 * (number % 3)))
+        log.add_wind(wind(number))
+    flight = log.survey()
+    assert flight.sensor == sensor
+    assert flight.survey.amount.is_particles == (sensor == 'particle_counter')
+
+
+@pytest.mark.slow
+def test_an_open_path_is_a_mean_down_to_the_ground():
+    """From 12 m, where a sensor beside the vehicle would meet little of the plume."""
+    release = Release(place_m=(-22.0, 13.0), height_m=1.0, rate_g_s=5.0)
+    plume = SteadyPlume(release=release, travel=AIR.travel, wind=EASTWARDS)
+    chemical, generator = agent('methane'), np.random.default_rng(3)
+    heights = np.arange(0.05, 12.0, 0.1)
+    log = GasLog(FRAME, Sampling(dilution=DILUTION, delay_s=3.0))
+    numbers = iter(range(1, 10_000))
+    for east in np.arange(-45.0, 46.0, 10.0):
+        for north in np.arange(-45.0, 46.0, 10.0):
+            column = np.column_stack([np.full((120, 2), (east, north)), heights])
+            below = chemical.ppm(float(plume.concentrations_g_m3(column).sum()) * 0.1)
+            for _ in range(4):
+                number = next(numbers)
+                read = below * math.exp(0.2 * generator.standard_normal())
+                read += 2.0 * generator.standard_normal()
+                place = (float(east), float(north), 12.0)
+                log.add_wind(wind(number))
+                log.add_gas(gas(number, place, read, sensor='open_path_methane', unit='ppm_m',
+                                calibration_gas='methane', std=2.0))  # fmt: skip
+    flight = log.survey()
+    assert flight.flight_height_m == pytest.approx(12.0, abs=0.1)
+    assert flight.survey.weights.sum() == pytest.approx(1.0)
+    found = assess(flight, QUICK).found
+    (one,) = found.releases
+    assert one.holds(-22.0, 13.0)
+    assert math.dist(one.place_m, (-22.0, 13.0)) < 12.0
+    assert one.rate_low_g_s < 5.0 < one.rate_high_g_s
+    # What is read beside the vehicle, or diluted, is another rate.
+    assert 0.5 < one.rate_g_s / 5.0 < 2.0
+
+
+@pytest.mark.slow
+def test_files_of_particles_name_their_units(tmp_path):
+    """Rates in particles a second, the map in particles a litre; no levels are known."""
+    changed = {'agent': 'particles', 'settling_mps': 0.001, 'smallest_per_s': 1e7}
+    file = written(tmp_path, counts(), changed=changed)
+    assert locate_command.main([file, f'--out={tmp_path / "out"}']) == 0
+    document = json.loads((tmp_path / 'out' / 'release.json').read_text())
+    (release,) = document['releases']
+    place = FRAME.enu_of(
+        GeoPosition(release['latitude_deg'], release['longitude_deg'], ORIGIN.altitude_m)
+    )
+    assert math.dist(place[:2], (-22.0, 13.0)) < 15.0
+    assert release['rate_unit'] == document['another']['rate_unit'] == PARTICLES.rate_unit
+    assert release['rate_95'][0] < 5e9 < release['rate_95'][1]
+    assert document['another']['rate'] == 1e7
+    assert document['agent'] == 'particles'
+    assert document['highest_reading']['unit'] == 'particles/l'
+    assert document['threat_zones'] == []
+    with rasterio.open(tmp_path / 'out' / 'plume.tif') as raster:
+        assert 'particles/l' in raster.descriptions[0]
+        assert 10.0 < np.nanmax(raster.read(1)) < 1e6
+
+
+def written(folder, readings, text: str = '', changed=None) -> str:
     """Keep readings as a node does, and return its parameter file."""
     spool = GasSpool(str(folder / 'spool'))
     for number, reading in enumerate(readings, 1):
@@ -327,6 +412,7 @@ def written(folder, readings, text: str = '') -> str:
         'dilution': DILUTION,
         'spool_directory': str(folder / 'spool'),
         'agent': 'ammonia',
+        **(changed or {}),
     }
     file = folder / 'estimator.yaml'
     file.write_text(text or yaml.safe_dump({'/estimator': {'ros__parameters': values}}))

@@ -80,6 +80,21 @@ def test_plume_lies_downwind():
         assert int(plume.concentrations_g_m3(places).argmax()) == downwind
 
 
+@pytest.mark.parametrize('losses', [Losses(), Losses(settling_mps=0.2)])
+def test_one_place_has_the_concentration_of_many(losses: Losses):
+    """Upwind, beside the release, far away; above gas and beneath particles that fall."""
+    travel = similarity_travel(LAYER, 8.0, losses=losses)
+    release = Release(place_m=(30.0, -20.0), height_m=8.0, rate_g_s=2.5)
+    plume = SteadyPlume(release=release, travel=travel, wind=wind_from(4.0, 200.0))
+    generator = np.random.default_rng(5)
+    places = generator.normal(0.0, 1.0, (400, 3)) * 10.0 ** generator.uniform(-1, 4, (400, 1))
+    places[:, 2] = generator.uniform(0.0, 20.0, 400)
+    places[0] = 30.0, -20.0, 8.0
+    found = [plume.concentration_g_m3(*place) for place in places.tolist()]
+    assert found == pytest.approx(plume.concentrations_g_m3(places), rel=1e-9, abs=1e-300)
+    assert sum(value > 1e-9 for value in found) > 15
+
+
 def test_stable_air_keeps_a_plume_narrow():
     """At the same wind the concentration at the ground grows with stability."""
     place = np.array([[200.0, 0.0, 1.0]])

@@ -415,7 +415,8 @@ def test_releases_propose_evidence(tmp_path, capsys):
         {
             'latitude_deg': position(*place).latitude_deg,
             'longitude_deg': position(*place).longitude_deg,
-            'rate_g_s': rate,
+            'rate': rate,
+            'rate_unit': 'g/s',
             'region_95_m2': 314.16,
         }
         for place, rate in (((10.0, -20.0), 50.0), ((-10.0, -25.0), 20.0))

@@ -83,7 +83,7 @@ def test_without_a_source_the_doubtful_ground_is_to_be_measured():
     )
     assessment = assess(half, AssessmentOptions(known=LOSSLESS))
     assert not assessment.verdict.is_enough
-    places = [one.position_enu_m for one in suggested_waypoints(assessment, 6)]
+    places = [one.place_m for one in suggested_waypoints(assessment, 6)]
     assert len(places) == 6
     assert min(x for x, _, _ in places) > 80.0
 

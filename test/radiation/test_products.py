@@ -20,7 +20,6 @@ from rocsafe_radiation.products.assessment import AssessmentOptions, assess
 from rocsafe_radiation.products.cordon import cordons
 from rocsafe_radiation.products.dose_map import DoseMap, dose_map
 from rocsafe_radiation.products.files import write_products
-from rocsafe_radiation.products.isolines import areas_above
 
 from .simulated_survey import LOSSLESS, survey
 
@@ -46,41 +45,6 @@ def found(strength_usvh=9250.0, position_std_m=0.0, log_std=0.0):
         rho=0.0,
         is_structured=False,
     )
-
-
-def cone(size=60, centre=(30.2, 28.7)):
-    """Return distances below 40 m from a centre, as a map of 1 m."""
-    axis = np.arange(size, dtype=float)
-    return 40.0 - np.hypot(axis[None, :] - centre[0], axis[:, None] - centre[1])
-
-
-def test_a_ring_of_ten_metres_has_the_area_of_a_circle():
-    """Within 1 % on a grid of 1 m."""
-    area = areas_above(cone(), 30.0, (100.0, 200.0), 1.0)
-    assert area.area == pytest.approx(math.pi * 100.0, rel=0.01)
-    assert area.contains(Point(130.2, 228.7))
-    assert area.centroid.distance(Point(130.2, 228.7)) < 0.05
-
-
-def test_a_hole_stays_a_hole():
-    """Low ground within high ground is outside."""
-    ring = -np.abs(cone() - 28.0)
-    area = areas_above(ring, -5.0, (0.0, 0.0), 1.0)
-    assert area.area == pytest.approx(math.pi * (17.0**2 - 7.0**2), rel=0.02)
-    assert not area.contains(Point(30.2, 28.7))
-
-
-def test_areas_end_at_the_border():
-    """All of a map that is high everywhere, nothing of one that is low."""
-    whole = areas_above(np.full((11, 21), 5.0), 1.0, (0.0, 0.0), 2.0)
-    assert whole.area == pytest.approx(20.0 * 40.0, rel=0.01)
-    assert areas_above(np.zeros((11, 21)), 1.0, (0.0, 0.0), 2.0).is_empty
-
-
-def test_values_at_the_level_make_no_mess():
-    """A checkerboard of nodes exactly at the level."""
-    board = np.indices((8, 8)).sum(axis=0) % 2.0
-    assert areas_above(board, 1.0, (0.0, 0.0), 1.0).is_valid
 
 
 @pytest.mark.slow

@@ -57,6 +57,17 @@ def test_nothing_is_loaded_from_elsewhere(site):
 
 
 @pytest.mark.slow
+def test_an_address_that_there_is_not_is_answered_by_a_page_that_leads_on(site):
+    """In the style of the site, by addresses from its root: it is sent for any folder."""
+    text = (site / '404.html').read_text()
+    _, _, article = text.partition('<article')
+    links = re.findall(r'href="(/[^"#]*)"', text)
+    assert all((site / link.lstrip('/')).is_file() for link in links)
+    assert any(link.endswith('site.css') for link in links)
+    assert len(re.findall(r'<li><a href="/', article)) == 5
+
+
+@pytest.mark.slow
 def test_every_link_leads_to_a_file_and_a_heading_of_the_site(site):
     """Also those that mkdocs only remarks upon, such as files that begin with a dot."""
     texts = {page: page.read_text() for page in site.rglob('*.html') if page.name != '404.html'}

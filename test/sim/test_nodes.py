@@ -42,6 +42,7 @@ from rocsafe_ros.parameters import ParameterError
 from rocsafe_sim.fleet_node import FleetNode
 from rocsafe_sim.rav.shared_parts import make_shared
 from rocsafe_sim.rav_node import RavNode
+from rocsafe_sim.vehicle_node import VehicleInterface
 
 
 def test_route_is_flown_and_photographed(
@@ -275,23 +276,20 @@ def test_restarted_vehicle_continues(
     assert {path.name for path in tmp_path.iterdir()} == {'journal.json', 'lease.json', 'steps'}
 
 
+def make_fleet(ros: Any, folder: Path, names: str) -> FleetNode:
+    """Return a fleet of vehicles at one home."""
+    home = FRAME.position_of(HOME_ENU)
+    homes = dict.fromkeys(names, (home.latitude_deg, home.longitude_deg))
+    values = {**common(folder), 'fleet_file': fleet_file(folder, homes)}
+    return FleetNode(context=ros.context, parameter_overrides=parameters(**values))
+
+
 def test_fleet_flies_many_in_one_process(
     ros: Any, operator: Operator, world: Any, tmp_path: Path
 ) -> None:
     """Vehicles of a fleet have namespaces of their own and one participant."""
     world('fleet', autostart=False)
-    home = FRAME.position_of(HOME_ENU)
-    fleet = FleetNode(
-        context=ros.context,
-        parameter_overrides=parameters(
-            **{
-                **common(tmp_path),
-                'fleet_file': fleet_file(
-                    tmp_path, dict.fromkeys('abc', (home.latitude_deg, home.longitude_deg))
-                ),
-            }
-        ),
-    )
+    fleet = make_fleet(ros, tmp_path, 'abc')
     nodes = [fleet, *fleet.vehicle_nodes]
     for node in nodes:
         ros.executor.add_node(node)
@@ -300,6 +298,49 @@ def test_fleet_flies_many_in_one_process(
     results = [operator.wait(goal.get_result_async()).result for goal in goals]
     assert {result.outcome for result in results} == {FlyRoute.Result.COMPLETED}
     assert len({result.duration_s for result in results}) == 1
+    for node in nodes:
+        node.destroy_node()
+
+
+def test_a_vehicle_is_commanded_in_the_middle_of_a_step_of_its_fleet(
+    ros: Any, operator: Operator, world: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is held at the time of the step, which tells of the hold, and has not ended yet."""
+    world('fleet', autostart=False)
+    fleet = make_fleet(ros, tmp_path, 'ab')
+    nodes = [fleet, *fleet.vehicle_nodes]
+    for node in nodes:
+        ros.executor.add_node(node)
+    states = operator.listen(topics.STATE, 'b')
+    fixes = operator.listen(topics.GROUND_TRUTH_FIX, 'b')
+    assert operator.send(route('b')).accepted
+    operator.call('world/run', SetBool.Request(data=True))
+    operator.ros.spin_until(
+        lambda: fixes and states and states[-1].state == VehicleState.FLYING, DEADLINE_S
+    )
+    publish, waits = VehicleInterface.publish, [True]
+
+    def publish_later(interface: VehicleInterface) -> None:
+        if waits[0]:
+            fleet._waiting.append(interface.publish)
+        else:
+            publish(interface)
+
+    monkeypatch.setattr(VehicleInterface, 'publish', publish_later)
+    operator.ros.spin_until(lambda: len(fleet._waiting) == 2, DEADLINE_S)
+    step_ns = fleet.get_clock().now().nanoseconds
+    assert operator.call('b/hold', Trigger.Request()).success
+
+    def since(messages: list[Any]) -> list[Any]:
+        return [one for one in messages if ns_of_stamp(one.header.stamp) >= step_ns]
+
+    operator.ros.spin_until(lambda: since(states), DEADLINE_S)
+    assert not since(fixes)
+    waits[0] = False
+    operator.ros.spin_until(lambda: len(since(fixes)) > 20, DEADLINE_S)
+    assert {state.state for state in since(states)} == {VehicleState.HOLDING}
+    first = [ns_of_stamp(since(messages)[0].header.stamp) for messages in (states, fixes)]
+    assert first == [step_ns, step_ns]
     for node in nodes:
         node.destroy_node()
 

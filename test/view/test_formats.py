@@ -193,3 +193,9 @@ def test_each_vehicle_has_a_colour():
     colours = vehicle_colours([f'rav{n}' for n in range(20)])
     assert len(colours) == 20
     assert len(set(list(colours.values())[:8])) == 8
+
+
+def test_units_of_gas_sensors_are_written_as_people_do() -> None:
+    """A sum along a path is no quotient."""
+    units = [formats.gas_unit(unit) for unit in ('ppm', 'mg_m3', 'ppm_m')]
+    assert units == ['ppm', 'mg/m³', 'ppm m']

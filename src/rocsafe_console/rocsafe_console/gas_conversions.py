@@ -10,14 +10,14 @@ from rocsafe_console.conversions import geodetic_line, place_of, seconds_of
 from rocsafe_console.picture.gas import GasNow
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import GasReading, ReleaseEstimate, ReleaseEstimateArray
-
-_UNITS = {'mg_m3': 'mg/m³'}
+from rocsafe_view import formats
 
 
 def releases_of(message: ReleaseEstimateArray) -> dict[str, Any]:
-    """Return the estimated releases of gas, and the verdict in words."""
+    """Return the estimated releases of gas or particles, and the verdict in words."""
     return {
         'stamp_s': seconds_of(message.header.stamp),
+        'rate_unit': message.rate_unit,
         'agent': message.agent,
         'sensor': message.sensor,
         'verdict': message.verdict,
@@ -33,7 +33,7 @@ def gas_of(vehicle: str, message: GasReading) -> GasNow:
         stamp_s=seconds_of(message.header.stamp),
         value=message.raw,
         std=message.std,
-        unit=_UNITS.get(message.unit, message.unit),
+        unit=formats.gas_unit(message.unit),
         sensor=message.sensor,
         calibration_gas=message.calibration_gas,
         latitude_deg=message.position.latitude,
@@ -70,7 +70,7 @@ def _release_of(release: ReleaseEstimate) -> dict[str, Any]:
         'place': place_of(release.position),
         # A circle of the area that holds the place with a probability of 0.95.
         'radius_95_m': math.sqrt(release.region_95_m2 / math.pi),
-        'rate_g_s': release.rate_g_s,
-        'rate_low_g_s': release.rate_low_g_s,
-        'rate_high_g_s': release.rate_high_g_s,
+        'rate': release.rate,
+        'rate_low': release.rate_low,
+        'rate_high': release.rate_high,
     }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The node ``estimator``: releases of gas from all readings so far, while the vehicles fly."""
+"""The node ``estimator``: releases from all readings so far, while the vehicles fly."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,7 +9,7 @@ from typing import Any
 from rclpy.node import Node
 
 from rocsafe_dispersion.estimator_options import EstimatorOptions
-from rocsafe_dispersion.mission_gas.gas_log import NoSurveyError
+from rocsafe_dispersion.mission_gas.gas_log import GasFlightReading, NoSurveyError
 from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
 from rocsafe_dispersion.mission_gas.release_assessment import (
     ReleaseAssessment,
@@ -19,15 +19,16 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
 )
 from rocsafe_dispersion.mission_gas.release_files import write_plume_files
 from rocsafe_dispersion.release_conversions import (
-    fill_release_suggestion,
     gas_flight_reading_of,
+    particle_flight_reading_of,
     plume_message,
     releases_message,
     wind_flight_reading_of,
     zone_markers,
 )
+from rocsafe_hazard.conversions import fill_suggestion
 from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
-from rocsafe_interfaces.msg import GasReading, Region, WindReading
+from rocsafe_interfaces.msg import GasReading, ParticleReading, Region, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
@@ -36,9 +37,9 @@ from rocsafe_ros.run import run
 
 
 class EstimatorNode(Node):
-    """Estimates releases of gas from the readings of all vehicles.
+    """Estimates releases of gas or particles from the readings of all vehicles.
 
-    Subscribes: for each vehicle ``gas`` and ``anemometer``, and ``region``. Publishes:
+    Subscribes: for each vehicle ``gas``, ``bio`` and ``anemometer``, and ``region``. Publishes:
     ``hazard/release``, ``hazard/plume`` and ``hazard/threat_zones`` (all latched), after each
     fit and where the wind has changed. Service: ``hazard/suggest_gas_viewpoints``.
 
@@ -71,6 +72,7 @@ class EstimatorNode(Node):
     def _listen(self) -> None:
         for vehicle in self._options.vehicles:
             topics.create_subscription(self, topics.GAS, partial(self._on_gas, vehicle), vehicle)
+            topics.create_subscription(self, topics.BIO, partial(self._on_bio, vehicle), vehicle)
             on_wind = partial(self._on_wind, vehicle)
             topics.create_subscription(self, topics.ANEMOMETER, on_wind, vehicle)
         topics.create_subscription(self, topics.REGION, self._on_region)
@@ -78,7 +80,12 @@ class EstimatorNode(Node):
         self.create_service(spec.call_type, spec.name, self._on_suggest)
 
     def _on_gas(self, vehicle: str, message: GasReading) -> None:
-        reading = gas_flight_reading_of(vehicle, message)
+        self._add(gas_flight_reading_of(vehicle, message))
+
+    def _on_bio(self, vehicle: str, message: ParticleReading) -> None:
+        self._add(particle_flight_reading_of(vehicle, message))
+
+    def _add(self, reading: GasFlightReading) -> None:
         if self._log.add_gas(reading):
             self._fits.note_reading()
             self._spool.keep_gas(reading)
@@ -113,8 +120,7 @@ class EstimatorNode(Node):
     def _publish(self, assessment: ReleaseAssessment, time_ns: int) -> None:
         self._releases.publish(releases_message(assessment, self._log.frame, time_ns))
         self._zones.publish(zone_markers(assessment.zones, time_ns))
-        ppm_per_g_m3 = assessment.flight.agent.ppm(1.0)
-        self._plumes.publish(plume_message(assessment.plume, ppm_per_g_m3, time_ns))
+        self._plumes.publish(plume_message(assessment, time_ns))
 
     def _on_suggest(
         self, request: SuggestViewpoints.Request, response: SuggestViewpoints.Response
@@ -124,7 +130,7 @@ class EstimatorNode(Node):
             area = None if self._region is None else area_of_region(self._region).polygon(frame)
             count = 0 if assessment.verdict.is_enough else request.count
             places = suggested_places(assessment, count, area)
-            return fill_release_suggestion(response, assessment, places, frame)
+            return fill_suggestion(response, assessment.verdict, places, frame)
 
         return self._fits.answer(response, fill)
 

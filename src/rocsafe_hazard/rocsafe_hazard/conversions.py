@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Maps of hazards -> messages."""
+"""Maps of hazards and places to measure at -> messages."""
+
+from collections.abc import Sequence
 
 import numpy as np
 from nav_msgs.msg import OccupancyGrid
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.next_places import MeasuringPlace, Verdict
+from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_ros.conversions import point_of_position, stamp_of_ns
 
 MAP_FRAME = 'map'
 
@@ -36,3 +41,17 @@ def grid_message(
     message.info.origin.position.y = corner_m[1] - cell_m / 2.0
     message.info.origin.orientation.w = 1.0
     return message
+
+
+def fill_suggestion(
+    response: SuggestViewpoints.Response,
+    verdict: Verdict,
+    places: Sequence[MeasuringPlace],
+    frame: LocalFrame,
+) -> SuggestViewpoints.Response:
+    """Return `response` with the places to measure at next and the reason."""
+    response.status = SuggestViewpoints.Response.OK
+    response.is_enough, response.reason = verdict.is_enough, verdict.reason
+    response.viewpoints = [point_of_position(frame.position_of(one.place_m)) for one in places]
+    response.expected_gain = [one.gain for one in places]
+    return response

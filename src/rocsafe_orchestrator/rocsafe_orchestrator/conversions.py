@@ -112,8 +112,8 @@ def sources_of(message: HazardSourceArray) -> tuple[tuple[GeoPosition, float], .
 
 
 def releases_of(message: ReleaseEstimateArray) -> tuple[tuple[GeoPosition, float], ...]:
-    """Return places and rates, g/s, of the estimated releases of gas."""
-    return tuple((position_of_point(one.position), one.rate_g_s) for one in message.releases)
+    """Return places and rates, in the unit of the message, of the estimated releases."""
+    return tuple((position_of_point(one.position), one.rate) for one in message.releases)
 
 
 def danger_of(

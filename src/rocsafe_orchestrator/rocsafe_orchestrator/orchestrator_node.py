@@ -218,6 +218,7 @@ class OrchestratorNode(Node):
 
     def _on_releases(self, message: ReleaseEstimateArray) -> None:
         self._monitor.releases = conversions.releases_of(message)
+        self._monitor.release_unit = message.rate_unit
 
     def _on_receipt(self, message: ShotReceipt) -> None:
         if message.status == ShotReceipt.REJECTED:

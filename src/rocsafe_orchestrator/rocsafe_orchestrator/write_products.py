@@ -117,7 +117,7 @@ def _with_estimates(
 
 def _with_gas(record: RunRecord, run: RunDirectory) -> RunRecord:
     """Return `record` with the releases and the agent that its readings of gas support."""
-    if record.scenario is None or not record.scenario.air.gas_sensors:
+    if record.scenario is None or not record.scenario.air.reads:
         return record
     parameters, missing = run.parameters_of(ESTIMATOR), record.missing
     found: dict[str, Any] = {}
@@ -125,6 +125,8 @@ def _with_gas(record: RunRecord, run: RunDirectory) -> RunRecord:
         ('releases', 'no estimate of releases', estimate_releases),
         ('advice', 'no agent named', advise),
     ):
+        if find is advise and not record.scenario.air.gas_sensors:
+            continue
         try:
             found[name] = find(parameters, run.path)
         except OrchestratorError as error:

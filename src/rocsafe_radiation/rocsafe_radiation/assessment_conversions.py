@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """An assessment -> messages: sources, dose map, cordons, belief map, suggested viewpoints."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,9 +14,7 @@ from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_hazard.conversions import MAP_FRAME, grid_message
 from rocsafe_interfaces.msg import HazardSource, HazardSourceArray
-from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.belief.belief_search import BeliefMap
-from rocsafe_radiation.decision.waypoint_choice import Waypoint
 from rocsafe_radiation.localization.estimates import Localization, SourceEstimate
 from rocsafe_radiation.physics.field import AIR_MODEL, PAPER_MODEL
 from rocsafe_radiation.products.assessment import Assessment
@@ -117,20 +114,3 @@ def _ring_marker(cordon: Cordon, corners: FloatArray, number: int, stamp: Time) 
     marker.pose.orientation.w = 1.0
     marker.points = [Point(x=x, y=y, z=z) for x, y, z in corners.tolist()]
     return marker
-
-
-def fill_suggestion(
-    response: SuggestViewpoints.Response,
-    assessment: Assessment,
-    waypoints: Sequence[Waypoint],
-    frame: LocalFrame,
-) -> SuggestViewpoints.Response:
-    """Return `response` with the places to measure at next and the reason."""
-    response.status = SuggestViewpoints.Response.OK
-    response.is_enough = assessment.verdict.is_enough
-    response.reason = assessment.verdict.reason
-    response.viewpoints = [
-        point_of_position(frame.position_of(np.array(one.position_enu_m))) for one in waypoints
-    ]
-    response.expected_gain = [one.gain if math.isfinite(one.gain) else 0.0 for one in waypoints]
-    return response

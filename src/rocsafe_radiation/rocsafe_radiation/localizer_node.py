@@ -9,6 +9,7 @@ from typing import Any, cast
 from rclpy.node import Node
 
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard.conversions import fill_suggestion
 from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import RadiationReading, Region
 from rocsafe_interfaces.srv import SuggestViewpoints
@@ -16,7 +17,6 @@ from rocsafe_radiation.assessment_conversions import (
     belief_message,
     cordon_markers,
     dose_map_message,
-    fill_suggestion,
     sources_message,
 )
 from rocsafe_radiation.errors import TooFewReadingsError
@@ -129,7 +129,7 @@ class LocalizerNode(Node):
             area = None if self._region is None else area_of_region(self._region).polygon(frame)
             count = 0 if assessment.verdict.is_enough else request.count
             waypoints = suggested_waypoints(assessment, count, area)
-            return fill_suggestion(response, assessment, waypoints, frame)
+            return fill_suggestion(response, assessment.verdict, waypoints, frame)
 
         return self._fits.answer(response, fill)
 

@@ -233,8 +233,11 @@ def _unclear_releases(scenario: Scenario) -> Iterator[str]:
             'with air.wind.scene_file'
         )
     air = scenario.air
-    if air.search.extra_rounds and not (air.gas_sensors and air.anemometer):
-        yield 'air.search.extra_rounds: needs air.gas_sensors and air.anemometer'
+    if air.search.extra_rounds and not (air.reads and air.anemometer):
+        yield (
+            'air.search.extra_rounds: needs air.gas_sensors or air.particle_counter, and '
+            'air.anemometer'
+        )
 
 
 def _missing_sensors(scenario: Scenario) -> Iterator[str]:

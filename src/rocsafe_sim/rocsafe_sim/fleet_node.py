@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``fleet``: many simulated vehicles in one process."""
 
+from collections import deque
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_ros.conversions import diagnostic
@@ -26,6 +30,10 @@ class FleetNode(Node):
     """Simulates the vehicles of `fleet_file`, each with a small node in its own namespace.
 
     In lock-step it is one participant, ``fleet``, which is idle when all vehicles are.
+
+    A step advances all vehicles at once, and then publishes one after the other: services are
+    answered in between, and an order takes effect at the time of the step, as it does after it.
+    What orders have left to be computed is computed in such turns, too.
     """
 
     def __init__(self, **node_options: Any) -> None:
@@ -45,10 +53,16 @@ class FleetNode(Node):
             )
             for rav in ravs
         ]
-        self._interfaces = [
-            VehicleInterface(node, rav, options.fix_period_ns, self._on_busy)
-            for node, rav in zip(self.vehicle_nodes, ravs, strict=True)
-        ]
+        self._waiting: deque[Callable[[], None]] = deque()
+        # Due at once, again and again: other callbacks have their turns between two of its own.
+        self._turns = self.create_timer(
+            0.0, self._take_turn, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._turns.cancel()
+        self._interfaces: list[VehicleInterface] = []
+        for number, (node, rav) in enumerate(zip(self.vehicle_nodes, ravs, strict=True)):
+            on_busy = partial(self._on_busy, number)
+            self._interfaces.append(VehicleInterface(node, rav, options.fix_period_ns, on_busy))
         if options.lock_step:
             self._participant = Participant(
                 self, self.get_name(), self._on_step, has_news=self._has_news
@@ -62,14 +76,40 @@ class FleetNode(Node):
         vehicles = (interface.health() for interface in self._interfaces)
         return [diagnostic('runs'), *filter(None, vehicles)]
 
-    def _on_step(self, time_ns: int) -> bool:
-        are_idle = [interface.step(time_ns) for interface in self._interfaces]
-        return all(are_idle)
+    def _on_step(self, time_ns: int) -> bool | None:
+        # Of a step that another one has overtaken.
+        self._take_all_turns()
+        for interface in self._interfaces:
+            interface.advance(time_ns)
+        self._waiting.extend(interface.publish for interface in self._interfaces)
+        if self.executor is None:
+            self._take_all_turns()
+            return self._is_idle
+        self._turns.reset()
+        return None
+
+    def _take_turn(self) -> None:
+        if self._waiting:
+            self._waiting.popleft()()
+        if not self._waiting:
+            self._turns.cancel()
+            if self._participant is not None:
+                self._participant.finish(is_idle=self._is_idle)
+
+    def _take_all_turns(self) -> None:
+        while self._waiting:
+            self._waiting.popleft()()
+
+    @property
+    def _is_idle(self) -> bool:
+        return all(interface.is_idle for interface in self._interfaces)
 
     def _has_news(self) -> bool:
         return any(interface.has_news for interface in self._interfaces)
 
-    def _on_busy(self) -> None:
+    def _on_busy(self, number: int) -> None:
+        self._waiting.append(self._interfaces[number].look_ahead)
+        self._turns.reset()
         if self._participant is not None:
             self._participant.report(is_idle=False)
 

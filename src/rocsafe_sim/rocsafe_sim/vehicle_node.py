@@ -2,6 +2,7 @@
 """ROS interface of one simulated vehicle, in the node `rav` or `fleet`."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
@@ -13,6 +14,7 @@ from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.picture_conversions import mounts_of
 from rocsafe_sim.messages.sensor_conversions import sensor_mounts
 from rocsafe_sim.rav.rav import Rav
+from rocsafe_sim.vehicle.snapshot import VehicleSnapshot
 from rocsafe_sim.vehicle_interface.camera_node import CameraInterface
 from rocsafe_sim.vehicle_interface.command_node import CommandServices
 from rocsafe_sim.vehicle_interface.fly_route_node import FlyRouteServer
@@ -62,6 +64,8 @@ class VehicleInterface:
         self._on_busy = on_busy
         self.has_news = False
         self._was_told: tuple[bool, bool] = (False, False)
+        self._seen: VehicleSnapshot | None = None
+        self._shots: list[Shot] = []
         rig = rav.parts.sensors.rig
         frames = VehicleFrames(node, {**mounts_of(rav.parts.cameras), **sensor_mounts(rig)})
         self._sensors = SensorTopics(node, rig)
@@ -81,25 +85,45 @@ class VehicleInterface:
 
     def step(self, time_ns: int) -> bool:
         """Advance the vehicle to `time_ns` and publish all of it; return whether it is idle."""
+        self.advance(time_ns)
+        self.publish()
+        return self.is_idle
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing happens until the next command."""
+        return self._rav.vehicle.is_idle
+
+    def look_ahead(self) -> None:
+        """Compute what an order has left to the next step."""
+        self._rav.vehicle.look_ahead()
+
+    def advance(self, time_ns: int) -> None:
+        """Advance the vehicle to `time_ns`; `publish` follows, orders may come in between."""
         vehicle = self._rav.vehicle
         if time_ns < vehicle.time_ns:
             self._log.warning('time ran backwards: waiting until it is back', once=True)
-            return vehicle.is_idle
+            return
         missed_ns = self._rav.hold_if_cut_off(time_ns)
         if missed_ns:
             text = f'cut off for {missed_ns / NS_PER_S:.1f} s, holds'
             self._log.warning(f'{self._rav.parts.name}: {text}')
-        seen, shots = self._rav.step(time_ns)
+        self._seen, self._shots = self._rav.step(time_ns)
         told = (vehicle.ends_early, vehicle.stands)
         self.has_news = any(now > before for now, before in zip(told, self._was_told, strict=True))
         self._was_told = told
+
+    def publish(self) -> None:
+        """Publish what the last step was: once."""
+        seen, self._seen = self._seen, None
+        if seen is None:
+            return
         self._telemetry.publish(seen)
         self._sensors.publish(self._rav.readings)
-        self._publish_pictures(shots)
+        self._publish_pictures(self._shots)
         for camera in self._cameras:
             camera.after_step(seen)
-        self._flights.after_step(time_ns)
-        return vehicle.is_idle
+        self._flights.after_step(seen.time_ns)
 
     def _publish_pictures(self, shots: list[Shot]) -> None:
         """Publish the images of viewpoints; the first camera takes the photographs."""
@@ -116,6 +140,9 @@ class VehicleInterface:
 
     def _after_command(self) -> None:
         self._rav.keep_journal()
+        if self._seen is not None:
+            # The step that is still to be published must not tell the state before the order.
+            self._seen = replace(self._rav.vehicle.observe(), pose=self._seen.pose)
         self._publish_state()
         if not self._rav.vehicle.is_idle:
             self._on_busy()

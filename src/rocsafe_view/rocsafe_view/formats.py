@@ -89,6 +89,11 @@ def clock(seconds: float) -> str:
     return f'{hours}:{minutes:02}:{rest:02}' if hours else f'{minutes:02}:{rest:02}'
 
 
+def gas_unit(unit: str) -> str:
+    """Return the unit of a gas sensor in words."""
+    return {'mg_m3': 'mg/m³', 'ppm_m': 'ppm m'}.get(unit, unit)
+
+
 def length(metres: float | None) -> str:
     """Return a distance in metres, or in kilometres from 10 km on."""
     return _in_units(metres, 'm', 1000.0, 'km')

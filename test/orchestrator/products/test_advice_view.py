@@ -63,7 +63,7 @@ def test_agents_evidence_and_procedures_are_rows(tmp_path: Path, calls) -> None:
     assert view.sentence.startswith('Most probable: hydrogen sulphide (')
     assert view.sentence.endswith('To be found out next: smell fish.')
     assert view.agent_rows[1][:2] == ('no agent', '-')
-    assert view.evidence_rows[0][:2] == ('ion mobility', '1 mg/m3')
+    assert view.evidence_rows[0][:2] == ('ion mobility', '1 mg/m³')
     assert view.evidence_rows[1][:2] == ('metal oxide', 'silent')
     assert view.evidence_rows[2][:4] == ('smell chlorine', 'yes', 'driver', '14:05')
     assert '53.28' in view.evidence_rows[2][4]

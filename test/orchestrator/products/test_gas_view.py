@@ -26,8 +26,9 @@ CONTENT: dict[str, Any] = {
         {
             'latitude_deg': 53.28,
             'longitude_deg': -9.06,
-            'rate_g_s': 61.2,
-            'rate_95_g_s': [40.0, 90.0],
+            'rate': 61.2,
+            'rate_unit': 'g/s',
+            'rate_95': [40.0, 90.0],
             'std_m': [3.0, 4.0],
             'region_95_m2': 250.0,
         }
@@ -39,7 +40,8 @@ CONTENT: dict[str, Any] = {
     'is_enough': True,
     'verdict': '1 release, placed within 9 m (95 %)',
     'highest_reading': {
-        'ppm': 4.42,
+        'value': 4.42,
+        'unit': 'ppm',
         'vehicle': 'rav2',
         'time_ns': 5,
         'latitude_deg': 53.28,
@@ -164,7 +166,11 @@ def test_a_mission_for_gas_is_told_by_its_gas(estimated: Path, tmp_path: Path) -
     doubtful = dataclasses.replace(record, releases=dataclasses.replace(found, is_enough=False))
     assert verdict(summarise(doubtful)).words == 'Flown, evidence not enough yet'
     plain = summary.to_plain()['releases']
-    assert plain['highest_reading']['ppm'] == 4.42
+    assert plain['highest_reading']['value'] == 4.42
+    particles = dataclasses.replace(found.releases[0], rate=3e9, rate_unit='particles/s')
+    view = gas_view(dataclasses.replace(found, releases=(particles,)), ())
+    assert view is not None
+    assert view.release_rows[0][3] == '3e+09 particles/s (40 to 90)'
     assert 'figure' not in plain
 
 

@@ -8,7 +8,7 @@ converted.
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import datetime, timezone
 from typing import Any
 from xml.etree import ElementTree as Xml
@@ -21,6 +21,12 @@ from rocsafe_view import formats
 UNKNOWN_M = 9_999_999.0
 ROTARY_UAV, GROUND_VEHICLE = 'a-f-A-M-H-Q', 'a-f-G-E-V'
 SPOT, SHAPE = 'b-m-p-s-m', 'u-d-f'
+# How a place came about: by a receiver, by a simulation, of many readings, by a person's click.
+BY_GPS, SIMULATED, FUSED, BY_HAND = 'm-g', 'm-s', 'm-f', 'h-e'
+# Errors are told as one deviation of a normal distribution in the plane, whose 95 % lie within:
+SIGMAS_OF_95 = math.sqrt(-2.0 * math.log(0.05))
+# A red line without a filling, as signed 32 bits of alpha, red, green and blue.
+RED, CLEAR, LINE_WEIGHT = '-65536', '0', '3.0'
 PERIOD_S = 1.0
 # Three periods without an event: the receiver shows it as old.
 STALE_S = 3.0 * PERIOD_S
@@ -34,7 +40,15 @@ _NOT_XML = re.compile('[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
-    """One event: who, what, where, until when."""
+    """One event: who, what, where, until when.
+
+    Attributes
+    ----------
+    circular_error_m
+        One deviation of the place in each horizontal direction, metres; nan: not known.
+    is_simulated
+        Whether there is nothing but in a simulation.
+    """
 
     uid: str
     kind: str
@@ -43,6 +57,8 @@ class Event:
     longitude_deg: float
     altitude_m: float = math.nan
     circular_error_m: float = math.nan
+    how: str = FUSED
+    is_simulated: bool = False
     stale_s: float = STALE_S
     remarks: str = ''
     ring: tuple[tuple[float, float], ...] = field(default=())
@@ -50,8 +66,9 @@ class Event:
     def to_xml(self, now_s: float) -> bytes:
         """Return the event as it is at `now_s`, seconds since 1970."""
         times = {'time': _time(now_s), 'start': _time(now_s), 'stale': _time(now_s + self.stale_s)}
-        named = {'version': '2.0', 'uid': _xml(self.uid), 'type': self.kind, 'how': 'm-g'}
-        event = Xml.Element('event', {**named, **times})
+        named = {'version': '2.0', 'uid': _xml(self.uid), 'type': self.kind, 'how': self.how}
+        operation = {'opex': 's'} if self.is_simulated else {}
+        event = Xml.Element('event', {**named, **operation, **times})
         Xml.SubElement(
             event,
             'point',
@@ -62,11 +79,17 @@ class Event:
             le=f'{UNKNOWN_M:.1f}',
         )
         detail = Xml.SubElement(event, 'detail')
+        for latitude, longitude in self.ring:
+            Xml.SubElement(detail, 'link', point=f'{latitude:.7f},{longitude:.7f}')
+        if self.ring:
+            Xml.SubElement(detail, 'strokeColor', value=RED)
+            Xml.SubElement(detail, 'strokeWeight', value=LINE_WEIGHT)
+            Xml.SubElement(detail, 'fillColor', value=CLEAR)
         Xml.SubElement(detail, 'contact', callsign=_xml(self.callsign))
         if self.remarks:
             Xml.SubElement(detail, 'remarks').text = _xml(self.remarks)
-        for latitude, longitude in self.ring:
-            Xml.SubElement(detail, 'link', point=f'{latitude:.7f},{longitude:.7f}')
+        if self.ring:
+            Xml.SubElement(detail, 'labels_on', value='true')
         return bytes(Xml.tostring(event, encoding='utf-8', xml_declaration=True))
 
 
@@ -74,13 +97,19 @@ def events_of(picture: Picture, now_s: float) -> list[Event]:
     """Return an event of each vehicle that is alive, each source, release, zone and mark."""
     mission = picture.mission.mission_id if picture.mission else 'none'
     prefix = f'rocsafe.{mission}'
-    return [
-        *_vehicles(picture, prefix, now_s),
+    found = [
         *_sources(picture, prefix),
         *_releases(picture, prefix),
         *_cordons(picture, prefix),
         *_zones(picture, prefix),
         *_marks(picture, prefix),
+    ]
+    vehicles = picture.vehicles.values()
+    # What simulated vehicles have found is not there.
+    is_simulated = bool(vehicles) and all(one.report.is_simulated for one in vehicles)
+    return [
+        *_vehicles(picture, prefix, now_s),
+        *(replace(event, is_simulated=is_simulated) for event in found),
     ]
 
 
@@ -89,6 +118,7 @@ def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
         # Nothing old is sent: the receiver would take it for new.
         if now_s - vehicle.placed_s <= STALE_S:
             rate = formats.spaced(formats.dose_rate(vehicle.dose_rate_now(now_s)))
+            is_simulated = vehicle.report.is_simulated
             yield Event(
                 uid=f'{prefix}.{vehicle.name}',
                 kind=GROUND_VEHICLE if vehicle.report.is_ground else ROTARY_UAV,
@@ -96,7 +126,9 @@ def _vehicles(picture: Picture, prefix: str, now_s: float) -> Iterator[Event]:
                 latitude_deg=vehicle.latitude_deg,
                 longitude_deg=vehicle.longitude_deg,
                 altitude_m=vehicle.altitude_m,
-                remarks=f'{vehicle.report.state_name}, {rate}',
+                how=SIMULATED if is_simulated else BY_GPS,
+                is_simulated=is_simulated,
+                remarks=f'{vehicle.report.state_name}, {rate}{", simulated" * is_simulated}',
             )
 
 
@@ -104,31 +136,36 @@ def _sources(picture: Picture, prefix: str) -> Iterator[Event]:
     found = picture.sections.value('sources') or {}
     for one in placed(found.get('sources', [])):
         strength = formats.spaced(formats.dose_rate(one['dose_rate_at_1m_usvh']))
+        size_m = max(map(_number, one['half_axes_m']))
+        where = f'95 % within {formats.figures(size_m, 2)} m'
         yield Event(
             uid=f'{prefix}.source.{one["id"]}',
             kind=SPOT,
             callsign=f'source {one["id"]}',
             latitude_deg=one['place'][0],
             longitude_deg=one['place'][1],
-            circular_error_m=max(map(_number, one['half_axes_m'])),
+            circular_error_m=size_m / SIGMAS_OF_95,
             stale_s=LASTING_STALE_S,
-            remarks=f'{strength} at 1 m, with {one["probability"]}; {_made(found.get("heard_s"))}',
+            remarks=f'{strength} at 1 m, with {one["probability"]}, {where}; '
+            f'{_made(found.get("heard_s"))}',
         )
 
 
 def _releases(picture: Picture, prefix: str) -> Iterator[Event]:
     found = picture.sections.value('releases') or {}
     for one in placed(found.get('releases', [])):
-        rate = formats.figures(_number(one['rate_g_s']), 2)
+        rate = f'{formats.figures(_number(one["rate"]), 2)} {found["rate_unit"]}'
+        size_m = _number(one['radius_95_m'])
+        where = f'95 % within {formats.figures(size_m, 2)} m'
         yield Event(
             uid=f'{prefix}.release.{one["id"]}',
             kind=SPOT,
             callsign=f'release {one["id"]}',
             latitude_deg=one['place'][0],
             longitude_deg=one['place'][1],
-            circular_error_m=_number(one['radius_95_m']),
+            circular_error_m=size_m / SIGMAS_OF_95,
             stale_s=LASTING_STALE_S,
-            remarks=f'{rate} g/s of {found["agent"]}; {_made(found.get("heard_s"))}',
+            remarks=f'{rate} of {found["agent"]}, {where}; {_made(found.get("heard_s"))}',
         )
 
 
@@ -172,6 +209,7 @@ def _marks(picture: Picture, prefix: str) -> Iterator[Event]:
             callsign=one['text'][:40],
             latitude_deg=one['latitude_deg'],
             longitude_deg=one['longitude_deg'],
+            how=BY_HAND,
             stale_s=LASTING_STALE_S,
             remarks=f'{one["text"]} ({one["by"]})',
         )

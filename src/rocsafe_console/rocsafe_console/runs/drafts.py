@@ -35,7 +35,8 @@ DRAFTS = 'drafts'
 LAUNCHED = 'launched'
 NOT_APPROVED = 'this is not the plan that was approved: plan and approve it again'
 # A mission that is launched here belongs to nobody else's.
-NOT_PASSED_ON = ('ROCSAFE_SUPERVISOR_PID', 'ROCSAFE_MISSION_TOKEN')
+MISSION_VARIABLE = 'ROCSAFE_MISSION_TOKEN'
+NOT_PASSED_ON = ('ROCSAFE_SUPERVISOR_PID', MISSION_VARIABLE)
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9_-]{0,60}')
 _HASH = re.compile(r'[0-9a-f]{4,64}')
 

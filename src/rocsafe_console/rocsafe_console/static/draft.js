@@ -1,21 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A new mission: drawn or imported, checked, planned, approved and launched.
-import { t } from './texts.js';
+import { t, told } from './texts.js';
 import { figures, make } from './format.js';
 import { ask } from './link.js';
 import { jobButton } from './jobs.js';
+import { areaOf } from './measure.js';
 
 const L = window.L;
-const M_PER_DEG = 111320;
 const LOOK_MS = 2000;
 const SURE_MS = 8000;
-
-// Area of a ring on a plane, which is right for some kilometres.
-export function areaOf(ring) {
-  const scale = M_PER_DEG * Math.cos(((ring[0]?.[0] ?? 0) * Math.PI) / 180);
-  const points = ring.map(([latitude, longitude]) => [(longitude - ring[0][1]) * scale, (latitude - ring[0][0]) * M_PER_DEG]);
-  return Math.abs(points.reduce((sum, [x, y], index) => { const [u, v] = points[(index + 1) % points.length]; return sum + x * v - u * y; }, 0)) / 2;
-}
 
 export class Draft {
   constructor(panel, map, link, say) {
@@ -163,10 +156,10 @@ export class Draft {
     this.faults.hidden = !isAny;
     this.faults.replaceChildren(...faults.map((one) => {
       const where = one.line ? t('draft_fault_line', { line: one.line }) : '';
-      return make('li', {}, make('button', { type: 'button', class: 'link', 'data-line': one.line, onclick: () => this.lookAt(one.line), text: [where, one.field].filter(Boolean).join(', ') || t('draft_text') }), ` ${one.text}`);
+      return make('li', {}, make('button', { type: 'button', class: 'link', 'data-line': one.line, onclick: () => this.lookAt(one.line), text: [where, one.field].filter(Boolean).join(', ') || t('draft_text') }), ` ${told(one.text)}`);
     }));
     const byLine = new Map();
-    for (const one of faults) if (one.line) byLine.set(one.line, [...(byLine.get(one.line) ?? []), one.text]);
+    for (const one of faults) if (one.line) byLine.set(one.line, [...(byLine.get(one.line) ?? []), told(one.text)]);
     this.marks.replaceChildren(...[...byLine].map(([line, texts]) => make('div', { class: 'draft-mark', 'data-line': line }, make('span', { text: `✕ ${texts.join('; ')}` }))));
     this.placeMarks();
     if (isAny) this.scrollTo(faults.find((one) => one.line)?.line ?? 0);

@@ -128,11 +128,11 @@ export class Facts {
       return make('li', { class: lineOf(isOld) }, this.lookButton(...source.place, t('source_name', { id: source.id })), ` ${t('source_line', { strength: doseRate(source.dose_rate_at_1m_usvh), size, probability: source.probability })}${source.nuclide ? `, ${source.nuclide}` : ''}`, source.forms ? make('span', { class: 'note', text: ` ${placeText(source.forms)}` }) : '');
     });
     for (const one of gas?.releases ?? []) {
-      const line = t('release_line', { low: figures(one.rate_low_g_s, 2), high: figures(one.rate_high_g_s, 2), agent: gas.agent, size: figures(one.radius_95_m, 2) });
+      const line = t('release_line', { low: figures(one.rate_low, 2), high: figures(one.rate_high, 2), unit: gas.rate_unit, agent: gas.agent, size: figures(one.radius_95_m, 2) });
       list.push(make('li', { class: lineOf(isGasOld) }, this.lookButton(...one.place, t('release_name', { id: one.id })), ` ${line}`));
     }
-    const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text }));
-    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note' }, value.verdict, ' ', mark) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: gas.verdict }), ' ', gasMark) : '');
+    const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text: told(text) }));
+    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note' }, told(value.verdict), ' ', mark) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: told(gas.verdict) }), ' ', gasMark) : '');
   }
 
   drawZones({ cordons, wind, zones: gas, releases, cordons_heard_s: heard, zones_heard_s: gasHeard }) {
@@ -271,19 +271,21 @@ export class Facts {
       pair('way_home', duration(facts.way_home_s), isPlaceOld && isNumber(facts.way_home_s)), pair('link', seconds),
       pair('dose', `${facts.dose_is_lower_limit ? '≥ ' : ''}${dose(facts.dose_usv)}`, isDoseOld && isNumber(facts.dose_usv)), pair('', t('visited', { done: facts.visited ?? 0, all: vehicle.facts.viewpoint_count })));
     const holder = vehicle.facts.holder ? t('led_by', { holder: vehicle.facts.holder }) : t('led_by_nobody');
-    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), isPlaceOld && isNumber(frame?.latitude) ? t('place_old') : '', vehicle.facts.is_simulated ? t('simulated') : '', vehicle.facts.text, vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
+    fill(row.querySelector('.vehicle-text'), [driveLine(vehicle, this.link.sections.drive), holder, contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), isPlaceOld && isNumber(frame?.latitude) ? t('place_old') : '', vehicle.facts.is_simulated ? t('simulated') : '', told(vehicle.facts.text), vehicle.facts.advice ? t('advice', { advice: vehicle.facts.advice }) : ''].filter(Boolean).join(' · '));
   }
 
   drawDecisions(decisions) {
-    const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), `${one.text}${one.reason ? `: ${one.reason}` : ''}`));
+    const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), [one.text, one.reason].filter(Boolean).map(told).join(': ')));
     fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions', tabindex: 0, 'aria-label': t('decisions') }, ...rows) : make('p', { class: 'none', text: '–' }));
   }
 }
 
+export const isOver = (mission) => ['complete', 'failed', 'cancelled'].includes(mission?.phase);
+export const reportLink = (mission) => make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') });
 // The report of a mission that has ended; before that, when there is one.
 function reportOf(mission) {
-  if (!['complete', 'failed', 'cancelled'].includes(mission?.phase)) return make('span', { class: 'note', text: `${t('fact_report')}: ${t('report_later')}` });
-  return make('a', { class: 'link', href: `/api/runs/${encodeURIComponent(mission.id)}/files/report.html`, target: '_blank', rel: 'noopener', text: t('fact_report') });
+  if (!isOver(mission)) return make('span', { class: 'note', text: `${t('fact_report')}: ${t('report_later')}` });
+  return reportLink(mission);
 }
 
 // The eighth of the compass in which a bearing lies.

@@ -5,6 +5,8 @@ const [OLD_PLACE, OLD_DOSE] = [4, 8];
 const HEAD_BYTES = 24;
 const VEHICLE_BYTES = 24;
 const SILENT_S = 3;
+// The code by which a server closes that ends in order.
+const GOING = 1001;
 const MOST_WAIT_S = 1;
 // Of a command that plans; a server that says nothing for longer is gone.
 const LONGEST_S = 150;
@@ -44,6 +46,7 @@ export class Link extends EventTarget {
     this.offset = 0;
     this.wait = 0.1;
     this.isWanted = false;
+    this.hasEnded = false;
   }
 
   // Seconds since the last word of the server.
@@ -76,6 +79,7 @@ export class Link extends EventTarget {
     };
     socket.onclose = (event) => {
       if (this.socket !== socket) return;
+      this.hasEnded ||= event.code === GOING;
       this.dispatchEvent(new CustomEvent('closed', { detail: event.code }));
       if (!this.isWanted) return;
       this.timer = setTimeout(() => this.open(), this.wait * 1000);
@@ -94,6 +98,7 @@ export class Link extends EventTarget {
   readSections(message) {
     const names = Object.keys(message.sections);
     if (message.kind === 'hello') {
+      this.hasEnded = false;
       this.wait = 0.1;
       this.sections = {};
       this.vehicles.clear();

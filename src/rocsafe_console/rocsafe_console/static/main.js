@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: log-in, views, keys, theme, alarms, and the word whether it is live.
-import { fillTexts, t, told } from './texts.js';
+import { addTexts, fillTexts, t, told } from './texts.js';
 import { age, clockText, isNumber, make, missionClock, placeForm, turnPlaces } from './format.js';
 import { Link, ask, tellBy } from './link.js';
 import { MissionMap } from './map.js';
-import { Facts } from './facts.js';
+import { Facts, isOver, reportLink } from './facts.js';
 import { Orders } from './orders.js';
 import { Video } from './video.js';
 import { Sound } from './sound.js';
 import { Runs } from './runs.js';
 import { Draft } from './draft.js';
+import { Ruler } from './measure.js';
 
 const REVOKED = 4401;
 const MISSION_SILENT_S = 3;
@@ -29,6 +30,8 @@ try { if (localStorage.rocsafeTheme) root.dataset.theme = localStorage.rocsafeTh
 
 fillTexts();
 tellBy(told);
+// Not needed before the first facts, nor in English.
+import('./mission_texts.js').then(({ MISSION_TEXTS }) => addTexts(MISSION_TEXTS));
 nameTheme();
 const link = new Link();
 const map = new MissionMap($('#map'), link);
@@ -43,7 +46,8 @@ const video = new Video(facts.boxes.camera, link);
 const runs = new Runs($('#runs'), $('#replay'), map);
 runs.onChange = () => orders.draw();
 const draft = new Draft($('#draft'), map, link, (text) => orders.tell([], text));
-window.rocsafe = { link, map, orders, facts, video, draft };
+const ruler = new Ruler(map.map, $('#place'));
+window.rocsafe = { link, map, orders, facts, video, draft, ruler };
 
 function select(name, isChosen) {
   if (isChosen) selection.add(name); else selection.delete(name);
@@ -53,7 +57,7 @@ function select(name, isChosen) {
 }
 orders.onOffer = (drive) => map.offerDrive(drive);
 map.onVehicle = (name) => select(name, !selection.has(name));
-map.onPlace = (place) => (draft.isDrawing ? draft.onPlace(place) : showPlace(place));
+map.onPlace = (place) => (ruler.isOn ? ruler.add(place) : draft.isDrawing ? draft.onPlace(place) : showPlace(place));
 
 // A place: its coordinates in all forms, a mark, and go to for one chosen vehicle.
 async function showPlace({ lat, lng }) {
@@ -81,7 +85,7 @@ async function showPlace({ lat, lng }) {
     };
     parts.push(make('form', { class: 'place-row', onsubmit: save }, text, make('button', { class: 'small', text: t('mark_save') })));
   }
-  parts.push(make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { box.hidden = true; } }));
+  parts.push(make('p', { class: 'place-row' }, make('button', { type: 'button', class: 'small', id: 'measure', text: t('measure'), onclick: () => ruler.begin([lat, lng]) }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { box.hidden = true; } })));
   box.replaceChildren(...parts);
   box.hidden = false;
   if (document.activeElement === $('#map')) box.querySelector('button, input').focus();
@@ -135,6 +139,14 @@ const { access } = link.sections;
   }
 });
 
+// What all must know: nothing is heard, or all is over.
+function bannerText(isLive, isMissionOld, missionAge, ended) {
+  const since = (seconds) => (isNumber(seconds) ? age(seconds) : '–');
+  if (!isLive) return link.hasEnded ? t('banner_ended') : t('banner_lost', { age: since(link.silence) });
+  if (isMissionOld) return t('banner_mission', { age: since(missionAge) });
+  return ended ? t('banner_over', { phase: t(`phase_${ended.phase}`) }) : '';
+}
+
 // Whether it is live, told by the word and the colour, twice a second.
 let wasOld = true;
 let seen = {};
@@ -145,22 +157,28 @@ setInterval(() => {
   const { mission, mission_heard_s: heard } = link.sections;
   if (mission?.id !== seen.id) seen = { id: mission?.id, at: link.now };
   const missionAge = link.now - (heard ?? -Infinity);
-  const isOver = ['complete', 'failed', 'cancelled'].includes(mission?.phase);
   // Its first word may have been kept: whether more follow is known some seconds later.
-  const isMissionOld = isLive && mission && !isOver && (isNumber(heard) ? missionAge : link.now - seen.at) > MISSION_SILENT_S;
-  root.classList.toggle('mission-old', !isOver && !(missionAge <= MISSION_SILENT_S));
+  const isMissionOld = isLive && mission && !isOver(mission) && (isNumber(heard) ? missionAge : link.now - seen.at) > MISSION_SILENT_S;
+  root.classList.toggle('mission-old', !isOver(mission) && !(missionAge <= MISSION_SILENT_S));
   // Who does not look hears that what he would see is old.
   const isOld = !isLive || Boolean(isMissionOld);
   if (isOld && !wasOld) sound.play('critical');
   wasOld = isOld;
   const pulse = $('#pulse');
   pulse.classList.toggle('old', isOld);
-  const word = t(isOld ? 'not_live' : 'live');
+  const isEnd = isLive && isOver(mission);
+  pulse.classList.toggle('over', isEnd);
+  const word = t(isOld ? 'not_live' : isEnd ? 'over' : 'live');
   if (pulse.textContent !== word) pulse.textContent = word;
   const banner = $('#banner');
-  banner.hidden = isLive && !isMissionOld;
-  const text = !isLive ? t('banner_lost', { age: isNumber(link.silence) ? age(link.silence) : '–' }) : isMissionOld ? t('banner_mission', { age: isNumber(missionAge) ? age(missionAge) : '–' }) : '';
-  if (banner.textContent !== text) banner.textContent = text;
+  const text = bannerText(isLive, isMissionOld, missionAge, isEnd ? mission : null);
+  banner.hidden = !text;
+  banner.classList.toggle('over', isEnd);
+  // Told anew only where it differs: a reader of the screen would say it twice a second.
+  if (banner.dataset.told !== `${text} ${mission?.id}`) {
+    banner.dataset.told = `${text} ${mission?.id}`;
+    banner.replaceChildren(text, ...(isEnd ? [' ', reportLink(mission), ' ', make('button', { type: 'button', class: 'link', text: t('over_runs'), onclick: () => show('runs') })] : []));
+  }
   if (isNumber(link.now)) {
     const [local, utc] = clockText(link.now);
     const both = utc.startsWith(local) ? utc : `${t('local_time', { time: local })}\n${utc}`;
@@ -215,7 +233,7 @@ $('#find').addEventListener('submit', async (event) => {
     map.map.setView([lat, lng], Math.max(map.map.getZoom(), 17), { animate: false });
     map.isFitted = true;
     input.setAttribute('aria-invalid', 'false');
-    if (!draft.isDrawing) showPlace({ lat, lng });
+    if (ruler.isOn) ruler.add({ lat, lng }); else if (!draft.isDrawing) showPlace({ lat, lng });
     $('#map').focus();
   } catch (error) { input.setAttribute('aria-invalid', 'true'); orders.tell([], error.message); }
 });
@@ -250,6 +268,9 @@ document.addEventListener('keydown', (event) => {
   else if ('123'.includes(key)) show(['live', 'runs', 'draft'][Number(key) - 1]);
   else if (key === 'g') $('#find-text').focus();
   else if (key === 'Enter' && event.target.id === 'map') map.chooseMiddle();
+  else if (key === 'm') { if (ruler.isOn) ruler.close(); else ruler.begin(); $('#map').focus(); }
+  else if (key === 'Backspace' && ruler.isOn) ruler.undo();
+  else if (key === 'Escape' && ruler.isOn) ruler.close();
   else if (key === 'c' && draft.isDrawing) draft.finish();
   else if (key === 'Backspace' && draft.isDrawing) draft.undo();
   else if (key === '?') showHelp();

@@ -217,7 +217,7 @@ export class Runs {
       if (vehicle) vehicle.frame.state = one.state;
     }
     if (!this.events) return;
-    const rows = past.slice(-SHOWN_EVENTS).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.time_s - this.run.begin_s)} ${one.by} ` }), one.text));
+    const rows = past.slice(-SHOWN_EVENTS).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.time_s - this.run.begin_s)} ${one.by} ` }), told(one.text)));
     this.events.replaceChildren(...(rows.length ? rows : [make('li', { class: 'none', text: t('replay_none') })]));
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every text of the page, in one catalogue. A translation replaces the values of TEXTS, {name} is
-// filled in, and writes beside each of REFUSALS what it is to be; '' leaves it as it is.
+// filled in, and writes beside each of REFUSALS, and of MISSION_TEXTS in mission_texts.js, what it is
+// to be; '' leaves it as it is.
 export const TEXTS = {
   skip: 'To the facts', view_live: 'Live', view_runs: 'Runs', view_draft: 'New mission',
   sound_on: 'Sound on', sound_off: 'Sound off', sound_waiting: 'No sound', places: 'Places', places_decimal: 'Deg', places_dms: 'DMS', places_mgrs: 'MGRS', theme: 'Theme', theme_dark: 'Night', theme_light: 'Day',
@@ -8,6 +9,8 @@ export const TEXTS = {
   live: 'live', not_live: 'not live', stale: 'stale', place_old: 'its place is old', ago: '{age} ago', never: 'not heard yet',
   banner_lost: 'Not live: no word from the server for {age}. What you see is old.',
   banner_mission: 'No word from the mission for {age}. Grey is old.',
+  banner_over: 'The mission has ended: {phase}. What you see is its last state.', over: 'ended', over_runs: 'Replay and evidence',
+  banner_ended: 'The console has ended. Missions, reports and replays are shown again by: rocsafe console',
   fact_worst: 'Worst reading', fact_now: 'Newest', fact_sources: 'Sources', fact_zones: 'Zones', fact_wind: 'Wind',
   fact_coverage: 'Coverage', fact_time: 'Time left', fact_picture: 'Newest picture', fact_camera: 'Camera', video_vehicle: 'Camera of', video_none: 'no camera', video_scene: 'Scene (rocsafe scene show)', video_of: 'Camera of {vehicle}', video_waiting: 'no picture heard yet', video_live: 'taken {age} ago', video_old: 'old: taken {age} ago', fact_vehicles: 'Vehicles',
   fact_alarms: 'Alarms', fact_mosaic: 'Mosaic', fact_report: 'Incident report',
@@ -16,7 +19,7 @@ export const TEXTS = {
   no_wind: 'no wind measured', no_picture: 'no photograph yet', no_plan: 'no plan yet', no_alarm: 'no alarm', no_vehicle: 'no vehicle is heard',
   by_at: '{vehicle}, {detector}', trend_rising: 'rising', trend_falling: 'falling', trend_steady: 'steady',
   saturated: 'at least: the detector is saturated',
-  source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} g/s of {agent}, within {size} m',
+  source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} {unit} of {agent}, within {size} m',
   zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %', gas_zone_line: '{level}: {radius} m from release',
   wind_line: 'from {from}° at {speed} m/s', wind_by: 'by {vehicle}', access_line: 'Approach from upwind: {side}.',
   coverage_line: '{stored} of {expected} photographs stored', time_line: 'planned {planned}, at least {bound}',
@@ -32,11 +35,12 @@ export const TEXTS = {
   sending: 'sending …', sent: '{verb}: {done} of {all} done', sent_unknown: '{verb}: no answer from the server. The vehicles may have obeyed: look at them.', unlogged: 'The outcome is not in the evidence log: {why}', results: 'Results', close: 'Close',
   login_name: 'Name', login_password: 'Password', login_go: 'Log in', login_token: 'Open the address that the console printed: it has the token.',
   login_title: 'ROCSAFE console', who: '{user}, {role}', revoked: 'Your session has ended.',
+  measure: 'Measure from here', measure_hint: 'Choose places on the map.', measure_leg: '{length} m, bearing {bearing}°', measure_all: '{length} m in all', measure_area: '{area} m² within',
   copy: 'Copy', mark_text: 'What is here?', mark_save: 'Mark as evidence', place_go_to: 'Send {vehicle} here', place_height: 'Height, m',
   runs_title: 'Runs', runs_none: 'no run in this folder', run_replay: 'Replay', run_report: 'Report', run_sealed: 'sealed', replay_stop: 'Back to live', replay_play: 'Play', replay_pause: 'Pause', replay_time: 'Time of the replay',
   layer_mosaic: 'Mosaic', layer_dose: 'Dose map', layer_cordons: 'Cordons', layer_plume: 'Gas', layer_zones: 'Threat zones', layer_routes: 'Planned routes', layer_drive: 'Drive, planned', layer_tracks: 'Flown tracks', layer_footprints: 'Footprints', layer_region: 'Region', layer_exclusions: 'Exclusions', layer_sources: 'Sources, 95 %', layer_homes: 'Homes', layer_marks: 'Marks', layer_contact: 'Contact: who hears whom', layer_grid: 'Grid', layer_base: 'Base map',
   legend: 'Dose rate, µSv/h', legend_gas: 'Gas, ppm', decisions: 'What was decided',
-  help_title: 'Keys', help: 'h\tHold\nr\tResume\nb\tReturn\nl\tLand\np\tPlan anew\nEnter\tConfirm\nEsc\tCancel\na\tSeen\nt\tTheme\n1 2 3\tViews\nf\tShow all\ng\tGo to a place\n?\tKeys\nmap\tarrows, + and -, Enter chooses its middle\nc\tclose the ring that is drawn, Backspace takes back its last corner',
+  help_title: 'Keys', help: 'h\tHold\nr\tResume\nb\tReturn\nl\tLand\np\tPlan anew\nEnter\tConfirm\nEsc\tCancel\na\tSeen\nt\tTheme\n1 2 3\tViews\nf\tShow all\ng\tGo to a place\nm\tMeasure on the map: distance, bearing, area\n?\tKeys\nmap\tarrows, + and -, Enter chooses its middle\nc\tclose the ring that is drawn, Backspace takes back its last corner',
   link_make: 'Address for QGIS', draft_title: 'New mission', draft_start: 'Begin with', draft_region: 'Draw the region', draft_exclusion: 'Draw an exclusion', draft_home: 'Set a home', draft_done: 'Close the ring', draft_undo: 'Undo', draft_import: 'Import a region (GeoJSON, KML, QGroundControl, CSV)',
   draft_save: 'Check', draft_plan: 'Plan', draft_preflight: 'Preflight', draft_approve: 'I approve this plan', draft_launch: 'Launch', draft_area: '{area} m², {count} corners', draft_running: 'working …', draft_name: 'Name', draft_text: 'Scenario', draft_fault_line: 'line {line}',
   state_unknown: 'unknown', state_disarmed: 'disarmed', state_armed: 'armed', state_taking_off: 'taking off', state_flying: 'flying', state_holding: 'holding', state_returning: 'returning', state_landing: 'landing', state_landed: 'landed', state_lost: 'lost', state_crashed: 'crashed', state_waiting: 'waiting', state_driving: 'driving', state_parked: 'parked', state_standing: 'standing', state_arrived: 'arrived',
@@ -119,6 +123,7 @@ export const REFUSALS = {
   "there is none yet": "",
   "this is no link": "",
   "this mission is commanded by {0}: take its command first": "",
+  "this page belongs to one mission and hears no other: start rocsafe console": "",
   "this page is not served as {0}: name it by --name": "",
   "this photograph is not on this machine": "",
   "too many attempts": "",
@@ -184,14 +189,30 @@ export function fillTexts(within = document) {
   for (const element of within.querySelectorAll('[data-hint]')) element.placeholder = t(element.dataset.hint);
 }
 
-// A text of the server in the words of the catalogue; what it does not know stays as it is. One
-// that begins with words comes first: what it says may end with another text.
-let patterns = null;
-export function told(text) {
-  patterns ??= Object.entries(REFUSALS).filter(([, own]) => own).map(([english, own]) => [new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{\d\}/g, '(.+)')}$`, 's'), own, english.replace(/\{\d\}/g, '').length + (english.startsWith('{') ? 0 : 1000)]).sort((a, b) => b[2] - a[2]);
-  for (const [pattern, own] of patterns) {
-    const found = pattern.exec(text);
+// A text of the server, of a vehicle or of an estimate in the words of the catalogue; what it does not
+// know stays as it is. What it says may end with another text.
+const patternsOf = (texts) => Object.entries(texts).filter(([, own]) => own).map(([english, own]) => [new RegExp(`^${english.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{\d\}/g, '(.+?)')}$`, 's'), own, english.replace(/\{\d\}/g, '').length, english.startsWith('{')]);
+let patterns = patternsOf(REFUSALS);
+export function addTexts(texts) { patterns = [...patterns, ...patternsOf(texts)].sort((a, b) => b[2] - a[2]); }
+addTexts({});
+function whole(text, isOpen) {
+  for (const [pattern, own, , begins] of patterns) {
+    const found = begins === isOpen && pattern.exec(text);
     if (found) return own.replace(/\{(\d)\}/g, (_, number) => told(found[Number(number) + 1]));
   }
-  return text;
+  return null;
+}
+// Sentences stand in a row, or behind the name of whom they are of.
+const PARTS = [/^(.+?)(; )(.+)$/s, /^(.+?)(: )(.+)$/s, /^(.+?)(, )(.+)$/s, /^([\w-]+)( )(.+)$/s];
+function parted(text) {
+  const [, head, mark, rest] = PARTS.map((pattern) => pattern.exec(text)).find(Boolean) ?? [];
+  if (!mark) return null;
+  const both = mark === ' ' ? [head, whole(rest, false) ?? rest] : [told(head), told(rest)];
+  return both[0] === head && both[1] === rest ? null : both.join(mark);
+}
+// First what begins with words of its own, then what begins with a value.
+export function told(text) {
+  if (!patterns.length || !text) return text;
+  const [, before, core, after] = /^(\s*)(.*?)(\s*)$/s.exec(text);
+  return before + (whole(core, false) ?? parted(core) ?? whole(core, true) ?? core) + after;
 }

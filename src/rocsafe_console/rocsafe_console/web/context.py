@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from aiohttp import web
 
-from rocsafe_console.errors import TooManyError
+from rocsafe_console.errors import RefusedError, TooManyError
 from rocsafe_console.evidence.desk import Desk
 from rocsafe_console.orders.order_book import Order, OrderBook, Result
 from rocsafe_console.outward.event_target import EventTarget
@@ -24,6 +24,7 @@ from rocsafe_console.people.users import Users
 from rocsafe_console.picture.alarms import WARN
 from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
+from rocsafe_console.runs.drafts import MISSION_VARIABLE
 from rocsafe_geo.storage.evidence_log import Event
 
 # Orders, marks and links of one session; a person cannot click faster.
@@ -129,6 +130,16 @@ class Context:
     logins: AttemptLimit = field(default_factory=AttemptLimit)
     refusals: RefusalCount = field(default_factory=lambda: RefusalCount(REFUSALS, REFUSALS_S))
     order_rate: AttemptLimit = field(default_factory=lambda: AttemptLimit(ORDERS, ORDERS_S))
+
+    def require_launches(self) -> None:
+        """Raise `RefusedError` if a mission that is launched here would not be heard.
+
+        A mission's own page hears that mission alone, also when it has ended.
+        """
+        if MISSION_VARIABLE in self.environment:
+            raise RefusedError(
+                'this page belongs to one mission and hears no other: start rocsafe console'
+            )
 
     def end_former(self) -> None:
         """End the sessions of users whom `rocsafe users` has removed or changed."""

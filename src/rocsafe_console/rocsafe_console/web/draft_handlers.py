@@ -79,6 +79,7 @@ async def launch_draft(request: web.Request) -> web.Response:
     """Launch exactly what was approved; it is written to the evidence log first."""
     context, body = context_of(request), await body_of(request)
     session = session_of(request, Action.LAUNCH)
+    context.require_launches()
     name, approved = request.match_info['name'], str(body.get('approved', ''))
     confirmed = [str(one) for one in body.get('confirm', [])]
     try:

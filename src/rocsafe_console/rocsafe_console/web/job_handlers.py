@@ -37,6 +37,8 @@ async def begin_job(request: web.Request) -> web.Response:
     context, jobs = context_of(request), request.app[JOBS]
     # What is not there is refused before it is logged.
     KINDS[kind].words(jobs.folders, name)
+    if KINDS[kind].action is Action.LAUNCH:
+        context.require_launches()
     await context.write(kind, session.user, name if KINDS[kind].is_of_run else '', name=name)
     job = await asyncio.to_thread(jobs.begin, kind, name, session.user)
     return web.json_response(asdict(job))

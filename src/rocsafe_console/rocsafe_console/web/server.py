@@ -289,6 +289,7 @@ ROUTES = (
     web.post('/api/jobs/{kind}/{name}/end', job_handlers.end_job),
     web.post('/api/links', outward_handlers.make_link),
     web.get('/ogc/{secret}', outward_handlers.landing),
+    web.get('/ogc/{secret}/', outward_handlers.landing),
     web.get('/ogc/{secret}/api', outward_handlers.definition),
     web.get('/ogc/{secret}/conformance', outward_handlers.conformance),
     web.get('/ogc/{secret}/collections', outward_handlers.collections),

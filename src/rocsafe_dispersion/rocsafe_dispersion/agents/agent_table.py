@@ -107,6 +107,14 @@ class Agent:
         return 1e6 * GAS_CONSTANT * temperature_k / (pressure_pa * self.molar_mass_g_mol)
 
 
+PARTICLES = Agent(
+    name='particles', category='particles', is_of_seed=False, is_industrial=False, cas=None,
+    molar_mass_g_mol=None, boiling_c=None, ionisation_ev=None, load_exponent=None, aegl_ppm=(),
+    erpg_ppm=None,
+)  # fmt: skip
+"""Particles that stand for biological ones; not in the table."""
+
+
 @lru_cache(maxsize=1)
 def agents() -> dict[str, Agent]:
     """Return all agents of the table by their names."""

@@ -7,14 +7,13 @@ Its keys are those of a scenario's ``air`` block; the wind is the one that pushe
 import math
 from dataclasses import dataclass, field
 
-from rocsafe_dispersion.agents.agent_table import released_agent
+from rocsafe_dispersion.agents.agent_table import PARTICLES, released_agent
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
 from rocsafe_geo.limits import require_between, require_finite, require_not_negative
 from rocsafe_geo.wind.mission_wind import WindSettings
 
 # Latitude and longitude, degrees.
 Place = tuple[float, float]
-PARTICLES = 'particles'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +77,7 @@ class ReleaseSettings:
     surface_resistance_s_m: float = math.inf
 
     def __post_init__(self) -> None:
-        if self.agent != PARTICLES:
+        if self.agent != PARTICLES.name:
             released_agent(self.agent)
         for latitude, longitude in (self.position, *(stop.position for stop in self.track)):
             require_between(f'release {self.name}: latitude', latitude, -90.0, 90.0, 'degrees')
@@ -101,7 +100,7 @@ class ReleaseSettings:
     @property
     def is_particles(self) -> bool:
         """Whether particles are released."""
-        return self.agent == PARTICLES
+        return self.agent == PARTICLES.name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from rocsafe_dispersion.agents.agent_table import Agent, agent
+from rocsafe_dispersion.agents.agent_table import PARTICLES, Agent, agent
+from rocsafe_dispersion.detection.gas_sensor import OPEN_PATH
+from rocsafe_dispersion.estimation.amount import Amount
 from rocsafe_dispersion.estimation.found_release import FoundRelease
 from rocsafe_dispersion.estimation.gas_csv import GasFile, read_gas
 from rocsafe_dispersion.estimation.gas_survey import averaged
@@ -33,9 +35,10 @@ from rocsafe_dispersion.mission_gas.release_assessment import (
 )
 from rocsafe_dispersion.mission_gas.release_files import write_release_files
 from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
+from rocsafe_dispersion.plume.losses import Losses
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.wind.similarity import SurfaceLayer
-from rocsafe_geo.wind.stability import CLASSES, layer_of_class
+from rocsafe_geo.wind.stability import CLASSES, StabilityClass, layer_of_class
 from rocsafe_hazard.row_spool import SpoolError
 
 # More readings of a table are averaged: time and memory grow with their number.
@@ -46,12 +49,12 @@ PARAMETER_FILES = ('.yaml', '.yml')
 # Assumptions about a table of readings that says nothing of them.
 TABLE_DEFAULTS = {
     'stability': 'D', 'roughness': 0.03, 'release_height': 0.5, 'anemometer': 10.0,
-    'margin': 20.0, 'most': 3,
+    'margin': 20.0, 'most': 3, 'settling': 0.0, 'decay': 0.0,
 }  # fmt: skip
 # Assumptions that replace those of a run, and their options of the node ``estimator``.
 OF_A_RUN = {
     'agent': 'agent', 'stability': 'stability', 'roughness': 'roughness_m',
-    'release_height': 'release_height_m',
+    'release_height': 'release_height_m', 'settling': 'settling_mps', 'decay': 'decay_per_s',
 }  # fmt: skip
 
 
@@ -85,8 +88,8 @@ def _of_table(options: argparse.Namespace) -> dict[str, Any]:
     found = _located(gas, area, options)
     verdict = ReleaseRule().verdict(found)
     known = agent(options.agent) if options.agent else None
-    wind_10m_mps = float(_layer(gas, options).speed_mps(10.0))
-    return document_of(found, gas.frame, known, wind_10m_mps) | {
+    layer = _layer(gas, options)
+    return document_of(found, gas.frame, known, layer, options.stability) | {
         'is_enough': verdict.is_enough,
         'verdict': verdict.reason,
         'notes': list(gas.notes),
@@ -108,16 +111,22 @@ def _of_flight(given: argparse.Namespace) -> dict[str, Any]:
     GasSpool(options.spool_directory).restore(log)
     assessment = assess(log.survey(), options.assessment())
     document = _assessed(assessment, log.frame)
-    document['highest_reading'] = _highest(log.highest(assessment.flight.sensor), log.frame)
+    document['highest_reading'] = _highest(
+        log.highest(assessment.flight.sensor), assessment, log.frame
+    )
     if given.out is not None:
         write_release_files(given.out, document, assessment, log.frame)
     return document
 
 
-def _highest(reading: GasFlightReading, frame: LocalFrame) -> dict[str, Any]:
+def _highest(
+    reading: GasFlightReading, assessment: ReleaseAssessment, frame: LocalFrame
+) -> dict[str, Any]:
+    counted = assessment.found.amount
     height_m = reading.altitude_m - frame.origin.altitude_m
     return {
-        'ppm': reading.corrected,
+        'value': reading.corrected * (counted.shown(PARTICLES) if counted.is_particles else 1.0),
+        'unit': 'ppm m' if reading.unit == OPEN_PATH else counted.shown_unit,
         'vehicle': reading.vehicle,
         'time_ns': reading.time_ns,
         'latitude_deg': reading.latitude_deg,
@@ -129,8 +138,8 @@ def _highest(reading: GasFlightReading, frame: LocalFrame) -> dict[str, Any]:
 
 def _assessed(assessment: ReleaseAssessment, frame: LocalFrame) -> dict[str, Any]:
     flight = assessment.flight
-    wind_10m_mps = assessment.wind_10m_mps
-    return document_of(assessment.found, frame, flight.agent, wind_10m_mps) | {
+    layer, stability = assessment.layer, assessment.stability
+    return document_of(assessment.found, frame, flight.agent, layer, stability) | {
         'agent': flight.agent.name,
         'sensor': flight.sensor,
         'wind_towards_mps': list(flight.wind_towards_mps),
@@ -154,8 +163,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of the command line."""
     found = argparse.ArgumentParser(
         prog='rocsafe locate-release',
-        description='Find releases of gas, their places and rates, in readings of concentration '
-        'and wind. Columns of the file: docs/dispersion.md.',
+        description='Find releases of gas or particles, their places and rates, in readings of '
+        'concentration and wind. Columns of the file: docs/dispersion.md.',
     )
     found.add_argument(
         'file',
@@ -185,6 +194,18 @@ def parser() -> argparse.ArgumentParser:
         help='height of the release above the ground, metres (default: 0.5, or that of the run)',
     )
     found.add_argument(
+        '--settling',
+        type=float,
+        metavar='MPS',
+        help='speed at which what is released falls, m/s (default: 0, or that of the run)',
+    )
+    found.add_argument(
+        '--decay',
+        type=float,
+        metavar='PER_S',
+        help='share of it that decays in a second, 1/s (default: 0, or that of the run)',
+    )
+    found.add_argument(
         '--margin',
         type=float,
         metavar='M',
@@ -203,22 +224,28 @@ def parser() -> argparse.ArgumentParser:
 
 
 def document_of(
-    found: LocatedReleases, frame: LocalFrame | None, known: Agent | None, wind_10m_mps: float
+    found: LocatedReleases,
+    frame: LocalFrame | None,
+    known: Agent | None,
+    layer: SurfaceLayer,
+    stability: StabilityClass,
 ) -> dict[str, Any]:
     """Return what was found as values for JSON; `known` is what was released, if anybody knows."""
     return {
         'releases': [
-            _release(release, frame) | near_field(release.rate_g_s, known, wind_10m_mps)
+            _release(release, found.amount, frame)
+            | near_field(release.rate_g_s, known, layer, stability)
             for release in found.releases
         ],
         'another': {
-            'rate_g_s': found.hidden.smallest_g_s,
+            'rate': found.hidden.smallest_g_s,
+            'rate_unit': found.amount.rate_unit,
             'ground_share': round(found.hidden.share, 4),
         },
         'number_probabilities': [round(one, 4) for one in found.number_probabilities],
         'gains_of_one_release_more': [round(gain, 2) for gain in found.gains],
         'gain_of_places': round(found.gain_of_places, 2),
-        'backgrounds_g_m3': found.background_g_m3.tolist(),
+        f'backgrounds_{found.amount.concentration_key}': found.background_g_m3.tolist(),
         'plume': {
             'width_factor': found.spread_y,
             'height_factor': found.spread_z,
@@ -234,22 +261,26 @@ def _located(gas: GasFile, area: SearchArea, options: argparse.Namespace) -> Loc
         area,
         _layer(gas, options),
         anemometer_m=options.anemometer,
+        losses=Losses(settling_mps=options.settling, decay_per_s=options.decay),
         options=LocateOptions(most_releases=options.most),
     )
 
 
-def _release(release: FoundRelease, frame: LocalFrame | None) -> dict[str, Any]:
+def _release(release: FoundRelease, amount: Amount, frame: LocalFrame | None) -> dict[str, Any]:
     east, north = release.place_m
     place: dict[str, Any] = {'east_m': east, 'north_m': north}
     if frame is not None:
         position = frame.position_of((east, north, 0.0))
         place = {'latitude_deg': position.latitude_deg, 'longitude_deg': position.longitude_deg}
     return place | {
-        'rate_g_s': release.rate_g_s,
-        'rate_95_g_s': [release.rate_low_g_s, release.rate_high_g_s],
+        'rate': release.rate_g_s,
+        'rate_unit': amount.rate_unit,
+        'rate_95': [release.rate_low_g_s, release.rate_high_g_s],
         'std_m': np.sqrt(np.diag(release.covariance_m2)).tolist(),
         'region_95_m2': release.region_m2,
         'beyond_probability': round(release.beyond, 3),
+        'moves_probability': round(release.moves, 3),
+        'velocity_mps': release.velocity_mps,
         'started_before_probability': release.start.beyond,
         'start_95_s': release.start.bounds_s,
         'ended_after_probability': release.end.beyond,
@@ -271,9 +302,9 @@ def _text(document: dict[str, Any]) -> str:
         lines.append('no release: the readings are those of a background')
     for release in document['releases']:
         first, second = list(release.items())[:2]
-        low, high = release['rate_95_g_s']
+        low, high = release['rate_95']
         place = f'{first[0]} {first[1]:.8g}, {second[0]} {second[1]:.8g}'
-        rate = f'{release["rate_g_s"]:.3g} g/s (95 %: {low:.3g} to {high:.3g})'
+        rate = f'{release["rate"]:.3g} {release["rate_unit"]} (95 %: {low:.3g} to {high:.3g})'
         lines.append(f'{place}: {rate}, region of 95 %: {release["region_95_m2"]:.0f} m2')
         for verb, when in MOMENTS:
             if release[when] is not None:
@@ -281,7 +312,9 @@ def _text(document: dict[str, Any]) -> str:
                 lines.append(f'it {verb} between {first_s:.0f} and {last_s:.0f} s (95 %)')
         if 'dense_gas' in release:
             lines.append(near_field_line(release['dense_gas']))
-    where = f'{what} of {hidden["rate_g_s"]:g} g/s may be in {share:.0f} % of the ground'
+    where = (
+        f'{what} of {hidden["rate"]:g} {hidden["rate_unit"]} may be in {share:.0f} % of the ground'
+    )
     if where not in document['verdict']:
         lines.append(where)
     enough = 'enough' if document['is_enough'] else 'not enough'

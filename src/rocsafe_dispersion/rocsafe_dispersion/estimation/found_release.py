@@ -37,12 +37,15 @@ class ReleaseSamples:
     spans_s : (2, s)
         When they start and end, in the time of the readings; infinite: before and after them.
         None: not known.
+    velocities_mps : (s, 2)
+        Where those that move go, m/s, 0 where they stand; None: all stand.
     """
 
     places_m: FloatArray
     rates_g_s: FloatArray
     shapes: Shapes
     spans_s: FloatArray | None = None
+    velocities_mps: FloatArray | None = None
 
     def thinned(self, count: int = SAMPLES) -> 'ReleaseSamples':
         """Return `count` of them, evenly taken; some repeatedly if there are fewer."""
@@ -52,6 +55,7 @@ class ReleaseSamples:
             rates_g_s=self.rates_g_s[index],
             shapes=self.shapes.at(index),
             spans_s=None if self.spans_s is None else self.spans_s[:, index],
+            velocities_mps=None if self.velocities_mps is None else self.velocities_mps[index],
         )
 
 
@@ -79,7 +83,8 @@ class FoundRelease:
     Attributes
     ----------
     place_m
-        Place with the least expected distance to the true one (spatial median), metres.
+        Place with the least expected distance to the true one (spatial median), metres; of one
+        that moves, at the last reading.
     mean_m, covariance_m2
         Mean and covariance of its place, (2,) and (2, 2).
     rate_g_s, rate_low_g_s, rate_high_g_s
@@ -113,6 +118,21 @@ class FoundRelease:
         """Return whether a place is within the region of 0.95."""
         offset = np.abs(self.region_m - (east_m, north_m))
         return bool((offset <= self.cell_m / 2.0 + 1e-9).all(axis=1).any())
+
+    @property
+    def moves(self) -> float:
+        """Probability that it moves."""
+        found = self.samples.velocities_mps
+        return 0.0 if found is None else float((found != 0.0).any(axis=1).mean())
+
+    @property
+    def velocity_mps(self) -> tuple[float, float] | None:
+        """Where it goes, east and north, m/s, if it rather moves: medians."""
+        found = self.samples.velocities_mps
+        if found is None or self.moves <= 0.5:
+            return None
+        east, north = np.median(found[(found != 0.0).any(axis=1)], axis=0).tolist()
+        return east, north
 
     @property
     def start(self) -> Moment:

@@ -3,11 +3,13 @@
 
 Columns: a place (``latitude_deg`` and ``longitude_deg``, or ``east_m`` and ``north_m``),
 ``height_m`` above the ground, a concentration (``value_g_m3``, ``value_mg_m3``, or ``value_ppm``
-of a named agent), and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or
+of a named agent; of particles ``value_per_m3`` or ``value_per_l``, or a ``count`` in so many
+``litres`` of air), and the wind (``wind_towards_east_mps`` and ``wind_towards_north_mps``, or
 ``wind_speed_mps`` and ``wind_from_deg``). Rows without a value or a wind, and those in calm air
 where most are not, are left out. If given: ``time_s``, the noise in the unit of the
 values (``std_g_m3``, ``std_mg_m3`` or ``std_ppm``), ``limit`` (``below`` or ``above``: the value
-is only a bound; without this column, values that pile up at an end of the scale are) and
+is only a bound; without this column, values that pile up at an end of the scale are; counts are
+none) and
 ``instrument``, whose readings share a background. Readings that are means
 along beams have the other end of each, as well: ``to_height_m``, and ``to_latitude_deg`` and
 ``to_longitude_deg``, or ``to_east_m`` and ``to_north_m``. Other columns are not read.
@@ -20,6 +22,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rocsafe_dispersion.estimation.amount import (
+    GRAMS,
+    L_PER_M3,
+    PARTICLES,
+    counted_per_m3,
+)
 from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.gas_survey import LARGEST_READINGS, GasSurvey, usual_noise
 from rocsafe_geo.arrays import BoolArray, FloatArray
@@ -36,8 +44,10 @@ TO = 'to_'
 # A beam is a sum over so many places along it, those of Gauss.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 LIMITS = ('', 'below', 'above')
-# Units of readings, g/m^3; what ppm are depends on the gas.
+# Units of readings, g/m^3; what ppm are depends on the gas. Those of particles, 1/m^3.
 UNITS = {'g_m3': 1.0, 'mg_m3': 1e-3, 'ppm': math.nan}
+OF_PARTICLES = {'per_m3': 1.0, 'per_l': L_PER_M3}
+COUNT, LITRES, LARGEST_COUNT, MOST_LITRES = 'count', 'litres', 1e13, 1e6
 LARGEST_EXTENT_M = 20_000.0
 LONGEST_BEAM_M = 500.0
 MOST_NAMED = 5
@@ -85,16 +95,17 @@ def read_gas(path: Path, g_m3_of_ppm: Callable[[float], float] | None = None) ->
 def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None) -> GasFile:
     names = set(rows[0])
     unit, factor = _unit(names, g_m3_of_ppm)
-    rows, notes = _with_all(rows, names, f'value_{unit}')
+    is_count = unit == COUNT
+    rows, notes = _with_all(rows, names, (COUNT, LITRES) if is_count else (f'value_{unit}',))
     places, weights, frame = _places(rows, names)
     limits = [_limit(row) for row in rows]
-    values = factor * _numbers(rows, f'value_{unit}', LARGEST_VALUE)
+    values, std = _counted(rows) if is_count else _measured(rows, names, unit, factor)
     survey = GasSurvey(
         places_m=places,
         weights=weights,
         wind_towards_mps=_winds(rows, names),
         values_g_m3=values,
-        std_g_m3=_stds(rows, names, unit, factor, values),
+        std_g_m3=std,
         is_below=np.array([limit == 'below' for limit in limits]),
         is_above=np.array([limit == 'above' for limit in limits]),
         times_s=(
@@ -102,12 +113,13 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
         ),
         instruments=_instruments(rows, names),
         has_times='time_s' in names,
+        amount=PARTICLES if is_count or unit in OF_PARTICLES else GRAMS,
     )
-    if 'limit' not in names:
+    if not is_count and 'limit' not in names:
         survey, ends = _with_ends(survey)
         notes += ends
     again = _of_each_instrument(survey, are_again)
-    if again.any():
+    if not is_count and again.any():
         # Values that repeat the one before hide the noise.
         survey = replace(survey, std_g_m3=_stds(rows, names, unit, factor, values[~again]))
         survey = survey.only(~again)
@@ -119,7 +131,9 @@ def _gas_file(rows: Sequence[Row], g_m3_of_ppm: Callable[[float], float] | None)
     return GasFile(survey=survey, frame=frame, notes=tuple(notes))
 
 
-def _with_all(rows: Sequence[Row], names: set[str], value: str) -> tuple[Sequence[Row], list[str]]:
+def _with_all(
+    rows: Sequence[Row], names: set[str], value: tuple[str, ...]
+) -> tuple[Sequence[Row], list[str]]:
     """Return the rows that have a value and a wind, and notes of the others.
 
     Raises
@@ -128,7 +142,7 @@ def _with_all(rows: Sequence[Row], names: set[str], value: str) -> tuple[Sequenc
         If there is none.
     """
     notes: list[str] = []
-    for what, columns in (('value', (value,)), ('wind', WIND[is_vector_record(names)])):
+    for what, columns in (('value', value), ('wind', WIND[is_vector_record(names)])):
         kept = [row for row in rows if has_all(row, columns)]
         if not kept:
             raise ValueError(f'no row has a {what} ({" and ".join(columns)}): one must')
@@ -169,12 +183,18 @@ def _of_each_instrument(
 
 def _unit(names: set[str], g_m3_of_ppm: Callable[[float], float] | None) -> tuple[str, float]:
     """Return the unit of the values and what one of it is, g/m^3."""
-    columns = [f'value_{unit}' for unit in UNITS]
-    given = [unit for unit in UNITS if f'value_{unit}' in names]
+    units = UNITS | OF_PARTICLES | {COUNT: 1.0}
+    columns = {unit: unit if unit == COUNT else f'value_{unit}' for unit in units}
+    given = [unit for unit, name in columns.items() if name in names]
     if len(given) != 1:
-        raise ValueError(f'has {len(given)} of the columns {", ".join(columns)}: must have one')
+        told = ', '.join(columns.values())
+        raise ValueError(f'has {len(given)} of the columns {told}: must have one')
+    if given[0] == COUNT and LITRES not in names:
+        raise ValueError(f'has {COUNT}: a column {LITRES} must tell in how much air')
+    if given[0] in (*OF_PARTICLES, COUNT) and g_m3_of_ppm is not None:
+        raise ValueError('counts particles: no agent may be named')
     if given[0] != 'ppm':
-        return given[0], UNITS[given[0]]
+        return given[0], units[given[0]]
     if g_m3_of_ppm is None:
         raise ValueError('has value_ppm: name the agent, whose molar mass converts it')
     return 'ppm', g_m3_of_ppm(1.0)
@@ -233,6 +253,25 @@ def _ends(rows: Sequence[Row], frame: LocalFrame | None, which: str) -> FloatArr
         longitudes = _numbers(rows, f'{which}longitude_deg', 180.0, 'degrees')
         east, north, _ = frame.to_enu(latitudes, longitudes, np.zeros(len(rows))).T
     return np.column_stack([east, north, np.maximum(heights, 0.0)])
+
+
+def _measured(
+    rows: Sequence[Row], names: set[str], unit: str, factor: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return concentrations and their noise, (n,)."""
+    largest = LARGEST_COUNT if unit in OF_PARTICLES else LARGEST_VALUE
+    values = factor * _numbers(rows, f'value_{unit}', largest)
+    return values, _stds(rows, names, unit, factor, values)
+
+
+def _counted(rows: Sequence[Row]) -> tuple[FloatArray, FloatArray]:
+    """Return concentrations of particles and their noise, (n,), 1/m^3."""
+    both = []
+    for name, low, high in ((COUNT, 0.0, LARGEST_COUNT), (LITRES, 1e-6, MOST_LITRES)):
+        both.append(column(rows, name))
+        for row, value in zip(rows, both[-1].tolist(), strict=True):
+            require_between(f'line {row.line}: {name}', value, low, high)
+    return counted_per_m3(*both)
 
 
 def _numbers(rows: Sequence[Row], name: str, limit: float, unit: str = '') -> FloatArray:

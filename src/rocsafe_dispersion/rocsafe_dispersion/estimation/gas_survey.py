@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from rocsafe_dispersion.estimation.amount import GRAMS, Amount
 from rocsafe_geo.arrays import BoolArray, FloatArray, IndexArray
 
 LARGEST_READINGS = 20_000
@@ -48,6 +49,8 @@ class GasSurvey:
         Number of the instrument of each reading, from 0: each has a background of its own.
     has_times
         Whether the times are known.
+    amount
+        What readings count: grams, or particles, whose concentrations are in 1/m^3.
     """
 
     places_m: FloatArray
@@ -60,6 +63,7 @@ class GasSurvey:
     times_s: FloatArray
     instruments: IndexArray
     has_times: bool = True
+    amount: Amount = GRAMS
 
     def __post_init__(self) -> None:
         count = len(self.values_g_m3)

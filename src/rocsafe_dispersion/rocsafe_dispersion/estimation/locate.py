@@ -8,6 +8,7 @@ from itertools import permutations
 import numpy as np
 from scipy.special import logsumexp
 
+from rocsafe_dispersion.estimation.amount import Amount
 from rocsafe_dispersion.estimation.background_filter import BackgroundFilter
 from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS, PlumeReadings
 from rocsafe_dispersion.estimation.found_release import (
@@ -26,6 +27,7 @@ from rocsafe_dispersion.estimation.release_sampler import (
     Population,
     ReleaseSampler,
 )
+from rocsafe_dispersion.plume.losses import NO_LOSSES, Losses
 from rocsafe_dispersion.plume.spread import Travel, similarity_travel, vertical_shape
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.wind.similarity import SurfaceLayer
@@ -64,6 +66,8 @@ class LocatedReleases:
         Medians of `Shapes`.
     hidden
         Where a release may still be that was not found, beside those that were.
+    amount
+        What is released: grams, or particles.
     """
 
     releases: tuple[FoundRelease, ...]
@@ -76,6 +80,7 @@ class LocatedReleases:
     spread_y: float
     spread_z: float
     hidden: HiddenReleases
+    amount: Amount
 
 
 def locate_releases(
@@ -85,6 +90,7 @@ def locate_releases(
     *,
     sigma_theta_rad: float | None = None,
     anemometer_m: float = 10.0,
+    losses: Losses = NO_LOSSES,
     options: LocateOptions | None = None,
 ) -> LocatedReleases:
     r"""Return the releases that readings tell of; the same readings give the same answer.
@@ -101,6 +107,8 @@ def locate_releases(
         Standard deviation of the wind direction, radians; None: from the layer.
     anemometer_m
         Height of the wind of the survey above the ground, metres.
+    losses
+        What takes it out of the air on its way.
     options
         How.
 
@@ -141,7 +149,9 @@ def locate_releases(
     """
     options = options or LocateOptions()
     speed = usual_speed_mps(survey)
-    travel = similarity_travel(layer, area.height_m, sigma_theta_rad=sigma_theta_rad)
+    travel = similarity_travel(
+        layer, area.height_m, sigma_theta_rad=sigma_theta_rad, losses=losses
+    )
     reference = float(layer.speed_mps(anemometer_m))
     bounds = Bounds(
         edges_m=(area.west_m, area.south_m, area.east_m, area.north_m),
@@ -173,7 +183,7 @@ def _of_all_kinds(
     sampler: ReleaseSampler, told: tuple[Population, float], number: int
 ) -> tuple[Population, float]:
     """Return hypotheses of all kinds by their evidence, and the logarithm of all."""
-    kinds = sampler.kinds
+    kinds = sampler.kinds(number)
     made = [told, *(sampler.sample(number, kind) for kind in kinds)]
     logs = np.log([1.0 - sum(kinds.values()), *kinds.values()]) + _evidence(made)
     shares = np.exp(logs - logsumexp(logs))
@@ -246,12 +256,16 @@ def _located(
                 rates_g_s=sampler.rates_of(own[:, number]),
                 shapes=shapes,
                 spans_s=sampler.spans_of(found.shared),
+                velocities_mps=_velocities_mps(sampler, own[:, number], found.shared, survey),
             ),
             area,
         )
         for number in range(own.shape[1])
     ]
     backgrounds = np.median(found.backgrounds, axis=0)
+    smallest = options.smallest_g_s
+    if survey.amount.is_particles:
+        smallest = options.smallest_per_s
     return LocatedReleases(
         releases=tuple(sorted(releases, key=lambda one: -one.rate_g_s)),
         number_probabilities=tuple(np.exp(evidence - logsumexp(evidence)).tolist()),
@@ -262,8 +276,17 @@ def _located(
         wrong_wind=float((found.shared[:, KIND] == Kind.WRONG_WIND).mean()),
         spread_y=float(np.median(shapes.spread_y)),
         spread_z=float(np.median(shapes.spread_z)),
-        hidden=hidden_releases(sampler, found, area.cells_m(), options.smallest_g_s),
+        hidden=hidden_releases(sampler, found, area.cells_m(), smallest),
+        amount=survey.amount,
     )
+
+
+def _velocities_mps(
+    sampler: ReleaseSampler, own: FloatArray, shared: FloatArray, survey: GasSurvey
+) -> FloatArray | None:
+    """Return velocities of one release of each hypothesis, (p, 2); None: all stand."""
+    ways_m = sampler.ways_of(own, shared)
+    return None if ways_m is None else ways_m / max(float(np.ptp(survey.times_s)), 1e-9)
 
 
 def _labelled(own: FloatArray) -> FloatArray:

@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Next places to measure: those where possible releases predict the most different readings.
 
-Releases drawn from the posterior predict a reading at each place. The information of a reading is
-that of a Gaussian signal in Gaussian noise, 1/2 log(1 + variance of the predictions / variance of
-one reading), both of the logarithm of the reading above its noise. Places are chosen one after the
-other; after each the predictions keep only the spread that its reading would leave (ensemble
-square root filter, Whitaker and Hamill 2002).
+Releases drawn from the posterior predict a reading at each place: the logarithm of the reading
+above its noise. `rocsafe_hazard.next_places` chooses among them.
 """
 
 import math
@@ -19,6 +16,7 @@ from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.gas_survey import point_survey
 from rocsafe_dispersion.plume.spread import Travel
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_hazard.next_places import MeasuringPlace, next_places
 
 # Standard deviation of the logarithm of one reading within a plume: eddies and the model.
 LOG_SCATTER = 0.7
@@ -44,14 +42,6 @@ class MeanAir:
     travel: Travel
     reference_mps: float
     release_height_m: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MeasuringPlace:
-    """A place to measure at: east, north and height above the ground, and its information."""
-
-    place_m: tuple[float, float, float]
-    gain: float
 
 
 def predicted(samples: ReleaseSamples, places_m: FloatArray, air: MeanAir) -> FloatArray:
@@ -99,27 +89,5 @@ def measuring_places(
     for samples in placed:
         total = total + predicted(samples, candidates_m, air).mean(axis=0)
     logs = np.log1p(total / noise_g_m3)
-    logs = logs - logs.mean(axis=0)
-    chosen = []
-    is_taken = np.zeros(len(candidates_m), bool)
-    for _ in range(min(count, len(candidates_m))):
-        variances = np.where(is_taken, -1.0, (logs**2).mean(axis=0))
-        best = int(variances.argmax())
-        variance = float(variances[best])
-        if variance <= 0.0:
-            break
-        east, north, height = candidates_m[best].tolist()
-        gain = 0.5 * math.log1p(variance / LOG_SCATTER**2)
-        chosen.append(MeasuringPlace(place_m=(east, north, height), gain=gain))
-        is_taken[best] = True
-        logs = _after(logs, best, variance)
-    return chosen
-
-
-def _after(logs: FloatArray, best: int, variance: float) -> FloatArray:
-    """Return the predictions with the spread that a reading at one place leaves."""
-    own = logs[:, best]
-    noise = LOG_SCATTER**2
-    share = 1.0 / (1.0 + math.sqrt(noise / (variance + noise)))
-    gains = (own @ logs) / len(own) / (variance + noise)
-    return np.asarray(logs - share * np.outer(own, gains))
+    logs = (logs - logs.mean(axis=0)) / math.sqrt(len(logs))
+    return next_places(candidates_m, logs, LOG_SCATTER**2, count)

@@ -69,6 +69,9 @@ class LocateOptions:
     limited
         Probability before readings that releases start or end among them, where their times are
         known.
+    moves
+        Probability before readings that a release moves on a straight line, where their times are
+        known; it is asked of one release alone.
     spread_std
         Standard deviation of the logarithm of the factors of the crosswind and of the vertical
         size of the plume before readings.
@@ -80,9 +83,9 @@ class LocateOptions:
     least_gain_more
         That one release more needs beside others: 0.7 stands for 2 to 1. Less (0.5) tells the
         number as often rightly and more releases that do not exist; more (1.0) fewer of both.
-    smallest_g_s
-        Rate of the weakest release that matters, g/s: what is said of releases that were not
-        found is said of this rate.
+    smallest_g_s, smallest_per_s
+        Rate of the weakest release that matters, g/s, of particles 1/s: what is said of releases
+        that were not found is said of this rate.
     particles, sweeps
         Number of hypotheses for 100 points of readings (fewer for larger surveys, up to three
         times as many for smaller ones), and how often each is moved at each power of the
@@ -92,11 +95,13 @@ class LocateOptions:
     turn_std_deg: float = 6.0
     wrong_wind: float = 0.02
     limited: float = 0.1
+    moves: float = 0.05
     spread_std: float = 0.7
     most_releases: int = 3
     least_gain: float = 4.6
     least_gain_more: float = 0.7
     smallest_g_s: float = 0.5
+    smallest_per_s: float = 1e8
     particles: int = 600
     sweeps: int = 2
 
@@ -104,8 +109,10 @@ class LocateOptions:
         require_positive('turn_std_deg', self.turn_std_deg, 'degrees')
         require_between('wrong_wind', self.wrong_wind, 1e-6, 0.4)
         require_between('limited', self.limited, 1e-6, 0.4)
+        require_between('moves', self.moves, 1e-6, 0.4)
         require_positive('spread_std', self.spread_std)
         require_between('smallest_g_s', self.smallest_g_s, 1e-9, 1e9, 'g/s')
+        require_between('smallest_per_s', self.smallest_per_s, 1.0, 1e15, '1/s')
         require_count('most_releases', self.most_releases, 0, 3)
         require_count('particles', self.particles, 100, 100_000)
         require_count('sweeps', self.sweeps, 1, 100)

@@ -27,8 +27,8 @@ _MOST_MEANDER = 0.9
 # Probability that a release of the kind `LIMITED` has started before the readings; it is the same
 # that the release ends after them.
 _LASTING = 0.5
-# Freedom of Student's t of the error of a wind direction that is about right.
-_TURN_FREEDOM = 4.0
+# Moves that are tried go anywhere: probabilities of turns stay so far from 0 and 1.
+_LEAST_TAIL = 1e-9
 _RELATIVE, _RELATIVE_STD = 0.4, 0.5
 _NOISE_STD = 0.25
 # Nor is the noise further from the one told than this: readings that are all alike would make it
@@ -38,7 +38,7 @@ _DRIFT, _DRIFT_STD = 0.3, 1.5
 # Probability before readings that a release is beyond each pair of edges of the ground; it is then
 # up to the longer side of the ground away from it.
 _BEYOND = 0.05
-# Coordinates that all releases share, see `shapes_of` and `spans_of`, and those of each release.
+# Coordinates that all releases share, see `shapes_of`, `spans_of` and `ways_of`; of each release.
 # The last shared one is the kind of a hypothesis; it is not moved.
 SHARED, OWN = 10, 3
 KIND = 9
@@ -116,6 +116,7 @@ class Kind(IntEnum):
     AS_TOLD = 0
     WRONG_WIND = 1
     LIMITED = 2
+    MOVES = 3
 
 
 class ReleaseSampler:
@@ -135,11 +136,11 @@ class ReleaseSampler:
     def shapes_of(self, shared: FloatArray) -> Shapes:
         """Return the shapes of plumes of shared coordinates."""
         options = self._options
-        even = special.ndtr(shared[:, 0])
+        even = np.clip(special.ndtr(shared[:, 0]), _LEAST_TAIL, 1.0 - _LEAST_TAIL)
         turn_deg = np.where(
             shared[:, KIND] == Kind.WRONG_WIND,
             360.0 * even,
-            options.turn_std_deg * special.stdtrit(_TURN_FREEDOM, even),
+            options.turn_std_deg * _student_quantile(even),
         )
         return Shapes(
             turn_rad=np.radians(turn_deg),
@@ -178,19 +179,34 @@ class ReleaseSampler:
         long_s = shares * (last_s - first_s)
         return np.stack([first_s + long_s[0], last_s - long_s[1]])
 
-    @property
-    def kinds(self) -> dict[Kind, float]:
-        """Kinds of hypotheses beside those as told, and their probabilities before readings."""
+    def ways_of(self, own: FloatArray, shared: FloatArray) -> FloatArray | None:
+        """Return the ways of releases, (p, 2), from the first reading to the last one, metres.
+
+        Before readings it was at first where it may be at last. None: all stand.
+        """
+        moves = shared[:, KIND] == Kind.MOVES
+        if not moves.any():
+            return None
+        first = self.places_of(special.ndtr(shared[:, 7:9]))
+        return np.where(moves[:, None], self.places_of(own) - first, 0.0)
+
+    def kinds(self, number: int) -> dict[Kind, float]:
+        """Kinds of hypotheses of a number of releases beside those as told.
+
+        With their probabilities before readings.
+        """
         found = {Kind.WRONG_WIND: self._options.wrong_wind}
         if self._bounds.times_s is not None:
             found[Kind.LIMITED] = self._options.limited
+            if number == 1:
+                found[Kind.MOVES] = self._options.moves
         return found
 
     def sample(self, number: int, kind: Kind = Kind.AS_TOLD) -> tuple[Population, float]:
         """Return hypotheses with a number of releases, and the logarithm of their evidence.
 
         Their wind is about the one told, or, if that is wrong, from anywhere; they last all the
-        time, or start or end among the readings.
+        time, or start or end among the readings; they stand or move.
         """
         points, wanted = self._readings.points, self._options.particles
         times = min(max(_SMALL / points, 1.0), _MOST_TIMES)
@@ -258,7 +274,8 @@ class ReleaseSampler:
         parts = []
         for release in range(own.shape[1]):
             place, rate = self.places_of(own[:, release]), self.rates_of(own[:, release])
-            mean, spread = self._readings.of(place, shapes, spans_s)
+            ways_m = self.ways_of(own[:, release], shared)
+            mean, spread = self._readings.of(place, shapes, spans_s, ways_m)
             parts.append((rate[:, None] * mean, rate[:, None] * spread))
         size = (len(shared), own.shape[1], self._backgrounds.readings)
         means = np.array([mean for mean, _ in parts]).swapaxes(0, 1) if parts else np.zeros(size)
@@ -322,6 +339,16 @@ class ReleaseSampler:
         gained -= 0.5 * ((shared**2).sum(axis=1) - (now.shared**2).sum(axis=1))
         taken = inside & (np.log(generator.random(count)) < gained)
         now.accept(tried, taken)
+
+
+def _student_quantile(shares: FloatArray) -> FloatArray:
+    """Return the quantiles of Student's t of four degrees of freedom, in its closed form.
+
+    A wind direction that is about right errs by it.
+    """
+    root = np.sqrt(4.0 * shares * (1.0 - shares))
+    above = np.maximum(np.cos(np.arccos(root) / 3.0) / root - 1.0, 0.0)
+    return np.asarray(np.sign(shares - 0.5) * 2.0 * np.sqrt(above))
 
 
 def _next_step(logs: FloatArray, most: float) -> float:

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rocsafe_dispersion.agents.agent_table import Agent, agent
+from rocsafe_dispersion.agents.agent_table import PARTICLES, Agent, agent
+from rocsafe_dispersion.detection.gas_sensor import OPEN_PATH
 from rocsafe_dispersion.detection.sensor_kinds import GAS_SENSORS
+from rocsafe_dispersion.estimation import amount
 from rocsafe_dispersion.estimation.gas_survey import GasSurvey
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
@@ -20,12 +22,16 @@ MOST_BLOCKS = 120
 LEAST_BLOCK_S = 4.0
 # Points of the way flown in a block.
 POINTS = 5
+# Heights of a path straight down to the ground, and their weights, on the interval -1 to 1.
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 # The wind of a block is the mean of this time before its end: a plume arrives with its past.
 WIND_S = 20.0
 # The wind that plumes and zones are told for, a mean of ten minutes, is that of the last so long.
 RECENT_S = 600.0
 # Rotors blow a sample down, never below this height above the ground, metres.
 LEAST_HEIGHT_M = 0.5
+# Unit of counts of particles.
+PER_M3 = amount.PARTICLES.concentration_key
 
 
 class NoSurveyError(ValueError):
@@ -34,7 +40,10 @@ class NoSurveyError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GasFlightReading:
-    """One reading of a gas sensor; fields as in GasReading, its place NaN if unknown."""
+    """One reading of a gas sensor or of a particle counter.
+
+    Fields as in GasReading, its place NaN if unknown. Particles are in ``per_m3``.
+    """
 
     vehicle: str
     time_ns: int
@@ -52,9 +61,9 @@ class GasFlightReading:
 
     @property
     def is_usable(self) -> bool:
-        """Whether its place is known, it is a number of ppm, and it is finite."""
+        """Whether its place is known, its unit is one that is located, and it is finite."""
         values = (self.latitude_deg, self.longitude_deg, self.altitude_m, self.corrected, self.std)
-        return self.unit == 'ppm' and all(map(math.isfinite, values))
+        return self.unit in ('ppm', PER_M3, OPEN_PATH) and all(map(math.isfinite, values))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +94,7 @@ class Sampling:
     delay_s
         Time from the air beside the vehicle to the sensor, seconds.
     agent
-        What is released; empty: what the sensor is made for.
+        What is released, a chemical or particles; empty: what the sensor is made for.
     """
 
     dilution: float = 1.0
@@ -93,7 +102,8 @@ class Sampling:
     agent: str = ''
 
     def __post_init__(self) -> None:
-        if self.agent and agent(self.agent).molar_mass_g_mol is None:
+        is_chemical = self.agent not in ('', PARTICLES.name)
+        if is_chemical and agent(self.agent).molar_mass_g_mol is None:
             raise ValueError(f'agent {self.agent!r} needs a known molar mass')
 
 
@@ -167,23 +177,35 @@ class GasLog:
         known, factor = self._scale(next(iter(readings.values())))
         times, towards = _sorted_winds(self._winds.values())
         ground = self.frame.origin.altitude_m
-        blocks = _blocks(readings, self.frame, self._sampling.delay_s)
-        values = factor * np.array([block.mean for block in blocks])
-        std = factor * max(_noise([block.mean for block in blocks]), blocks[0].std, 1e-12)
-        places = np.array([block.places_m for block in blocks])
+        unit = next(iter(readings.values())).unit
+        # Only what is drawn in comes later: counters and light are in the air that they read.
+        delay_s = self._sampling.delay_s if unit == 'ppm' else 0.0
+        blocks = _blocks(readings, self.frame, delay_s)
+        values: FloatArray = np.array([block.mean for block in blocks])
+        noise = max(_noise([block.mean for block in blocks]), 1e-12)
+        std: FloatArray = np.maximum(noise, [block.std for block in blocks])
+        places: FloatArray = np.array([block.places_m for block in blocks])
         places[:, :, 2] = np.maximum(places[:, :, 2], LEAST_HEIGHT_M)
+        flight_height_m = float(np.median(places[:, :, 2]))
+        weights: FloatArray = np.full(POINTS, 1.0 / POINTS)
+        if unit == OPEN_PATH:
+            # A sum over the height is a mean times the height.
+            lengths_m = places[:, :, 2].mean(axis=1)
+            values, std = values / lengths_m, std / lengths_m
+            places, weights = _down(places)
         vehicles = sorted({block.vehicle for block in blocks})
         first_s = min(block.time_s for block in blocks)
         survey = GasSurvey(
             places_m=places,
-            weights=np.full(POINTS, 1.0 / POINTS),
+            weights=weights,
             wind_towards_mps=np.array([_wind_at(times, towards, b.time_s) for b in blocks]),
-            values_g_m3=values,
-            std_g_m3=np.full(len(values), std),
+            values_g_m3=factor * values,
+            std_g_m3=factor * std,
             is_below=np.zeros(len(values), bool),
             is_above=np.array([block.is_saturated for block in blocks]),
             times_s=np.array([block.time_s - first_s for block in blocks]),
             instruments=np.array([vehicles.index(block.vehicle) for block in blocks]),
+            amount=amount.PARTICLES if known is PARTICLES else amount.GRAMS,
         )
         heights = [one.altitude_m - ground for one in self._winds.values()]
         return FlightSurvey(
@@ -192,7 +214,7 @@ class GasLog:
             agent=known,
             wind_towards_mps=self.recent_wind(),
             anemometer_m=max(float(np.median(heights)), 2.0),
-            flight_height_m=float(np.median(places[:, :, 2])),
+            flight_height_m=flight_height_m,
         )
 
     def recent_wind(self) -> tuple[float, float]:
@@ -214,22 +236,27 @@ class GasLog:
             if readings and self._response(next(iter(readings.values())))
         }
         if not able:
-            raise NoSurveyError('no reading in ppm of a sensor that could see the agent')
+            raise NoSurveyError('no reading in ppm, or of particles, that could see the agent')
         # The noise of slow sensors is that of their readings without delay.
         contrasts = {name: _contrast(readings.values()) for name, readings in able.items()}
         return max(sorted(able), key=contrasts.__getitem__)
 
     def _response(self, reading: GasFlightReading) -> float:
-        """Return the reading for 1 ppm of the agent; 1 where the kind is not known."""
+        """Return the reading for 1 of the agent, ppm or particles; 1: the kind is not known."""
+        is_of_particles = self._sampling.agent == PARTICLES.name
+        if self._sampling.agent and (is_of_particles or reading.unit == PER_M3):
+            return float(is_of_particles and reading.unit == PER_M3)
         if not self._sampling.agent or reading.sensor not in GAS_SENSORS:
             return 1.0
         return GAS_SENSORS[reading.sensor].response(agent(self._sampling.agent))
 
     def _scale(self, reading: GasFlightReading) -> tuple[Agent, float]:
-        """Return the agent, and g/m^3 in the free air for 1 ppm read."""
+        """Return the agent, and g/m^3 in the free air for 1 ppm read; of particles 1/m^3."""
+        if reading.unit == PER_M3:
+            return PARTICLES, 1.0 / self._sampling.dilution
         known = agent(self._sampling.agent or reading.calibration_gas)
-        shown = self._response(reading) * self._sampling.dilution
-        return known, known.g_m3(1.0) / shown
+        dilution = 1.0 if reading.unit == OPEN_PATH else self._sampling.dilution
+        return known, known.g_m3(1.0) / (self._response(reading) * dilution)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -242,6 +269,16 @@ class _Block:
     mean: float
     std: float
     is_saturated: bool
+
+
+def _down(places_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return points below places (n, k, 3), down to the ground, and weights of their mean.
+
+    Each height is below another place of the way: time grows with the number of points.
+    """
+    below = places_m[:, 3 * np.arange(len(_NODES)) % places_m.shape[1]]
+    below[:, :, 2] *= (_NODES + 1.0) / 2.0
+    return below, np.asarray(_WEIGHTS / 2.0)
 
 
 def _blocks(
@@ -279,7 +316,7 @@ def _way_blocks(
                 time_s=float(times[own].mean()),
                 places_m=line,
                 mean=float(np.mean([way[index].corrected for index in own])),
-                std=float(np.mean([way[index].std for index in own])) / math.sqrt(len(own)),
+                std=math.hypot(*(way[index].std for index in own)) / len(own),
                 is_saturated=any(way[index].is_saturated for index in own),
             )
         )

@@ -11,19 +11,18 @@ from rocsafe_dispersion.agents.agent_table import Agent
 from rocsafe_dispersion.estimation.fluctuating_plume import LEAST_SPEED_MPS
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.locate import LocatedReleases, locate_releases
-from rocsafe_dispersion.estimation.measuring_places import (
-    MeanAir,
-    MeasuringPlace,
-    measuring_places,
-)
+from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places
 from rocsafe_dispersion.estimation.release_options import LocateOptions, SearchArea
 from rocsafe_dispersion.mission_gas.gas_log import FlightSurvey, NoSurveyError
 from rocsafe_dispersion.mission_gas.release_map import PlumeMap, plume_map
-from rocsafe_dispersion.mission_gas.stopping import ReleaseRule, ReleaseVerdict
+from rocsafe_dispersion.mission_gas.stopping import ReleaseRule
+from rocsafe_dispersion.plume.losses import NO_LOSSES, Losses
 from rocsafe_dispersion.plume.spread import similarity_travel
 from rocsafe_dispersion.zones.threat_zones import ThreatZone
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.wind.similarity import SurfaceLayer
 from rocsafe_geo.wind.stability import StabilityClass, layer_of_class
+from rocsafe_hazard.next_places import MeasuringPlace, Verdict, are_within
 
 LEAST_BLOCKS = 8
 # Plume and zones are made anew in a wind that is away from theirs by more than this share of it.
@@ -44,6 +43,8 @@ class AssessmentOptions:
         Roughness length of the ground, metres.
     release_height_m
         Height of releases above the ground, metres.
+    losses
+        What takes what is released out of the air.
     margin_m
         How far outside of the readings releases may be, metres.
     locate
@@ -55,6 +56,7 @@ class AssessmentOptions:
     stability: StabilityClass = 'D'
     roughness_m: float = 0.03
     release_height_m: float = 1.0
+    losses: Losses = NO_LOSSES
     margin_m: float = 20.0
     locate: LocateOptions = field(default_factory=LocateOptions)
     rule: ReleaseRule = field(default_factory=ReleaseRule)
@@ -72,8 +74,8 @@ class ReleaseAssessment:
         Where releases were looked for, with the regions of those that were found beyond.
     air
         The mean air.
-    wind_10m_mps
-        Speed of its wind at 10 m, m/s.
+    layer, stability
+        The same, as a surface layer, and its Pasquill class.
     found
         What was found.
     rule, verdict
@@ -85,10 +87,11 @@ class ReleaseAssessment:
     flight: FlightSurvey
     area: SearchArea
     air: MeanAir
-    wind_10m_mps: float
+    layer: SurfaceLayer
+    stability: StabilityClass
     found: LocatedReleases
     rule: ReleaseRule
-    verdict: ReleaseVerdict
+    verdict: Verdict
     plume: PlumeMap | None
 
     def is_of_wind(self, towards_mps: tuple[float, float]) -> bool:
@@ -119,12 +122,17 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
     layer = layer_of_class(options.stability, speed, flight.anemometer_m, options.roughness_m)
     area = search_area(flight.survey.places_m, options.margin_m, options.release_height_m)
     found = locate_releases(
-        flight.survey, area, layer, anemometer_m=flight.anemometer_m, options=options.locate
+        flight.survey,
+        area,
+        layer,
+        anemometer_m=flight.anemometer_m,
+        losses=options.losses,
+        options=options.locate,
     )
     area = _with_releases(area, found)
     air = MeanAir(
         towards_mps=flight.wind_towards_mps,
-        travel=similarity_travel(layer, options.release_height_m),
+        travel=similarity_travel(layer, options.release_height_m, losses=options.losses),
         reference_mps=float(layer.speed_mps(flight.anemometer_m)),
         release_height_m=options.release_height_m,
     )
@@ -132,7 +140,8 @@ def assess(flight: FlightSurvey, options: AssessmentOptions) -> ReleaseAssessmen
         flight=flight,
         area=area,
         air=air,
-        wind_10m_mps=float(layer.speed_mps(10.0)),
+        layer=layer,
+        stability=options.stability,
         found=found,
         rule=options.rule,
         verdict=options.rule.verdict(found),
@@ -210,7 +219,5 @@ def _candidates(area: SearchArea, height_m: float, within: shapely.Polygon | Non
     # Whole metres: vehicles fly no finer.
     height = math.ceil(height_m)
     places = np.column_stack([east.ravel(), north.ravel(), np.full(east.size, float(height))])
-    if within is None:
-        return places
-    inside = shapely.contains_xy(within, places[:, 0], places[:, 1])
+    inside = are_within(places, within)
     return places[inside] if inside.any() else places

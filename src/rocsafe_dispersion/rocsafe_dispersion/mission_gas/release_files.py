@@ -64,7 +64,7 @@ def write_plume_files(folder: Path, assessment: ReleaseAssessment, frame: LocalF
     _write_json(of_plume[0], zones_geojson(assessment.zones, frame, facts))
     areas = [_marked(zone, kind, agent.name) for zone in assessment.zones for kind in KINDS]
     of_plume[1].write_text(areas_kml(areas, frame), encoding='utf-8')
-    _write_plume(folder / 'plume.tif', assessment.plume, agent.ppm(1.0), frame)
+    _write_plume(folder / 'plume.tif', assessment.plume, assessment, frame)
 
 
 def _marked(zone: ThreatZone, kind: str, agent: str) -> MarkedArea:
@@ -78,16 +78,20 @@ def _marked(zone: ThreatZone, kind: str, agent: str) -> MarkedArea:
     )
 
 
-def _write_plume(path: Path, plume: PlumeMap, ppm_per_g_m3: float, frame: LocalFrame) -> None:
+def _write_plume(
+    path: Path, plume: PlumeMap, assessment: ReleaseAssessment, frame: LocalFrame
+) -> None:
+    counted = assessment.found.amount
+    shown, unit = counted.shown(assessment.flight.agent), counted.shown_unit
     arrival = np.where(np.isfinite(plume.arrival_s), plume.arrival_s, np.nan)
     bands = (
         Band(
-            meaning='mean: concentration 1.5 m above ground, ppm',
-            values=plume.mean_g_m3 * ppm_per_g_m3,
+            meaning=f'mean: concentration 1.5 m above ground, {unit}',
+            values=plume.mean_g_m3 * shown,
         ),
         Band(
-            meaning='upper_95: not exceeded with a probability of 0.95, ppm',
-            values=plume.upper_g_m3 * ppm_per_g_m3,
+            meaning=f'upper_95: not exceeded with a probability of 0.95, {unit}',
+            values=plume.upper_g_m3 * shown,
         ),
         Band(meaning='arrival: after the release with the mean wind, s', values=arrival),
     )

@@ -91,6 +91,19 @@ class Travel:
         near = np.clip(np.asarray(distances_m, float), NEAREST_M, FARTHEST_M * (1.0 - 1e-9))
         return np.asarray(np.log(near / NEAREST_M) / _RATIO)
 
+    def at(self, distance_m: float) -> tuple[float, float, float, float, float]:
+        """Return sigma_y, sigma_z (metres), speed (m/s), airborne and fallen (metres) there."""
+        near = min(max(distance_m, NEAREST_M), FARTHEST_M * (1.0 - 1e-9))
+        share, whole = math.modf(math.log(near / NEAREST_M) / _RATIO)
+        row, rest = int(whole), 1.0 - share
+        sigma_y, sigma_z, speed, airborne, fallen = (
+            column.item(row) * rest + column.item(row + 1) * share
+            for column in (
+                self.sigma_y_m, self.sigma_z_m, self.speeds_mps, self.airborne, self.fallen_m,
+            )
+        )  # fmt: skip
+        return sigma_y, sigma_z, speed, airborne, fallen
+
     def heights_m(self) -> FloatArray:
         """Return the height of its middle above the ground, (ROWS,), metres."""
         return np.maximum(self.height_m - self.fallen_m, 0.0)

@@ -3,7 +3,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import contourpy
@@ -16,6 +15,7 @@ from rocsafe_dispersion.zones.exposure import MapGrid
 from rocsafe_dispersion.zones.levels import ResponseLevel
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_hazard import contours
 
 OUTER_SHARE = 0.95
 
@@ -98,16 +98,7 @@ def area_above(grid: MapGrid, values: FloatArray, level: float) -> MultiPolygon:
     """
     floor = level * 1e-6
     logs = np.log(np.maximum(values, floor))
-    lines = contourpy.contour_generator(
-        grid.east_m(), grid.north_m(), logs, name='serial', fill_type='OuterOffset'
-    )
-    filled: Any = lines.filled(float(np.log(level)), np.inf)
-    found = [
-        shapely.Polygon(points[cuts[0] : cuts[1]], _rings(points, cuts))
-        for points, cuts in zip(*filled, strict=True)
-    ]
-    joined = shapely.union_all([polygon.buffer(0.0) for polygon in found])
-    return MultiPolygon([part for part in shapely.get_parts(joined) if part.area > 0.0])
+    return contours.area_above(grid.east_m(), grid.north_m(), logs, float(np.log(level)))
 
 
 def lines_at(grid: MapGrid, values: FloatArray, level: float) -> list[FloatArray]:
@@ -118,10 +109,6 @@ def lines_at(grid: MapGrid, values: FloatArray, level: float) -> list[FloatArray
     # Takes points without a finite value for masked.
     lines = contourpy.contour_generator(grid.east_m(), grid.north_m(), values, name='serial')
     return [np.asarray(line) for line in lines.lines(level)]
-
-
-def _rings(points: Any, cuts: Any) -> list[Any]:
-    return [points[first:last] for first, last in pairwise(cuts[1:])]
 
 
 def _reaches_edge(values: FloatArray, level: float) -> bool:

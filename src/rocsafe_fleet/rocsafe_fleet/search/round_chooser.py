@@ -10,8 +10,6 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from rocsafe_fleet.ledger.readings import DoseReading
 from rocsafe_fleet.search.search_round import MOST_PLACES, MOST_ROUNDS, SearchRound
 from rocsafe_geo.limits import require_count
@@ -74,7 +72,7 @@ class RoundChooser:
             return SearchRound(number=number, places=(), reason=verdict.reason)
         count, area = self._options.viewpoints_a_round, self._area.polygon(frame)
         found = suggested_waypoints(assessment, count, area)
-        places = tuple(frame.position_of(np.array(one.position_enu_m)) for one in found)
+        places = tuple(frame.position_of(one.place_m) for one in found)
         return SearchRound(number=number, places=places, reason=verdict.reason)
 
 

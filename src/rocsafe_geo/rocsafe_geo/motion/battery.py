@@ -8,7 +8,7 @@ airspeed.
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
+from itertools import pairwise
 
 import numpy as np
 
@@ -83,12 +83,14 @@ class Discharge:
     def __init__(self, motion: Motion, power: PowerModel, wind_mps: tuple[float, float]) -> None:
         self._motion, self._power, self._wind = motion, power, wind_mps
         self._knots = [knot for knot in motion.knots_s if math.isfinite(knot)]
-        energies = [self._between_j(a, b) for a, b in pairwise(self._knots)]
-        self._used_j = list(accumulate(energies, initial=0.0))
+        # Of the knots so far: who asks about the begin alone does not wait for the whole motion.
+        self._used_j = [0.0]
 
     def used_j(self, elapsed_s: float) -> float:
         """Return the energy used until a time."""
         piece = max(0, bisect_right(self._knots, elapsed_s) - 1)
+        for begin_s, end_s in pairwise(self._knots[len(self._used_j) - 1 : piece + 1]):
+            self._used_j.append(self._used_j[-1] + self._between_j(begin_s, end_s))
         return self._used_j[piece] + self._between_j(self._knots[piece], elapsed_s)
 
     def power_w(self, elapsed_s: float) -> float:

@@ -24,7 +24,7 @@ def found_releases(path: Path) -> list[EvidencePoint]:
     try:
         document = json.loads(path.read_text(encoding='utf-8'))
         rows, agent = document['releases'], str(document['agent'])
-        strongest = max((float(row['rate_g_s']) for row in rows), default=1.0)
+        strongest = max((float(row['rate']) for row in rows), default=1.0)
         return [_point(row, number, strongest, agent) for number, row in enumerate(rows, 1)]
     except OSError as error:
         raise NoMapError(f'{path}: {error.strerror}') from error
@@ -33,12 +33,12 @@ def found_releases(path: Path) -> list[EvidencePoint]:
 
 
 def _point(row: dict[str, Any], number: int, strongest: float, agent: str) -> EvidencePoint:
-    rate = float(row['rate_g_s'])
+    rate, unit = float(row['rate']), str(row['rate_unit'])
     radius = math.sqrt(float(row['region_95_m2']) / math.pi)
     return EvidencePoint(
         id=f'release-{number}',
         position=GeoPosition(row['latitude_deg'], row['longitude_deg']),
         kind=RELEASE,
         priority=max(LEAST_PRIORITY, rate / strongest),
-        found_in=f'release {number}: {rate:.3g} g/s of {agent}, within {radius:.0f} m (95 %)',
+        found_in=f'release {number}: {rate:.3g} {unit} of {agent}, within {radius:.0f} m (95 %)',
     )

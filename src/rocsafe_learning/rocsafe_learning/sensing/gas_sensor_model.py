@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A gas sensor in the plume of a steady release near the ground."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -76,5 +77,6 @@ class PlumeSensor:
         self, offset_m: tuple[float, float], strength: float, generator: np.random.Generator
     ) -> float:
         """Return a random reading, see `SensorModel`."""
-        mean, variance = self.expected(np.array([offset_m]), strength)
-        return float(generator.normal(mean[0], variance[0] ** 0.5))
+        share = self._plume_of_1_g_s.concentration_g_m3(*offset_m, self.height_m)
+        mean = 1e3 * strength * share
+        return generator.normal(mean, math.hypot(self.noise_mg_m3, self.relative_error * mean))

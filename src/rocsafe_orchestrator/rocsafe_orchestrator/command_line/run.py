@@ -4,10 +4,14 @@
 import argparse
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rocsafe_orchestrator.arguments.numbers import seed, speed
 from rocsafe_orchestrator.command_line import Commands
-from rocsafe_orchestrator.errors import SetupError
+from rocsafe_orchestrator.errors import EXIT_SIGNAL_BASE, SetupError
+
+if TYPE_CHECKING:
+    from rocsafe_orchestrator.mission_commands.mission_run import Extras
 
 
 def add_to(commands: Commands) -> None:
@@ -72,7 +76,9 @@ def _add_values(parser: argparse.ArgumentParser) -> None:
 def _add_servers(parser: argparse.ArgumentParser) -> None:
     """Add the options of what is served beside a mission."""
     parser.add_argument(
-        '--console', action='store_true', help="serve the operator's page while the mission runs"
+        '--console',
+        action='store_true',
+        help="serve the operator's page while the mission runs; in a terminal, until Ctrl-C",
     )
     parser.add_argument(
         '--airsim',
@@ -87,19 +93,32 @@ def _add_servers(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     # Before numpy is loaded: nodes cannot be forked from a process with threads.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    from rocsafe_orchestrator.mission_commands.mission_run import Extras
+    from rocsafe_orchestrator.process_table.console_process import OperatorsPage
+    from rocsafe_orchestrator.processes.interrupt import Interrupt
+
+    # The page outlives the mission, which has let go of its domain and its run by then.
+    with OperatorsPage(is_wanted=arguments.console) as page:
+        extras = Extras(
+            config=arguments.config,
+            is_quiet=arguments.quiet,
+            confirmed=frozenset(arguments.confirm),
+            page=page,
+            airsim_port=arguments.airsim,
+        )
+        code = _flown(arguments, extras)
+        if code < EXIT_SIGNAL_BASE:
+            interrupt = Interrupt()
+            page.stay(lambda: interrupt.count > 0)
+        return code
+
+
+def _flown(arguments: argparse.Namespace, extras: 'Extras') -> int:
     from rich.console import Console
 
-    from rocsafe_orchestrator.mission_commands.mission_run import Extras
     from rocsafe_orchestrator.mission_commands.resume_command import resume_run
     from rocsafe_orchestrator.mission_commands.run_command import RunRequest, run_scenario
 
-    extras = Extras(
-        config=arguments.config,
-        is_quiet=arguments.quiet,
-        confirmed=frozenset(arguments.confirm),
-        has_console=arguments.console,
-        airsim_port=arguments.airsim,
-    )
     if arguments.resume is not None:
         given = {'--speed': arguments.speed, '--seed': arguments.seed, '--config': extras.config}
         for option in (name for name, value in given.items() if value is not None):

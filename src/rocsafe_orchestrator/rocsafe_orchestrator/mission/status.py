@@ -199,6 +199,7 @@ class Monitor:
         self._contamination_usvh = contamination_usvh
         self.sources: tuple[tuple[GeoPosition, float], ...] = ()
         self.releases: tuple[tuple[GeoPosition, float], ...] = ()
+        self.release_unit = 'g/s'
         self.marks: Callable[[], Sequence[PlaceMark]] = tuple
         self._flown: dict[str, list[tuple[GeoPosition, float]]] = {}
         self.images_expected = 0

@@ -32,7 +32,7 @@ from rocsafe_orchestrator.mission_commands.progress import (
 from rocsafe_orchestrator.mission_commands.terminal import Terminal
 from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.parameters.node_parameters import world_parameters
-from rocsafe_orchestrator.process_table.console_process import operators_page, seal
+from rocsafe_orchestrator.process_table.console_process import OperatorsPage, seal
 from rocsafe_orchestrator.process_table.launches import child_environment, launches
 from rocsafe_orchestrator.process_table.table import ProcessSpec, airsim_process, crew_of
 from rocsafe_orchestrator.processes.company import open_topics
@@ -72,7 +72,7 @@ class Extras:
     config: Path | None = None
     is_quiet: bool = False
     confirmed: frozenset[str] = frozenset()
-    has_console: bool = False
+    page: OperatorsPage = field(default_factory=lambda: OperatorsPage(is_wanted=False))
     airsim_port: int | None = None
 
 
@@ -156,8 +156,8 @@ class MissionRun:
         plain = make_display(console, self.directory.name, is_quiet=self.extras.is_quiet)
         display = SteadyDisplay(plain, self.terminal.close)
         display.say(f'run directory: {self.directory.path}')
-        page = operators_page(self.extras.has_console, self.directory)
-        with self.processes(), page, display:
+        with self.processes(), display:
+            self.extras.page.begin(self.directory)
             phase = self.fly(display, lambda phase: self._finish(console, phase))
         return self._finish(console, phase)
 

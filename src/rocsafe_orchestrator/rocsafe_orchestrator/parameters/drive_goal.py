@@ -71,18 +71,22 @@ def drive_goal(
     releases: Found,
     so_far: DriveSoFar,
     marks: Sequence[PlaceMark] = (),
+    release_unit: str = 'g/s',
 ) -> PlanGroundRoute.Goal | None:
     """Return the request to the router, None if nothing is left to be taken.
 
-    `sources` are places and dose rates at 1 m, `releases` places and rates in g/s, `marks` are
-    those of operators.
+    `sources` are places and dose rates at 1 m, `releases` places and rates in `release_unit`,
+    `marks` are those of operators.
     """
     block = scenario.ground_vehicle
     if block is None:
         return None
     evidence = [
         one
-        for one in (*_named(block, marks), *_evidence(block, sources, releases, so_far.found))
+        for one in (
+            *_named(block, marks),
+            *_evidence(block, sources, releases, release_unit, so_far.found),
+        )
         if one.id not in so_far.evidence
     ]
     if not evidence:
@@ -118,12 +122,13 @@ def _evidence(
     block: GroundVehicleBlock,
     sources: Found,
     releases: Found,
+    release_unit: str,
     known: Sequence[EvidencePoint],
 ) -> Iterator[EvidencePoint]:
     if block.to_sources:
         yield from _found(SOURCE, 'uSv/h at 1 m', sources, block.dwell_s, known)
     if block.to_releases:
-        yield from _found(RELEASE, 'g/s', releases, block.dwell_s, known)
+        yield from _found(RELEASE, release_unit, releases, block.dwell_s, known)
 
 
 def _found(

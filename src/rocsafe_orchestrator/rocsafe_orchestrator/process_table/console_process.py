@@ -7,8 +7,9 @@ Neither belongs to the processes of the mission: it flies the same without them.
 import logging
 import os
 import subprocess
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+import sys
+import time
+from collections.abc import Callable, Sequence
 from threading import Event, Thread
 
 from rocsafe_orchestrator.errors import OrchestratorError
@@ -20,6 +21,7 @@ from rocsafe_ros.run import EXIT_OK, EXIT_USAGE
 PACKAGE = 'rocsafe_console'
 STOP_S = 5.0
 RESTART_S = 0.2
+POLL_S = 0.1
 MOST_STARTS = 100
 # A run of a thousand photographs is hashed in seconds.
 SEAL_S = 300.0
@@ -27,17 +29,44 @@ SEAL_S = 300.0
 _log = logging.getLogger(__name__)
 
 
-@contextmanager
-def operators_page(is_wanted: bool, run: RunDirectory) -> Iterator[None]:
-    """Serve the operator's page, which prints its address, until the end of the block."""
-    if not is_wanted:
-        yield
-        return
-    page = KeptProcess([str(find_executable(PACKAGE, 'console')), '--runs', str(run.path.parent)])
-    try:
-        yield
-    finally:
-        page.close()
+class OperatorsPage:
+    """The operator's page beside a mission, served until the end of the ``with`` block.
+
+    Parameters
+    ----------
+    is_wanted
+        Whether there is one at all.
+    """
+
+    def __init__(self, *, is_wanted: bool) -> None:
+        self._is_wanted = is_wanted
+        self._process: KeptProcess | None = None
+
+    def __enter__(self) -> 'OperatorsPage':
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._process is not None:
+            self._process.close()
+
+    def begin(self, run: RunDirectory) -> None:
+        """Serve it; it prints its address."""
+        if self._is_wanted:
+            console = str(find_executable(PACKAGE, 'console'))
+            self._process = KeptProcess([console, '--runs', str(run.path.parent)])
+
+    def stay(self, is_ended: Callable[[], bool]) -> None:
+        """Wait, with the page of a mission that has ended, until somebody at a terminal ends it.
+
+        Without a terminal nobody would: the page ends with its mission.
+        """
+        if self._process is None or not (os.isatty(0) and os.isatty(1)):
+            return
+        if self._process.is_kept:
+            sys.stdout.write("the operator's page goes on, with the report: Ctrl-C ends it\n")
+            sys.stdout.flush()
+        while self._process.is_kept and not is_ended():
+            time.sleep(POLL_S)
 
 
 class KeptProcess:
@@ -58,6 +87,11 @@ class KeptProcess:
         self.process = self._begin()
         self._keeper = Thread(target=self._keep, name='page', daemon=True)
         self._keeper.start()
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether it runs, or is about to be started again."""
+        return self._keeper.is_alive()
 
     def close(self) -> None:
         """End the process, and do not start it again."""

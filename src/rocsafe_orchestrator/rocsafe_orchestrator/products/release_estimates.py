@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Releases of gas estimated from the readings of a run: ``release.json`` and related files."""
+"""Releases of gas or particles estimated from the readings of a run: ``release.json`` and more."""
 
 import json
 from collections.abc import Mapping
@@ -19,15 +19,17 @@ class Release:
     latitude_deg: float
     longitude_deg: float
     region_95_m2: float
-    rate_g_s: float
-    rate_95_g_s: tuple[float, float]
+    rate: float
+    rate_unit: str
+    rate_95: tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HighestGas:
-    """The highest reading of the sensor used, in the unit ppm of what it is calibrated for."""
+    """The highest reading of the sensor used, in ppm of what it is made for, or particles/l."""
 
-    ppm: float
+    value: float
+    unit: str
     vehicle: str
     time_ns: int
     latitude_deg: float
@@ -122,11 +124,12 @@ def _estimates(content: Mapping[str, Any], figure: str) -> ReleaseEstimates:
 
 
 def _release(content: Mapping[str, Any]) -> Release:
-    low, high = content['rate_95_g_s']
+    low, high = content['rate_95']
     return Release(
         latitude_deg=content['latitude_deg'],
         longitude_deg=content['longitude_deg'],
         region_95_m2=content['region_95_m2'],
-        rate_g_s=content['rate_g_s'],
-        rate_95_g_s=(low, high),
+        rate=content['rate'],
+        rate_unit=content['rate_unit'],
+        rate_95=(low, high),
     )

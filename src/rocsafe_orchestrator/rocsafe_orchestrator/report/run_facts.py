@@ -148,8 +148,9 @@ def _start(release: ReleaseBlock) -> str:
 
 def _found_off(record: RunRecord, release: ReleaseBlock) -> str:
     """Return how far from it the nearest release was found, empty where none was."""
-    found = record.releases.releases if record.releases else ()
-    if not found or release.agent == 'particles':
+    told = record.releases
+    found = told.releases if told else ()
+    if not told or not found or (told.agent == 'particles') != (release.agent == 'particles'):
         return ''
     frame = LocalFrame(GeoPosition(*release.position, 0.0))
     places = [frame.enu_of(GeoPosition(r.latitude_deg, r.longitude_deg, 0.0)) for r in found]

@@ -140,7 +140,7 @@ def gas_reading(found: ReleaseEstimates) -> str:
     """Return the highest reading; a saturated sensor tells only a lower bound."""
     top = found.highest_reading
     bound = 'over ' if top.is_saturated else ''
-    return f'{bound}{formats.figures(top.ppm)}{formats.GAP}ppm'
+    return f'{bound}{formats.figures(top.value)}{formats.GAP}{top.unit}'
 
 
 def height_of(top: HighestReading) -> str:

@@ -218,5 +218,10 @@ class DriveRequests(GoalRequests):
     def _goal(self) -> PlanGroundRoute.Goal | None:
         monitor = self._monitor
         return drive_goal(
-            self._scenario, monitor.sources, monitor.releases, self._so_far, monitor.marks()
+            self._scenario,
+            monitor.sources,
+            monitor.releases,
+            self._so_far,
+            monitor.marks(),
+            monitor.release_unit,
         )

@@ -120,7 +120,7 @@ class Requests(GoalRequests):
 
     def _drives_of(self, node: Node) -> DriveRequests:
         asked = [calls.SUGGEST_VIEWPOINTS]
-        if self._scenario.air.gas_sensors:
+        if self._scenario.air.reads:
             asked.append(calls.SUGGEST_GAS_VIEWPOINTS)
         assessors = [self._services[spec.name] for spec in asked]
         home = Order(kind=OrderKind.RETURN, vehicle=self._scenario.driver_name)

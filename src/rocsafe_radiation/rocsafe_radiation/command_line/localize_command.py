@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from rocsafe_hazard.next_places import MeasuringPlace
 from rocsafe_radiation.command_line.file_survey import file_survey
 from rocsafe_radiation.command_line.localize_arguments import AUTO, parser
 from rocsafe_radiation.decision.stopping import StoppingRule
-from rocsafe_radiation.decision.waypoint_choice import Waypoint
 from rocsafe_radiation.detection.detector import response_of
 from rocsafe_radiation.errors import RadiationError
 from rocsafe_radiation.localization.estimates import Localization
@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         document = assessment_document(assessment, readings.frame)
         document['notes'] = notes
         document['next_places'] = [
-            place_of(np.array(one.position_enu_m), readings.frame) for one in places
+            place_of(np.array(one.place_m), readings.frame) for one in places
         ]
         sys.stdout.write(json.dumps(document, indent=1) + '\n')
     else:
@@ -96,14 +96,14 @@ def _options(options: argparse.Namespace, readings: ReadingsFile) -> AssessmentO
 
 
 def _advice(
-    assessment: Assessment, places: Sequence[Waypoint], readings: ReadingsFile
+    assessment: Assessment, places: Sequence[MeasuringPlace], readings: ReadingsFile
 ) -> list[str]:
     rule = assessment.options.rule
     limits = f'errors {rule.false_alarm:.2g}, ellipses within {rule.ellipse_95_m:g} m'
     enough = 'enough' if assessment.verdict.is_enough else 'not enough yet'
     lines = [f'the evidence is {enough}: {assessment.verdict.reason} ({limits})']
     for place in places:
-        named = place_of(np.array(place.position_enu_m), readings.frame)
+        named = place_of(np.array(place.place_m), readings.frame)
         where = ', '.join(f'{name} {value}' for name, value in named.items())
         lines.append(f'measure next at {where}')
     return lines

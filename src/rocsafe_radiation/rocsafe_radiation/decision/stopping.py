@@ -4,18 +4,11 @@
 import math
 from dataclasses import dataclass
 
+from rocsafe_hazard.next_places import Verdict
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence
 from rocsafe_radiation.localization.estimates import SPREAD, Localization
 
 CONTINUE, PRESENT, ABSENT = 'continue', 'present', 'absent'
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StoppingVerdict:
-    """Whether a survey may end, and the reason in words."""
-
-    is_enough: bool
-    reason: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,54 +52,48 @@ class StoppingRule:
             return ABSENT
         return CONTINUE
 
-    def verdict(self, found: Localization, evidence: SequentialEvidence) -> StoppingVerdict:
+    def verdict(self, found: Localization, evidence: SequentialEvidence) -> Verdict:
         """Return whether the number of sources is decided and each is placed well enough."""
         if found.caveats:
-            return StoppingVerdict(is_enough=False, reason=found.caveats[0])
+            return Verdict(is_enough=False, reason=found.caveats[0])
         if not found.is_understood:
-            return StoppingVerdict(
+            return Verdict(
                 is_enough=False, reason='sources and background do not explain the readings'
             )
         if found.is_lopsided:
-            return StoppingVerdict(
+            return Verdict(
                 is_enough=False,
                 reason='something beside the sources may take part of their dose rate',
             )
         if found.may_be_spread:
-            return StoppingVerdict(is_enough=False, reason=SPREAD)
+            return Verdict(is_enough=False, reason=SPREAD)
         if not found.sources:
             return self._verdict_of_none(evidence)
         ratio = _log_ratio_to_rival(found.order_probabilities)
         count = len(found.sources)
         what = f'{count} source{"s" if count > 1 else ""}'
         if ratio < self._upper:
-            return StoppingVerdict(
-                is_enough=False, reason=f'{what} found, but the number is not decided'
-            )
+            return Verdict(is_enough=False, reason=f'{what} found, but the number is not decided')
         widest = max(source.ellipse_95()[0] for source in found.sources)
         # A width is never stated as 0.0 m.
         within = f'placed within {max(widest, 0.1):.1f} m (95 %)'
         if widest > self.ellipse_95_m:
             limit = f'{self.ellipse_95_m:g} m are wanted'
-            return StoppingVerdict(is_enough=False, reason=f'{what}, {within}: {limit}')
-        return StoppingVerdict(is_enough=True, reason=f'{what}, {within}')
+            return Verdict(is_enough=False, reason=f'{what}, {within}: {limit}')
+        return Verdict(is_enough=True, reason=f'{what}, {within}')
 
     @property
     def _upper(self) -> float:
         return math.log((1.0 - self.missed) / self.false_alarm)
 
-    def _verdict_of_none(self, evidence: SequentialEvidence) -> StoppingVerdict:
+    def _verdict_of_none(self, evidence: SequentialEvidence) -> Verdict:
         weakest = f'{self.smallest_usvh:g} uSv/h at 1 m'
         decision = self.decision(evidence)
         if decision == ABSENT:
-            return StoppingVerdict(is_enough=True, reason=f'no source of {weakest} or more')
+            return Verdict(is_enough=True, reason=f'no source of {weakest} or more')
         if decision == PRESENT:
-            return StoppingVerdict(
-                is_enough=False, reason='more than background, but no source placed'
-            )
-        return StoppingVerdict(
-            is_enough=False, reason=f'a source of {weakest} may still be hidden'
-        )
+            return Verdict(is_enough=False, reason='more than background, but no source placed')
+        return Verdict(is_enough=False, reason=f'a source of {weakest} may still be hidden')
 
 
 def _log_ratio_to_rival(probabilities: tuple[float, ...]) -> float:

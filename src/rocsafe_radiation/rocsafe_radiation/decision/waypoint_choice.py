@@ -3,16 +3,15 @@
 
 The information of a reading about the parameters is known before it is taken: w/m times the outer
 product of the slopes of its expected counts. The next place is the one that most reduces the
-volume of the sources' joint ellipse (D-optimal design, gain log det(1 + s' C s)). Places are
-chosen one after the other, each with the information of those before.
+volume of the sources' joint ellipse (D-optimal design, gain 1/2 log(1 + s' C s)).
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
+from rocsafe_hazard.next_places import MeasuringPlace, next_places
 from rocsafe_radiation.localization.estimates import Localization
 from rocsafe_radiation.physics.kernel import Kernel
 from rocsafe_radiation.readings.survey import RadiationSurvey
@@ -21,17 +20,9 @@ LARGEST_GRID = 5000
 PITCH_STEP_M = 0.5
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Waypoint:
-    """A place to measure at, and the decrease of the logarithm of the ellipse's volume."""
-
-    position_enu_m: tuple[float, float, float]
-    gain: float
-
-
 def next_waypoints(
     found: Localization, candidates_enu_m: FloatArray, exposure: float, kernel: Kernel, count: int
-) -> tuple[Waypoint, ...]:
+) -> list[MeasuringPlace]:
     """Return up to `count` of the `candidates_enu_m`, shape (n, 3), the largest gain first.
 
     Parameters
@@ -48,25 +39,16 @@ def next_waypoints(
         Number of places, all of them different.
     """
     if not found.sources or count < 1:
-        return ()
+        return []
     covariance: FloatArray = np.zeros((4 * len(found.sources),) * 2)
     for index, source in enumerate(found.sources):
         block = slice(4 * index, 4 * index + 4)
         covariance[block, block] = source.joint_covariance
     slopes = _scaled_slopes(found, candidates_enu_m, exposure, kernel)
-    chosen = []
-    is_taken = np.zeros(len(candidates_enu_m), dtype=bool)
-    for _ in range(min(count, len(is_taken))):
-        spread = slopes @ covariance
-        gains = np.log1p(np.einsum('np,np->n', spread, slopes))
-        gains[is_taken] = -math.inf
-        best = int(np.argmax(gains))
-        east, north, up = candidates_enu_m[best].tolist()
-        chosen.append(Waypoint(position_enu_m=(east, north, up), gain=float(gains[best])))
-        is_taken[best] = True
-        along = spread[best]
-        covariance = covariance - np.outer(along, along) / (1.0 + float(along @ slopes[best]))
-    return tuple(chosen)
+    # A covariance may have no spread at all in a direction: no Cholesky factor.
+    values, vectors = np.linalg.eigh(covariance)
+    factor = (vectors * np.sqrt(np.maximum(values, 0.0))).T @ slopes.T
+    return next_places(candidates_enu_m, factor, 1.0, count)
 
 
 def candidate_places(survey: RadiationSurvey, source_height_m: float) -> FloatArray:

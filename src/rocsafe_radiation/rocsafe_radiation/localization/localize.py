@@ -121,7 +121,7 @@ def localize(survey: RadiationSurvey, options: LocalizationOptions | None = None
     if counted is not survey:
         merged, setting = _prepared(counted, options)
     found = search(merged, setting, options.largest_order)
-    return replace(_described(found, survey, options.response_std), smoothing_s=smoothing_s)
+    return replace(_described(found, survey, options), smoothing_s=smoothing_s)
 
 
 def _prepared(
@@ -151,10 +151,12 @@ def require_enough(survey: RadiationSurvey) -> None:
         )
 
 
-def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float) -> Localization:
+def _described(
+    found: OrderSearch, survey: RadiationSurvey, options: LocalizationOptions
+) -> Localization:
     best = found.found[0]
     likelihood, fit = best.likelihood, best.fit
-    means, covariance = _over_settings(found.found)
+    means, covariance = _over_settings(found.found, options.position_std_m)
     shares = likelihood.regular_shares(
         likelihood.expected(fit.parameters), likelihood.weights(fit.parameters)
     )
@@ -166,7 +168,7 @@ def _described(found: OrderSearch, survey: RadiationSurvey, response_std: float)
         # As if all readings scattered so much (quasi-likelihood, McCullagh and Nelder 1989, 9.2).
         covariance = covariance * max(1.0, ratio)
     # The response is common to all sources.
-    covariance[STRENGTH::SOURCE_PARAMETERS, STRENGTH::SOURCE_PARAMETERS] += response_std**2
+    covariance[STRENGTH::SOURCE_PARAMETERS, STRENGTH::SOURCE_PARAMETERS] += options.response_std**2
     estimates = [
         _estimate(best, source, covariance[own, own])
         for source, own in zip(means, _blocks(len(means)), strict=True)
@@ -215,7 +217,7 @@ def _allowed_for(best: Weighed) -> Iterator[str]:
             yield f'a detector shows about {share:.0%} {more} at the end than at the start'
 
 
-def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:
+def _over_settings(fits: Sequence[Weighed], fix_error_m: float) -> tuple[FloatArray, FloatArray]:
     """Return mean (sources, 4) and covariance of all sources over the settings, by evidence."""
     chances = np.exp(np.array([one.evidence - fits[0].evidence for one in fits]))
     chances /= chances.sum()
@@ -227,7 +229,7 @@ def _over_settings(fits: Sequence[Weighed]) -> tuple[FloatArray, FloatArray]:
     for chance, one, own in zip(chances, fits, means, strict=True):
         if chance < LEAST_CHANCE:
             continue
-        whole = covariance_with_images(one.likelihood, one.fit)
+        whole = covariance_with_images(one.likelihood, one.fit, fix_error_m)
         places = one.likelihood.source_rows(len(whole))[:, :SOURCE_PARAMETERS].ravel()
         covariance += chance * (whole[np.ix_(places, places)] + np.outer(own - mean, own - mean))
     return mean.reshape(-1, SOURCE_PARAMETERS), covariance

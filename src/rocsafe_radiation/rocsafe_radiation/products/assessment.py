@@ -5,14 +5,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import shapely
 from shapely.geometry import Polygon
 
-from rocsafe_geo.arrays import BoolArray, FloatArray
+from rocsafe_hazard.next_places import MeasuringPlace, Verdict, are_within
 from rocsafe_radiation.belief.belief_search import BeliefMap, believe
 from rocsafe_radiation.decision.sequential_decision import SequentialEvidence, sequential_evidence
-from rocsafe_radiation.decision.stopping import StoppingRule, StoppingVerdict
-from rocsafe_radiation.decision.waypoint_choice import Waypoint, candidate_places, next_waypoints
+from rocsafe_radiation.decision.stopping import StoppingRule
+from rocsafe_radiation.decision.waypoint_choice import candidate_places, next_waypoints
 from rocsafe_radiation.localization.candidates import best_separated
 from rocsafe_radiation.localization.estimates import (
     BELIEF_METHOD,
@@ -64,7 +63,7 @@ class Assessment:
     survey: RadiationSurvey
     found: Localization
     evidence: SequentialEvidence
-    verdict: StoppingVerdict
+    verdict: Verdict
     dose: DoseMap
     cordons: tuple[Cordon, ...]
     belief: BeliefMap | None = None
@@ -138,7 +137,7 @@ def assess(
 
 def suggested_waypoints(
     assessment: Assessment, count: int, area: Polygon | None = None
-) -> tuple[Waypoint, ...]:
+) -> list[MeasuringPlace]:
     """Return up to `count` places to measure at next, the largest gain first.
 
     With sources, they are those that reduce the uncertainty of the sources most. Without, they are
@@ -146,12 +145,12 @@ def suggested_waypoints(
     is given.
     """
     if count < 1:
-        return ()
+        return []
     known = assessment.options.known
     candidates = candidate_places(assessment.survey, known.source_up_m)
-    candidates = candidates[_are_within(candidates, area)]
+    candidates = candidates[are_within(candidates, area)]
     if not len(candidates):
-        return ()
+        return []
     if assessment.found.sources:
         exposure = float(np.median(assessment.survey.exposures))
         height_m = np.array([assessment.survey.height_m(known.source_up_m)])
@@ -160,13 +159,13 @@ def suggested_waypoints(
     return _doubtful(assessment, count, area)
 
 
-def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple[Waypoint, ...]:
+def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> list[MeasuringPlace]:
     """Return places over the ground where a source of the smallest strength is least excluded."""
     evidence, survey = assessment.evidence, assessment.survey
-    inside = _are_within(evidence.places_m, area)
+    inside = are_within(evidence.places_m, area)
     places, doubts = evidence.places_m[inside], evidence.doubts[inside]
     if not len(places):
-        return ()
+        return []
     above = assessment.options.known.source_up_m
     height = survey.height_m(above)
     # `best_separated` needs ranks above 0; the order is the same.
@@ -178,16 +177,10 @@ def _doubtful(assessment: Assessment, count: int, area: Polygon | None) -> tuple
         separation_m /= 2.0
         chosen = best_separated(places, ranks, count, separation_m)
     ups = survey.ground.ups_at(places[chosen]) + above + height
-    return tuple(
-        Waypoint(
-            position_enu_m=(float(places[k, 0]), float(places[k, 1]), float(up)),
+    return [
+        MeasuringPlace(
+            place_m=(float(places[k, 0]), float(places[k, 1]), float(up)),
             gain=float(np.exp(min(doubts[k], 0.0))),
         )
         for k, up in zip(chosen, ups, strict=True)
-    )
-
-
-def _are_within(places: FloatArray, area: Polygon | None) -> BoolArray:
-    if area is None:
-        return np.ones(len(places), dtype=bool)
-    return np.asarray(shapely.contains_xy(area, places[:, 0], places[:, 1]), dtype=bool)
+    ]

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from shapely.geometry import MultiPolygon
 
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_hazard.area_kml import MarkedArea, areas_kml, rings_deg
+from rocsafe_hazard.contours import area_above
 from rocsafe_radiation.products.dose_map import DoseMap
-from rocsafe_radiation.products.isolines import areas_above
 
 # Microsievert per hour at 1 m: the public, German responders, the inner cordon of the IAEA
 # (EPR-First Responders), ten times that, turn back (enter only to save lives).
@@ -81,11 +82,15 @@ def cordons(found: DoseMap, levels_usvh: Sequence[float] = DEFAULT_LEVELS_USVH) 
     for level in levels_usvh:
         if not 0.0 < level < math.inf:
             raise ValueError(f'level_usvh = {level} must be above 0 and finite')
+    east_m, north_m = (
+        np.asarray(first + found.cell_m * np.arange(count), float)
+        for first, count in zip(found.corner_m, found.mean_usvh.shape[::-1], strict=True)
+    )
     return [
         Cordon(
             level_usvh=level,
             confidence=name,
-            area=areas_above(values, level, found.corner_m, found.cell_m),
+            area=area_above(east_m, north_m, values, level),
         )
         for level in sorted(levels_usvh)
         for name, values in ((MEAN, found.mean_usvh), (UPPER, found.upper_usvh))

@@ -88,13 +88,17 @@ class GasSearchBlock(Block):
 
     With `extra_rounds`, after the survey the vehicles fly up to so many more times to
     `viewpoints_a_round` places from which readings tell most, until it is enough. `agent` is what
-    is known to leak, e.g. from a placard; empty: what the sensors are made for. Places count as
-    searched where less than `smallest_g_s` may be released unseen.
+    is known to leak, e.g. from a placard, or particles; empty: what the sensors are made for. It
+    falls at `settling_mps` and decays by `decay_per_s`. Places count as searched where less than
+    `smallest_g_s`, of particles `smallest_per_s`, may be released unseen.
     """
 
     agent: ReleasedAgent | Literal[''] = ''
     release_height_m: float = Field(default=1.0, ge=0.0, le=30.0)
     smallest_g_s: float = Field(default=0.5, ge=1e-9, le=1e9)
+    smallest_per_s: float = Field(default=1e8, ge=1.0, le=1e15)
+    settling_mps: float = Field(default=0.0, ge=0.0, le=10.0)
+    decay_per_s: float = Field(default=0.0, ge=0.0, le=1.0)
     region_m: float = Field(default=10.0, ge=0.1, le=1e4)
     hidden_share: float = Field(default=0.05, ge=1e-3, le=0.9)
     extra_rounds: int = Field(default=0, ge=0, le=20)
@@ -117,4 +121,9 @@ class AirBlock(Block):
     @property
     def is_used(self) -> bool:
         """Whether a mission needs it: something is released, or a sensor carried."""
-        return bool(self.releases or self.gas_sensors or self.particle_counter)
+        return bool(self.releases or self.reads)
+
+    @property
+    def reads(self) -> bool:
+        """Whether sensors for what is released are carried."""
+        return bool(self.gas_sensors or self.particle_counter)

@@ -83,11 +83,13 @@ def low_battery_s(
     level_from_s = math.inf if climbs else _level_from_s(timeline, route)
     homeward_s = timeline.first_start_s(Mode.RETURNING, Mode.LANDING)
     stands_from_s = timeline.stands_from_s
-    elapsed_s = 0.0
+    elapsed_s, home_s, stood = 0.0, 0.0, False
     while elapsed_s < homeward_s:
         margin_s = CHECK_PERIOD_S * _growth_s(airframe, elapsed_s >= level_from_s)
         used_s = timeline.used_j(elapsed_s) / watt_s_per_s
-        home_s = return_duration_s(airframe, timeline.pose(elapsed_s), route, number)
+        if not stood:
+            home_s = return_duration_s(airframe, timeline.pose(elapsed_s), route, number)
+            stood = elapsed_s >= stands_from_s
         left_s = spare_s - used_s - home_s - margin_s
         if left_s <= 0.0:
             return elapsed_s

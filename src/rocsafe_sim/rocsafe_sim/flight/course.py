@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
 
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_sim.flight.airframe import Airframe
@@ -24,8 +25,6 @@ class Course:
         Route of the command.
     timeline
         Motion as a function of time.
-    low_ns
-        Time at which it diverts because of its battery, nanoseconds; infinite if never.
     touch_down_ns
         Time at which it stands on the ground, nanoseconds; infinite if never.
     """
@@ -35,19 +34,28 @@ class Course:
         self.route = route
         # A vehicle that is held on the ground never begins.
         self._begins_ns = math.inf if command.is_held else command.start_ns
-        airframe = airframe.in_wind(command.wind_mps).at_speed(command.speed_mps)
-        self.timeline = timeline_of(command, route, airframe)
-        self._capacity_j = airframe.power.capacity_j
+        self._airframe = airframe.in_wind(command.wind_mps).at_speed(command.speed_mps)
+        self.timeline = timeline_of(command, route, self._airframe)
+        self._capacity_j = self._airframe.power.capacity_j
+        self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)
+
+    @cached_property
+    def low_ns(self) -> int | float:
+        """Time at which it diverts because of its battery, nanoseconds; infinite if never.
+
+        It costs most of a course, and is computed when it is asked for first: the answer to an
+        order does not wait for it.
+        """
+        command = self.command
         low_s = low_battery_s(
-            airframe,
+            self._airframe,
             self.timeline,
             command.charge_fraction,
-            route,
+            self.route,
             command.number,
             climbs=command.kind in (CommandKind.GO_TO, CommandKind.MOVE),
         )
-        self.low_ns = self._after_start_ns(low_s)
-        self.touch_down_ns = self._after_start_ns(self.timeline.duration_s)
+        return self._after_start_ns(low_s)
 
     def elapsed_s(self, time_ns: int) -> float:
         """Return the seconds from the command to `time_ns`; 0 before it takes effect."""

@@ -106,6 +106,11 @@ class FlyingVehicle:
             self.time_ns = record.flight.command.start_ns - record.flight.command.wait_ns
             self._follow(record.flight)
 
+    def look_ahead(self) -> None:
+        """Compute what the next step would: when the battery will be low."""
+        if self._course is not None:
+            _ = self._course.low_ns
+
     def step(self, time_ns: int) -> VehicleSnapshot:
         """Advance to `time_ns`, simulated nanoseconds, and return the state at that time.
 

@@ -53,7 +53,7 @@ def _evidence_rows(found: AgentAdvice) -> tuple[tuple[str, ...], ...]:
 
 
 def _detected(one: Detected) -> tuple[str, ...]:
-    shown = f'{one.reading:.3g} {one.unit.replace("_", "/")}' if one.is_seen else 'silent'
+    shown = f'{one.reading:.3g} {formats.gas_unit(one.unit)}' if one.is_seen else 'silent'
     return sensor_name(one.sensor), shown, 'detector', '-', '-'
 
 

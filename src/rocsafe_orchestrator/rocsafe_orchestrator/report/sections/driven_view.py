@@ -214,7 +214,7 @@ def _gas_rows(gases: Sequence[GasSample], span: tuple[int, int]) -> list[list[st
 
 
 def _gas(one: GasSample) -> str:
-    unit = one.unit.replace('_', '/')
+    unit = formats.gas_unit(one.unit)
     if one.raw < one.limit:
         return f'below its limit of {one.limit:.3g} {unit}'
     return f'{"at least " if one.saturated else ""}{one.raw:.3g} {unit}'

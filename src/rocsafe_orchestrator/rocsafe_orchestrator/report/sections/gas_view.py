@@ -61,12 +61,12 @@ def _leave(zones: Sequence[GasZone]) -> str:
 
 
 def _release(number: int, release: Release) -> tuple[str, ...]:
-    low, high = release.rate_95_g_s
+    low, high = release.rate_95
     return (
         f'{number}',
         f'{release.latitude_deg:.6f}, {release.longitude_deg:.6f}',
         formats.area(release.region_95_m2),
-        f'{release.rate_g_s:.3g} g/s ({low:.3g} to {high:.3g})',
+        f'{release.rate:.3g} {release.rate_unit} ({low:.3g} to {high:.3g})',
     )
 
 
