@@ -21,6 +21,7 @@ class FakeRover(FakeCopter):
         super()._start()
         self._stood_s = 0.0
         self._tracks = []
+        self._armed_at = {}
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
@@ -73,6 +74,10 @@ class FakeRover(FakeCopter):
     def _on_arm(self, message):
         if self._parameter(message, 1) == 1.0:
             self.is_armed = True
+            # Its home is where it is armed, at height 0, as of the real one in its simulator.
+            here = self._global_position_int()
+            place = {'latitude': here['lat'], 'longitude': here['lon']}
+            self._armed_at = {**place, 'altitude': 0}
         else:
             self.be_switched_off()
         return ACCEPTED
@@ -128,6 +133,10 @@ class FakeRover(FakeCopter):
 
     def _heartbeat(self):
         return {**super()._heartbeat(), 'type': 10}
+
+    def _home_position(self):
+        said = super()._home_position()
+        return said and {**said, **self._armed_at}
 
     def _extended_sys_state(self):
         return {'landed_state': 0}

@@ -105,7 +105,9 @@ class FreeWays:
         exclusions = [zone for one in (flown, plan) if one is not None for zone in one.exclusions]
         fault = fix_fault(vehicle, now_s, STALE_AFTER_S) if exclusions else ''
         where = f'where it is cannot be told: {fault}' if fault else ''
-        return heights_moved(home, vehicle.home) or where
+        # Nothing is driven at a height above home.
+        is_drive = flown is not None and flown.is_drive
+        return ('' if is_drive else heights_moved(home, vehicle.home)) or where
 
     def fault_ahead(self, vehicle: VehicleTelemetry, now_s: float) -> str:
         """Return which exclusion lies between a vehicle and the next place of its mission."""

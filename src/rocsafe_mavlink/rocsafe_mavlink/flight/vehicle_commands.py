@@ -59,7 +59,8 @@ class VehicleCommands:
     ) -> CommandSequence:
         """Return the sequence that uploads a mission, arms and starts; `home` is the planned one.
 
-        Refused after arming if the home has moved: heights would not be those of the plan.
+        A flight is refused after arming if the home has moved: heights would not be those of the
+        plan.
 
         Parameters
         ----------
@@ -82,7 +83,10 @@ class VehicleCommands:
             ),
             replace(
                 self._mode(Verb.MISSION),
-                refusal=lambda vehicle, _now_s: home_moved(home, vehicle.home),
+                # A rover sets its home where it is armed, and drives at no height above it.
+                refusal=lambda vehicle, _now_s: (
+                    '' if autopilot.drives else home_moved(home, vehicle.home)
+                ),
             ),
             replace(
                 self._do(calls.start_mission(self.target)),
