@@ -57,7 +57,7 @@ ROSDEP_KEYS = {
     'yaml': 'python3-yaml',
 }
 # Without a rosdep key: set-up brings it where it can; the flat camera and all other
-# files of a map work without. Areas of threat zones need contourpy, ranked procedures bm25s.
+# files of a map work without. Cordons and threat zones need contourpy, ranked procedures bm25s.
 OPTIONAL = {
     'bm25s', 'contourpy', 'distributed', 'gymnasium', 'panda3d', 'pettingzoo', 'pmtiles',
     'pyarrow',

@@ -15,6 +15,9 @@ from distribution.suite_wheel import make_suite_wheel
 
 ROOT = Path(__file__).resolve().parents[2]
 OUT = ROOT / 'dist'
+# Libraries that no manifest names, as rosdep has no key for them: cordons and threat zones are
+# drawn with contourpy, procedures are ranked with bm25s.
+WITHOUT_KEY = ('bm25s', 'contourpy')
 
 
 def main() -> int:
@@ -52,8 +55,9 @@ def make_own(lock: dict[str, str]) -> set[str]:
     for path in manifests:
         _make(path.parent, own[path.parent.name], needs[path.parent.name])
     every = [f'{name}=={version}' for name, version in own.items()]
-    make_suite_wheel(own['rocsafe_orchestrator'], every, ROOT / 'config', OUT)
-    return {line for lines in needs.values() for line in lines} - set(every)
+    further = {lock[name].split(' ')[0] for name in WITHOUT_KEY}
+    make_suite_wheel(own['rocsafe_orchestrator'], [*every, *sorted(further)], ROOT / 'config', OUT)
+    return {line for lines in needs.values() for line in lines} - set(every) | further
 
 
 def _make(package: Path, version: str, needs: list[str]) -> None:
