@@ -181,16 +181,29 @@ def test_three_vehicles_on_one_link_are_told_apart():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(('loss', 'seed'), [(0.05, 1), (0.2, 2), (0.2, 3), (0.4, 4), (0.4, 5)])
+@pytest.mark.parametrize(('loss', 'seed'), [(0.05, 1), (0.2, 2), (0.4, 4), (0.4, 5)])
 def test_lossy_link_flies_the_whole_route(loss, seed):
     """Messages lost in both directions: it is flown whole, or refused with nothing left armed."""
     air = Air(loss=loss, seed=seed)
     air.until(lambda: air.now_s > 46.0 and may_fly(air))
     air.until(lambda: air.flight().is_over)
     assert air.flight().outcome in (FlightOutcome.COMPLETED, FlightOutcome.REJECTED)
-    # With one of five lost, one flight of some thirty is refused.
-    assert air.flight().outcome is FlightOutcome.COMPLETED or loss > 0.1
+    assert air.flight().outcome is FlightOutcome.COMPLETED or loss > 0.2
     assert not air.copters[1].is_armed
+
+
+@pytest.mark.slow
+def test_one_message_of_five_lost_refuses_hardly_a_flight():
+    """Nobody answers the arming now and then; whoever is refused is not armed."""
+    outcomes = []
+    for seed in range(3, 18):
+        air = Air(loss=0.2, seed=seed)
+        air.until(lambda air=air: air.now_s > 46.0 and may_fly(air))
+        air.until(lambda air=air: air.flight().is_over)
+        outcomes.append(air.flight().outcome)
+        assert not air.copters[1].is_armed
+    assert set(outcomes) <= {FlightOutcome.COMPLETED, FlightOutcome.REJECTED}
+    assert outcomes.count(FlightOutcome.COMPLETED) >= 14
 
 
 def may_fly(air):

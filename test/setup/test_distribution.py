@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The wheels: complete, startable, and installed without compiler, index or checkout."""
 
+import ast
 import base64
 import hashlib
 import os
@@ -10,6 +11,7 @@ import zipfile
 from pathlib import Path, PurePath
 
 import pytest
+from test.test_architecture import OPTIONAL
 
 from distribution import command
 from distribution.archive import Member, read_wheel, write_wheel
@@ -30,6 +32,30 @@ def test_every_dependency_of_every_package_is_pinned():
     own = {path.parent.name: '1.0' for path in MANIFESTS}
     for manifest in MANIFESTS:
         assert all('==' in line for line in requirements(manifest, own, LOCK))
+
+
+def test_libraries_that_no_manifest_can_name_come_with_the_suite():
+    """Without them a module of a mission could not be loaded: rosdep has no key for them.
+
+    Learning and the engine say themselves what to install.
+    """
+    said = ('rocsafe_learning', 'rocsafe_scene')
+    trees = [
+        ast.parse(path.read_text())
+        for manifest in MANIFESTS
+        for path in manifest.parent.rglob('*.py')
+        if manifest.parent.name not in said
+    ]
+    loaded = {
+        name.partition('.')[0] for tree in trees for node in tree.body for name in _imported(node)
+    }
+    assert loaded & OPTIONAL <= set(command.WITHOUT_KEY)
+
+
+def _imported(node: ast.stmt) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [str(node.module)] if isinstance(node, ast.ImportFrom) else []
 
 
 def test_a_dependency_that_is_not_locked_is_refused():

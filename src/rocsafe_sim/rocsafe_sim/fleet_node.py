@@ -77,7 +77,7 @@ class FleetNode(Node):
         return [diagnostic('runs'), *filter(None, vehicles)]
 
     def _on_step(self, time_ns: int) -> bool | None:
-        # Of a step that another one has overtaken.
+        # The step before may have something left to publish.
         self._take_all_turns()
         for interface in self._interfaces:
             interface.advance(time_ns)

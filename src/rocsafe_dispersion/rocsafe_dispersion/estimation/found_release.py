@@ -127,7 +127,7 @@ class FoundRelease:
 
     @property
     def velocity_mps(self) -> tuple[float, float] | None:
-        """Where it goes, east and north, m/s, if it rather moves: medians."""
+        """Its velocity east and north, m/s: median of the samples that move; None: most stand."""
         found = self.samples.velocities_mps
         if found is None or self.moves <= 0.5:
             return None

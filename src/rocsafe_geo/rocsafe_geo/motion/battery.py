@@ -83,7 +83,7 @@ class Discharge:
     def __init__(self, motion: Motion, power: PowerModel, wind_mps: tuple[float, float]) -> None:
         self._motion, self._power, self._wind = motion, power, wind_mps
         self._knots = [knot for knot in motion.knots_s if math.isfinite(knot)]
-        # Of the knots so far: who asks about the begin alone does not wait for the whole motion.
+        # Energy at the knots that somebody has asked for: the first ones do not wait for all.
         self._used_j = [0.0]
 
     def used_j(self, elapsed_s: float) -> float:
