@@ -9,7 +9,7 @@ from rocsafe_planner.solver.model.tables import Costs, Floats, Ints, Tables, Wor
 
 DENSE_SITES = 800
 """Up to here a matrix of legs stays in the processor's cache and beats computing square roots."""
-NEAREST, EACH_SIDE = 5, 3
+NEAREST, EACH_SIDE = 4, 2
 """Neighbours of a customer that has a place: that many anywhere, and in each quadrant."""
 NEIGHBOURS = 10
 """Neighbours of a customer that has none, or of few customers."""
