@@ -442,6 +442,20 @@ def test_images_have_what_clients_read(world):
     assert math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))) == pytest.approx(-math.pi / 2)
 
 
+@pytest.mark.parametrize('name', ['', '0', '2', '4', 'front_left', 'back_center', 'camera'])
+def test_the_cameras_that_every_vehicle_of_airsim_has_are_the_first(world, name):
+    """By number and by name; the first has a depth, the other of this vehicle has none."""
+    (found,) = ask(world, ('simGetImages', [{'camera_name': name, 'image_type': 1}]))
+    assert (found['height'], found['width']) == DEPTH.shape
+
+
+@pytest.mark.parametrize('name', ['5', 'high_res', 'fixed1'])
+def test_a_camera_that_a_script_set_up_for_itself_is_refused(world, name):
+    """With the names of those that there are."""
+    with pytest.raises(AirsimError, match=f"camera '{name}' of rav1: has camera, oblique"):
+        ask(world, ('simGetImages', [{'camera_name': name, 'image_type': 0}]))
+
+
 def test_a_camera_is_turned_by_its_gimbal(world):
     """30 degrees down and 90 to the right; neither moved nor rolled."""
 
