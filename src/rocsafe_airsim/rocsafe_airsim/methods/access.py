@@ -14,10 +14,10 @@ from rocsafe_airsim.vehicle import Vehicle, World
 Method = Callable[..., Awaitable[Any]]
 MethodT = TypeVar('MethodT', bound=Method)
 # The cameras that every vehicle of AirSim has, by number and by name; all are the first here.
-FIRST_CAMERA_NAMES = frozenset(
-    ('', *map(str, range(5)))
-    + ('front_center', 'front_right', 'front_left', 'bottom_center', 'back_center')
-)
+FIRST_CAMERA_NAMES = frozenset({
+    '', '0', '1', '2', '3', '4',
+    'front_center', 'front_right', 'front_left', 'bottom_center', 'back_center',
+})  # fmt: skip
 # AirSim's own examples name their vehicles so.
 _NUMBERED = re.compile(r'(?:[Dd]rone|[Vv]ehicle|UAV)_?(\d+)$')
 _ESCAPED = re.compile(r'\\.', re.DOTALL)
