@@ -165,7 +165,10 @@ def test_two_pictures_by_our_clock_find_the_shots_of_a_slow_autopilot():
         reported_s = NOW_S + taken_s + 0.2
         trigger = replace(shot(number, NOW_S + taken_s - behind_s), reported_s=reported_s)
         found += pairing.add([trigger], [picture(NOW_S + taken_s + 0.1, f'{number}.jpg')])
-    assert [(pair.trigger.index, pair.image.name) for pair in found] == [(0, '0.jpg'), (1, '1.jpg')]
+    assert [(pair.trigger.index, pair.image.name) for pair in found] == [
+        (0, '0.jpg'),
+        (1, '1.jpg'),
+    ]
 
 
 def test_slow_autopilot_that_comes_near_the_camera_by_chance_is_not_believed():
@@ -177,7 +180,10 @@ def test_slow_autopilot_that_comes_near_the_camera_by_chance_is_not_believed():
     pairing = ImagePairing()
     pairs = pairing.add(shots[:1], [picture(NOW_S, '0.jpg')])
     pairs += pairing.add(shots[1:], [picture(NOW_S + 4.0, '1.jpg')])
-    assert [(pair.trigger.index, pair.image.name) for pair in pairs] == [(0, '0.jpg'), (1, '1.jpg')]
+    assert [(pair.trigger.index, pair.image.name) for pair in pairs] == [
+        (0, '0.jpg'),
+        (1, '1.jpg'),
+    ]
 
 
 def test_reports_tell_when_they_came():

@@ -201,7 +201,9 @@ OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2
         ),
         (
             REAL
-            | {'vehicles[0].drone': {'detector': {'udp': '127.0.0.1:1', 'format_file': 'missing'}}},
+            | {
+                'vehicles[0].drone': {'detector': {'udp': '127.0.0.1:1', 'format_file': 'missing'}}
+            },
             "format_file = 'missing': no such file",
             errors.EXIT_USAGE,
         ),

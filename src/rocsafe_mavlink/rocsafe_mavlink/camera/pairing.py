@@ -157,7 +157,11 @@ class ImagePairing:
         others = [s for s in candidates if abs(s - best_s) > 2.0 * PAIRING.tolerance_s]
         rival = max(map(agreeing, others), default=0)
         count = agreeing(best_s)
-        return best_s if count >= PAIRING.fewest_agreeing and count - rival >= PAIRING.fewest_more else None
+        return (
+            best_s
+            if count >= PAIRING.fewest_agreeing and count - rival >= PAIRING.fewest_more
+            else None
+        )
 
     def _paired(self) -> list[ImagePair]:
         pairs = []
