@@ -79,7 +79,9 @@ def require_links(scenario: Scenario) -> None:
     if not scenario.linked and driver is None:
         return
     bridge = bridge_parameters(scenario, '', scenario.linked, driver)
-    here = [*scenario.linked_on(scenario.head), *([driver] if driver else [])]
+    here: list[VehicleBlock | GroundVehicleBlock] = [*scenario.linked_on(scenario.head)]
+    if driver is not None:
+        here.append(driver)
     for vehicle in here:
         _require_format_file(vehicle)
     request = {'bridge': bridge, 'only_options': True, 'files_of': [each.name for each in here]}
