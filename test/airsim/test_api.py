@@ -442,6 +442,20 @@ def test_images_have_what_clients_read(world):
     assert math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x)))) == pytest.approx(-math.pi / 2)
 
 
+@pytest.mark.parametrize('name', ['', '0', '2', '4', 'front_left', 'back_center', 'camera'])
+def test_the_cameras_that_every_vehicle_of_airsim_has_are_the_first(world, name):
+    """By number and by name; the first has a depth, the other of this vehicle has none."""
+    (found,) = ask(world, ('simGetImages', [{'camera_name': name, 'image_type': 1}]))
+    assert (found['height'], found['width']) == DEPTH.shape
+
+
+@pytest.mark.parametrize('name', ['5', 'high_res', 'fixed1'])
+def test_a_camera_that_a_script_set_up_for_itself_is_refused(world, name):
+    """With the names of those that there are."""
+    with pytest.raises(AirsimError, match=f"camera '{name}' of rav1: has camera, oblique"):
+        ask(world, ('simGetImages', [{'camera_name': name, 'image_type': 0}]))
+
+
 def test_a_camera_is_turned_by_its_gimbal(world):
     """30 degrees down and 90 to the right; neither moved nor rolled."""
 
@@ -587,16 +601,22 @@ def test_the_sun_follows_the_time_of_day(world):
 
 
 def test_things_that_stand_have_a_pose_about_the_first_vehicle(world):
-    """It stands 10 m east and 2 m north of home, and looks east; what moves is refused."""
+    """It stands 10 m east and 2 m north of home, and looks east.
+
+    What moves is refused; what is not there has no numbers in its pose, as scripts expect.
+    """
     found = ask(world, ('simGetObjectPose', 'Wagon_1', True))
     assert found['position'] == {'x_val': 2.0, 'y_val': 10.0, 'z_val': -2.0}
     half = math.sqrt(0.5)
     assert found['orientation'] == pytest.approx(
         {'w_val': half, 'x_val': 0.0, 'y_val': 0.0, 'z_val': half}
     )
-    for name, text in (('drum', 'moves'), ('nothing', 'no such thing')):
-        with pytest.raises(AirsimError, match=text):
-            ask(world, ('simGetObjectPose', name))
+    with pytest.raises(AirsimError, match='moves'):
+        ask(world, ('simGetObjectPose', 'drum'))
+    nothing = ask(world, ('simGetObjectPose', 'nothing'))
+    parts = [*nothing['position'].values(), *nothing['orientation'].values()]
+    assert len(parts) == 7
+    assert all(math.isnan(part) for part in parts)
 
 
 def test_detections_are_boxes_of_the_wanted_instances_within_the_radius(world):

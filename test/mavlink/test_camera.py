@@ -158,6 +158,51 @@ def test_single_picture_of_another_clock_waits():
     assert pairing.offset_s is None
 
 
+def test_two_pictures_by_our_clock_find_the_shots_of_a_slow_autopilot():
+    """Its clock falls behind by more between them than a pair may differ; ours tells."""
+    pairing, found = ImagePairing(), []
+    for number, (taken_s, behind_s) in enumerate([(0.0, 3.0), (40.0, 7.0)]):
+        reported_s = NOW_S + taken_s + 0.2
+        trigger = replace(shot(number, NOW_S + taken_s - behind_s), reported_s=reported_s)
+        found += pairing.add([trigger], [picture(NOW_S + taken_s + 0.1, f'{number}.jpg')])
+    assert [(pair.trigger.index, pair.image.name) for pair in found] == [
+        (0, '0.jpg'),
+        (1, '1.jpg'),
+    ]
+
+
+def test_slow_autopilot_that_comes_near_the_camera_by_chance_is_not_believed():
+    """Shot 1 by its clock is where picture 0 is; the reports tell which was taken when."""
+    shots = [
+        replace(shot(number, NOW_S + 4.0 * number - 3.9), reported_s=NOW_S + 4.0 * number)
+        for number in range(2)
+    ]
+    pairing = ImagePairing()
+    pairs = pairing.add(shots[:1], [picture(NOW_S, '0.jpg')])
+    pairs += pairing.add(shots[1:], [picture(NOW_S + 4.0, '1.jpg')])
+    assert [(pair.trigger.index, pair.image.name) for pair in pairs] == [
+        (0, '0.jpg'),
+        (1, '1.jpg'),
+    ]
+
+
+def test_reports_tell_when_they_came():
+    """By our clock, whatever that of the autopilot is."""
+    log, vehicle = TriggerLog(), ready()
+    log.take(position(0.0, 1.0), vehicle, NOW_S)
+    (trigger,) = log.take(feedback(0), vehicle, NOW_S + 5.0)
+    assert trigger.reported_s == NOW_S + 5.0
+
+
+def test_even_times_between_shots_tell_no_pair_where_one_is_missing():
+    """Pictures of a camera of another clock fit one shot further on just as well."""
+    shots = [shot(number, NOW_S + 4.0 * number) for number in range(5)]
+    pictures = [picture(NOW_S + 4.0 * number + 3600.0) for number in range(1, 5)]
+    pairing = ImagePairing()
+    assert pairing.add(shots, pictures) == []
+    assert pairing.offset_s is None
+
+
 def test_drifting_clock_is_followed():
     """A second in ten minutes, more than a shot may be off."""
     pairing = ImagePairing()

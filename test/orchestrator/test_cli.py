@@ -157,6 +157,7 @@ def test_check_shows_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
         assert part in text
 
 
+REAL = {'vehicles[0].link': 'udp://127.0.0.1:14550'}
 OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2798, -9.0605]]
 
 
@@ -188,6 +189,24 @@ OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2
             'set signing_key_file, or unsigned: true',
             errors.EXIT_FAILED,
         ),
+        (
+            REAL | {'vehicles[0].drone': {'signing_key_file': 'missing.key'}},
+            'missing.key: No such file',
+            errors.EXIT_FAILED,
+        ),
+        (
+            REAL | {'vehicles[0].drone': {'image_folder': 'missing'}},
+            "image folder 'missing' is no folder",
+            errors.EXIT_FAILED,
+        ),
+        (
+            REAL
+            | {
+                'vehicles[0].drone': {'detector': {'udp': '127.0.0.1:1', 'format_file': 'missing'}}
+            },
+            "format_file = 'missing': no such file",
+            errors.EXIT_USAGE,
+        ),
     ],
     ids=[
         'exclusion over the home',
@@ -195,6 +214,9 @@ OVER_THE_HOME = [[53.279, -9.0605], [53.279, -9.0615], [53.2798, -9.0615], [53.2
         'start in the year 1066',
         'link to a network',
         'unsigned link',
+        'no signing key',
+        'no image folder',
+        'no formats of a detector',
     ],
 )
 def test_check_finds_what_will_fail(

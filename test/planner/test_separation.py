@@ -5,7 +5,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from rocsafe_geo.position import GeoPosition
@@ -69,6 +69,8 @@ def aloft(plan, share):
     st.sampled_from([0.0, 2e-5, 3e-4]),
     st.floats(0.05, 0.95),
 )
+# A vehicle hovers a millimetre beside its next viewpoint.
+@example(corner=0, count=4, apart_deg=3e-4, share=0.5234375)
 def test_vehicles_stay_apart_by_default(corner, count, apart_deg, share):
     """From one home or several, and after a loss in mid-air: the checker finds nobody near."""
     wish = request(

@@ -348,8 +348,10 @@ def test_neighbours_lead_out_of_a_cluster():
     """Who stands at the rim of a cluster has neighbours in the next one, not in its own alone."""
     drawn = np.random.default_rng(4)
     points = drawn.uniform(0.0, 1.0, (60, 2)) + np.repeat([[0.0, 0.0], [100.0, 0.0]], 30, axis=0)
+    places = np.column_stack([points, np.zeros(60)])
     costs = np.linalg.norm(points[:, None] - points[None, :], axis=2)
-    near = near_all_round(costs, points, 5, 3)
+    near = near_all_round(places, 5, 3, costs)
+    assert (near_all_round(places, 5, 3) == near).all()
     assert near.shape == (60, 17)
     for i, row in enumerate(near):
         assert len(set(row)) == 17
@@ -358,6 +360,31 @@ def test_neighbours_lead_out_of_a_cluster():
     rightmost = int(points[:30, 0].argmax())
     assert (near[rightmost, 5:] >= 30).sum() >= 3
     assert (near_rows(costs, 17)[rightmost] < 30).all()
+
+
+def test_neighbours_in_each_quadrant_are_the_cheapest_there():
+    """Those of a slow search, also where many cost the same and where a quadrant is empty."""
+    for seed in range(10):
+        drawn = np.random.default_rng(seed)
+        points = np.column_stack([drawn.integers(0, 9, (70, 2)), np.zeros(70)]).astype(float)
+        costs = np.hypot(*(points[:, None, :2] - points[None, :, :2]).transpose(2, 0, 1))
+        near = near_all_round(points, 5, 3, costs)
+        for i, row in enumerate(near):
+            others = sorted(set(range(70)) - {i}, key=lambda j: (costs[i, j], j))
+            sides = [tuple(points[j, :2] >= points[i, :2]) for j in others[5:]]
+            first = [j for k, j in enumerate(others[5:]) if sides[:k].count(sides[k]) < 3]
+            wanted = (others[:5] + first + [j for j in others[5:] if j not in first])[:17]
+            assert list(row) == wanted
+
+
+def test_large_surveys_have_neighbours_outside_of_their_clusters():
+    """Of those at the rims, also where no table of legs is made."""
+    drawn = np.random.default_rng(4)
+    centres = np.repeat([[0.0, 0.0], [1000.0, 0.0], [0.0, 1000.0]], 300, axis=0)
+    points = centres + drawn.uniform(0.0, 30.0, (900, 2))
+    tables = tables_of(one_depot(points, points[0], 2))
+    assert not tables.dense
+    assert (np.abs(points[tables.near] - points[:, None]).max(axis=(1, 2)) > 500).mean() > 0.1
 
 
 @pytest.mark.parametrize('home', [(0.0, 0.0), (2.2, 2.7)])

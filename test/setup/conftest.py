@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A machine that is not there: stand-ins for Python, pip, colcon and the compilers."""
+"""A machine that is not there: stand-ins for Python, pip, uv, colcon and the compilers."""
 
 import os
 import shutil
@@ -29,6 +29,10 @@ case "$*" in
     mkdir -p "$target/bin"; cp "$0" "$target/bin/python" ;;
 *'-m pip install '*)
     note pip "$*"; fail pip; hang pip ;;
+*'-m pip config list')
+    echo "$FAKE_PIP_SETTINGS" ;;
+*'-m uv pip install '*)
+    note uv "$*"; fail uv; hang uv ;;
 *colcon_core.command*)
     note colcon "$*"; mkdir -p build install; hang colcon; fail colcon
     echo "export AMENT_PREFIX_PATH=$PWD/install/a:$FAKE_PREFIX" >install/setup.bash ;;

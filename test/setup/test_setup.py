@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-STAGES = ['venv', 'pip', 'colcon']
+STAGES = ['venv', 'pip', 'uv', 'colcon']
+INSTALLED = ['pip', 'uv']
 
 
 def test_first_setup_makes_everything(machine):
@@ -18,8 +19,10 @@ def test_first_setup_makes_everything(machine):
     assert machine.calls == STAGES
     for text in ('virtual environment', 'wheels', 'colcon build', 'commands', 'ready after'):
         assert text in done.stdout
-    assert '--require-hashes' in machine.call_lines[1]
-    assert 'requirements/lock.txt' in machine.call_lines[1]
+    installer, libraries = machine.call_lines[1:3]
+    for line, name in ((installer, 'installer.txt'), (libraries, 'lock.txt')):
+        assert '--require-hashes' in line
+        assert f'requirements/{name}' in line
     assert os.access(machine.checkout / '.venv/bin/rocsafe', os.X_OK)
     assert os.access(machine.checkout / '.venv/bin/ros2', os.X_OK)
 
@@ -47,9 +50,9 @@ def test_tests_add_their_tools_once(machine):
     machine.setup()
     machine.forget_calls()
     machine.setup('--dev')
-    assert machine.calls == ['pip']
-    assert '--require-hashes' in machine.call_lines[0]
-    assert 'requirements/lock-dev.txt' in machine.call_lines[0]
+    assert machine.calls == INSTALLED
+    assert '--require-hashes' in machine.call_lines[1]
+    assert 'requirements/lock-dev.txt' in machine.call_lines[1]
     machine.forget_calls()
     assert machine.setup().stdout == 'setup: ready\n'
     assert machine.setup('--dev').stdout == 'setup: ready\n'
@@ -60,9 +63,10 @@ def test_changed_file_repeats_only_its_stage(machine):
     """The content of the files decides; Python sources are used in place."""
     machine.setup()
     for file, stages in (
-        ('requirements/python.txt', ['pip']),
-        ('requirements/lock.txt', ['pip']),
-        ('requirements/ros.txt', ['pip', 'colcon']),
+        ('requirements/python.txt', INSTALLED),
+        ('requirements/lock.txt', INSTALLED),
+        ('requirements/installer.txt', INSTALLED),
+        ('requirements/ros.txt', [*INSTALLED, 'colcon']),
         ('src/rocsafe_geo/package.xml', ['colcon']),
         ('src/rocsafe_geo/setup.py', ['colcon']),
         ('src/rocsafe_interfaces/CMakeLists.txt', ['colcon']),
@@ -82,7 +86,7 @@ def test_inner_loops_are_compiled_ahead_and_again_when_they_change(machine):
     solver.mkdir(parents=True)
     (solver / 'moves.py').write_text('')
     done = machine.setup()
-    assert machine.calls == [*STAGES, 'kernels']
+    assert sorted(machine.calls) == sorted([*STAGES, 'kernels'])
     assert 'machine code' in done.stdout
     machine.forget_calls()
     assert machine.setup().stdout == 'setup: ready\n'
@@ -91,6 +95,24 @@ def test_inner_loops_are_compiled_ahead_and_again_when_they_change(machine):
     assert machine.calls == ['kernels']
     environment = machine.environment_of('kernels')
     assert environment['PYTHONPATH'].split(':')[0] == str(machine.checkout / 'src/rocsafe_planner')
+
+
+def test_inner_loops_that_do_not_compile_end_the_setup(machine, running_on):
+    """Their log is shown; a build that fails first ends them."""
+    solver = machine.checkout / 'src/rocsafe_planner/rocsafe_planner/solver'
+    solver.mkdir(parents=True)
+    (solver / 'moves.py').write_text('')
+    failed = machine.setup(FAKE_FAIL='kernels', FAKE_TEXT='error: no such loop')
+    assert failed.returncode == 1
+    assert failed.stderr.splitlines()[0].strip() == 'error: no such loop'
+    shutil.rmtree(machine.checkout / 'build')
+    failed = machine.setup(FAKE_FAIL='colcon', FAKE_HANG='kernels')
+    assert failed.returncode == 1
+    machine.wait_for_call('kernels')
+    assert running_on(machine) == []
+    machine.forget_calls()
+    assert machine.setup().returncode == 0
+    assert sorted(machine.calls) == ['colcon', 'kernels']
 
 
 def test_touched_file_repeats_nothing(machine):
@@ -105,8 +127,8 @@ def test_touched_file_repeats_nothing(machine):
 def test_removed_folder_is_made_again(machine):
     """Whoever removes a folder gets it back."""
     machine.setup()
-    built = STAGES[2:]
-    for folder, stages in (('build', built), ('install', built), ('.venv', ['venv', 'pip'])):
+    built = STAGES[-1:]
+    for folder, stages in (('build', built), ('install', built), ('.venv', ['venv', *INSTALLED])):
         machine.forget_calls()
         shutil.rmtree(machine.checkout / folder)
         assert machine.setup().returncode == 0, folder
@@ -150,7 +172,7 @@ def test_broken_environment_is_made_again(machine):
     machine.forget_calls()
     (machine.checkout / '.venv/bin/python').write_text('#!/bin/sh\nexit 127\n')
     assert machine.setup().returncode == 0
-    assert machine.calls == ['venv', 'pip']
+    assert machine.calls == ['venv', *INSTALLED]
 
 
 @pytest.mark.parametrize(
@@ -168,8 +190,7 @@ def test_interrupted_setup_ends_at_once_and_goes_on(machine, running_on, stage, 
     assert running_on(machine) == []
     machine.forget_calls()
     assert machine.setup().returncode == 0
-    again = {'venv': STAGES, 'pip': STAGES, 'colcon': ['colcon']}
-    assert machine.calls == again[stage]
+    assert machine.calls == (['colcon'] if stage == 'colcon' else STAGES)
     assert machine.setup().stdout == 'setup: ready\n'
 
 
@@ -203,20 +224,52 @@ def test_two_setups_do_not_collide(machine):
 
 
 @pytest.mark.parametrize(
-    ('text', 'reason'),
+    ('tool', 'text', 'reason'),
     [
-        ('OSError: [Errno 28] No space left on device', 'no space is left on the disk'),
-        ('NewConnectionError: Temporary failure in name resolution', 'index cannot be reached'),
-        ('ERROR: No matching distribution found for rclpy==7', 'has no rclpy==7 for this Python'),
+        ('pip', 'OSError: [Errno 28] No space left on device', 'no space is left on the disk'),
+        ('pip', 'NewConnectionError: Temporary failure in name resolution', 'cannot be reached'),
+        ('pip', 'ERROR: No matching distribution found for uv==7', 'has no uv==7 for this Python'),
+        ('pip', 'ERROR: THESE PACKAGES DO NOT MATCH THE HASHES', 'differs from the one'),
+        ('uv', 'cause: No space left on device (os error 28)', 'no space is left on the disk'),
+        ('uv', 'cause: error sending request for url (https://a.b)', 'cannot be reached'),
+        ('uv', 'cause: Hash mismatch for `affine==3`', 'differs from the one'),
+        ('uv', 'Because there is no version of affine==9 and you', 'has no affine==9 for this'),
+        ('uv', 'Because affine was not found in the package registry', 'has no affine for this'),
     ],
 )
-def test_failure_of_pip_is_one_line(machine, text, reason):
+def test_failed_installation_is_one_line(machine, tool, text, reason):
     """Disk, network and platform are told by their cause, not by a traceback."""
-    failed = machine.setup(FAKE_FAIL='pip', FAKE_TEXT=text)
+    failed = machine.setup(FAKE_FAIL=tool, FAKE_TEXT=text)
     assert failed.returncode == 1
     assert failed.stderr.count('\n') == 1
     assert reason in failed.stderr
     assert machine.setup().returncode == 0
+
+
+def test_mirror_of_pip_is_also_that_of_uv(machine):
+    """Whoever named a mirror, certificates or a proxy for pip need name nothing more."""
+    settings = [
+        "global.index-url='https://one/simple'",
+        "global.extra-index-url='https://two/simple file:///three'",
+        "install.trusted-host='two'",
+        "global.cert='/certificates.pem'",
+        "global.proxy='http://proxy:3128'",
+        "global.constraint='/other'",
+        ":env:.index-url='https://four/simple'",
+    ]
+    assert machine.setup(FAKE_PIP_SETTINGS='\n'.join(settings)).returncode == 0
+    words = machine.call_lines[STAGES.index('uv')].split()
+    for option, values in (
+        ('--default-index', ['https://four/simple']),
+        ('--index', ['https://two/simple', 'file:///three']),
+        ('--allow-insecure-host', ['two']),
+        ('--cert', ['/certificates.pem']),
+        ('--no-index', []),
+    ):
+        told = [word.split('=', 1)[1] for word in words if word.startswith(f'{option}=')]
+        assert told == values, option
+    assert '--system-certs' not in words
+    assert machine.environment_of('uv')['HTTPS_PROXY'] == 'http://proxy:3128'
 
 
 def test_failed_build_shows_the_end_of_its_log(machine):
@@ -290,7 +343,7 @@ def test_change_between_wheels_and_system_makes_anew(machine, system_ros):
     assert system_ros.setup(**wheels).returncode == 0
     machine.forget_calls()
     assert system_ros.setup().returncode == 0
-    assert machine.calls == STAGES
+    assert machine.calls == [stage for stage in STAGES if stage != 'uv']
     machine.forget_calls()
     assert system_ros.setup().stdout == 'setup: ready\n'
     assert system_ros.setup(**wheels).returncode == 0

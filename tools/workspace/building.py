@@ -4,13 +4,14 @@
 import os
 import shlex
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from workspace import records
 from workspace.environment import build_environment, capture, shell_script
 from workspace.layout import Layout
 from workspace.packages import remove
-from workspace.processes import run_logged
+from workspace.processes import run_logged, running
 from workspace.ros import SystemRos
 
 # Started by the environment's own Python, so that the executables it installs start with it too.
@@ -45,11 +46,13 @@ def clear(layout: Layout) -> None:
     remove(layout.install)
 
 
-def compile_kernels(layout: Layout, environment: Mapping[str, str]) -> None:
-    """Compile the planner's inner loops, so that the first plan need not wait for that."""
+def compiling_kernels(
+    layout: Layout, environment: Mapping[str, str]
+) -> AbstractContextManager[None]:
+    """Compile, beside a block, the planner's inner loops: the first plan need not wait for it."""
     sources = [str(layout.planner), str(layout.sources / 'rocsafe_geo')]
     paths = [*sources, environment.get('PYTHONPATH', '')]
-    run_logged(
+    return running(
         [str(layout.python), '-m', 'rocsafe_planner.solver.precompile'],
         layout.logs / 'kernels.log',
         {**environment, 'PYTHONPATH': os.pathsep.join(filter(None, paths))},

@@ -70,7 +70,24 @@ def run_logged(
     environment: Mapping[str, str],
     folder: Path | None = None,
 ) -> None:
-    """Run `command` in `folder` with its output in `log`.
+    """Run `command` in `folder` with its output in `log`; errors as those of `running`."""
+    with running(command, log, environment, folder):
+        pass
+
+
+@contextlib.contextmanager
+def running(
+    command: Sequence[str],
+    log: Path,
+    environment: Mapping[str, str],
+    folder: Path | None = None,
+) -> Iterator[None]:
+    """Run `command` in `folder` beside the block, and wait for it after the block.
+
+    Parameters
+    ----------
+    log
+        File that gets the output.
 
     Raises
     ------
@@ -90,6 +107,7 @@ def run_logged(
                 cwd=folder,
                 start_new_session=True,
             )
+        yield
         code = process.wait(timeout=COMMAND_LIMIT_S)
     except BaseException:
         if process is not None:

@@ -3,7 +3,8 @@
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from ctypes.util import find_library
 from dataclasses import dataclass
 from functools import cached_property
@@ -58,7 +59,7 @@ class Workspace:
 
     def packages_mark(self, version: str) -> str:
         """Fingerprint of the packages that the nodes need."""
-        names = ('ros.txt', 'python.txt', 'lock.txt')
+        names = ('ros.txt', 'python.txt', 'lock.txt', 'installer.txt')
         files = [self.layout.requirements / name for name in names]
         return records.fingerprint(self.venv_mark(version), *files)
 
@@ -110,9 +111,9 @@ def make_ready(workspace: Workspace, *, development: bool) -> None:
     _ready_packages(workspace, version)
     if development:
         _ready_development(workspace, version)
-    _ready_build(workspace, version)
-    _ready_commands(workspace, version)
-    _ready_kernels(workspace, version)
+    with _kernels_beside(workspace, version):
+        _ready_build(workspace, version)
+        _ready_commands(workspace, version)
     _tell_of_egl()
 
 
@@ -247,12 +248,18 @@ def _ready_commands(workspace: Workspace, version: str) -> None:
     records.write(layout.venv_record, {**record, 'commands': mark})
 
 
-def _ready_kernels(workspace: Workspace, version: str) -> None:
+@contextmanager
+def _kernels_beside(workspace: Workspace, version: str) -> Iterator[None]:
+    """Compile the planner's inner loops while the block builds, which leaves a core idle."""
     layout, mark = workspace.layout, workspace.kernels_mark(version)
-    record = records.read(layout.venv_record)
-    if record.get('kernels') == mark:
+    if records.read(layout.venv_record).get('kernels') == mark:
+        yield
         return
-    if layout.kernels:
-        with step("the planner's inner loops, to machine code"):
-            building.compile_kernels(layout, workspace.tools)
-    records.write(layout.venv_record, {**record, 'kernels': mark})
+    with ExitStack() as compiling:
+        if layout.kernels:
+            compiling.enter_context(building.compiling_kernels(layout, workspace.tools))
+        yield
+        if layout.kernels:
+            with step("the planner's inner loops, to machine code, beside the build"):
+                compiling.close()
+    records.write(layout.venv_record, {**records.read(layout.venv_record), 'kernels': mark})

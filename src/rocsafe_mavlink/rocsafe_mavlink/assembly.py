@@ -3,7 +3,7 @@
 
 import math
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from pathlib import Path
 
 from rocsafe_mavlink.bridge_options import BridgeOptions
@@ -51,6 +51,26 @@ def make_stations(options: BridgeOptions, fleet: DroneFleet) -> dict[str, Statio
             station.close()
         raise
     return stations
+
+
+def require_files(fleet: DroneFleet, names: Container[str]) -> None:
+    """Read keys and find image folders of the vehicles named, as a bridge on this machine would.
+
+    Raises
+    ------
+    KeyFileError
+        If a key cannot be read.
+    ValueError
+        If an image folder is missing, or a file of time stamps is damaged.
+    """
+    for drone in fleet.drones:
+        if drone.name not in names:
+            continue
+        if drone.signing_key_file:
+            read_key(Path(drone.signing_key_file))
+            timestamps_of(Path(drone.signing_key_file))
+        if not drone.image_folder.startswith(STREAM_PREFIXES):
+            open_source(drone.image_folder, lambda: 0.0)
 
 
 def clock_warnings(fleet: DroneFleet, now_s: float) -> list[str]:

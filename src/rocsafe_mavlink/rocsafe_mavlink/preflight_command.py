@@ -3,7 +3,8 @@
 
 Reads a request as JSON from standard input: `bridge` (parameters of the bridge, the content of the
 drones file among them), `routes` (see `plan_of`, by vehicle; may be left out) and `patience_s`;
-with `only_options` true nothing is opened, and only a mistake in the parameters is told.
+with `only_options` true no link is opened, and only a mistake in the parameters is told, or in
+the files of the vehicles named in `files_of`, which are on this machine.
 Writes the answer as JSON: for each vehicle its checks and its home. It only reads: nothing is
 commanded but the messages that it needs.
 """
@@ -16,7 +17,7 @@ from typing import Any
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.value_file import values_of
-from rocsafe_mavlink.assembly import make_drone, make_stations
+from rocsafe_mavlink.assembly import make_drone, make_stations, require_files
 from rocsafe_mavlink.bridge_options import BridgeOptions
 from rocsafe_mavlink.checks.check import NOT_READ, Check, CheckVerdict, failures
 from rocsafe_mavlink.drone.drone import Drone
@@ -43,6 +44,7 @@ def main() -> int:
             for name, route in request.get('routes', {}).items()
         }
         if request.get('only_options'):
+            require_files(fleet, request.get('files_of', ()))
             json.dump({'vehicles': []}, sys.stdout)
             return EXIT_GOOD
         patience_s = min(float(request.get('patience_s', 0.0)), LARGEST_PATIENCE_S)

@@ -13,8 +13,11 @@ from rocsafe_airsim.vehicle import Vehicle, World
 
 Method = Callable[..., Awaitable[Any]]
 MethodT = TypeVar('MethodT', bound=Method)
-# Names that scripts use for the camera of a vehicle, besides its own.
-FIRST_CAMERA_NAMES = frozenset({'', '0', '1', '3', 'front_center', 'bottom_center', 'high_res'})
+# The cameras that every vehicle of AirSim has, by number and by name; all are the first here.
+FIRST_CAMERA_NAMES = frozenset({
+    '', '0', '1', '2', '3', '4',
+    'front_center', 'front_right', 'front_left', 'bottom_center', 'back_center',
+})  # fmt: skip
 # AirSim's own examples name their vehicles so.
 _NUMBERED = re.compile(r'(?:[Dd]rone|[Vv]ehicle|UAV)_?(\d+)$')
 _ESCAPED = re.compile(r'\\.', re.DOTALL)

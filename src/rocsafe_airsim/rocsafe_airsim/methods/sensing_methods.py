@@ -16,6 +16,8 @@ from rocsafe_airsim.vehicle import DISARMED, Picture
 
 # A camera that is rolled by no more counts as level.
 LEVEL_RAD = math.radians(1.0)
+# The pose of a thing that is not there.
+_NOWHERE = values.pose((math.nan,) * 3, (math.nan,) * 4)
 # All images of a call are in memory at once.
 MOST_IMAGES = 64
 
@@ -162,7 +164,8 @@ class SensingMethods:
     async def _sim_get_object_pose(self, mesh: str, *_is_ned: Any) -> values.Plain:
         row = self._at.instance(mesh)
         if row is None:
-            raise AirsimError(f'{shown(mesh)}: no such thing, see simListSceneObjects')
+            # As AirSim answers: scripts ask in this way whether there is such a thing.
+            return _NOWHERE
         if 'place' not in row:
             raise AirsimError(f'{shown(mesh)}: has no place of its own, or moves')
         return values.pose(

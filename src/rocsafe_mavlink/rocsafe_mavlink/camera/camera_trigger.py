@@ -8,7 +8,7 @@ Reports that were lost are filled in from the track, and marked.
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rocsafe_geo.angle import wrap_rad, yaw_of_heading_rad
 from rocsafe_geo.position import GeoPosition, distance_m
@@ -77,6 +77,8 @@ class CameraTrigger:
     position_std_m
         Standard deviation of the position beside that of the receiver: half of the way between
         the two known places around it, where the track has a gap.
+    reported_s
+        Time of day by our clock at which it was reported; NaN: not known.
     """
 
     index: int
@@ -87,6 +89,7 @@ class CameraTrigger:
     source: str
     is_interpolated: bool = False
     position_std_m: float = 0.0
+    reported_s: float = math.nan
 
 
 class TriggerLog:
@@ -145,7 +148,7 @@ class TriggerLog:
         ):
             return []
         self._last = trigger
-        return [*self._missing(last, trigger), trigger]
+        return [*self._missing(last, trigger), replace(trigger, reported_s=unix_s)]
 
     def _trigger(
         self, message: Message, vehicle: VehicleTelemetry, unix_s: float

@@ -3,10 +3,12 @@
 
 Both come in order. Where the clocks agree, or their difference is known, an image belongs to the
 trigger nearest in time. Before, the difference is searched with which most images and triggers
-agree: the uneven times between triggers make it unique. Images without a trigger and triggers
-without an image stay unpaired.
+agree: the uneven times between triggers make it unique. A camera may also go by the clock of this
+machine where the autopilot's differs: its images are compared with the times at which the triggers
+were reported, too. Images without a trigger and triggers without an image stay unpaired.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -28,6 +30,9 @@ class PairingOptions:
         Clocks that differ by less are assumed to be set by the same source, seconds.
     fewest_agreeing
         Pairs that must agree for a larger difference of the clocks.
+    fewest_more
+        By how many more agree with it than with any other difference: of evenly spaced triggers
+        one fewer agrees one trigger further on, and as many where one of each was lost.
     searched_count
         Images and triggers among which the difference is searched.
     drift_share
@@ -40,6 +45,7 @@ class PairingOptions:
     agreement_s: float = 0.1
     set_alike_s: float = 1.0
     fewest_agreeing: int = 3
+    fewest_more: int = 2
     searched_count: int = 20
     drift_share: float = 0.2
     largest_waiting: int = 500
@@ -76,6 +82,8 @@ class ImagePairing:
         self._triggers = [*triggers][-PAIRING.largest_waiting :]
         self._images: list[CameraImage] = []
         self._offset_s = offset_s
+        # Clock of the camera less ours, where it is set as ours is.
+        self._from_ours_s: float | None = None
 
     @property
     def offset_s(self) -> float | None:
@@ -111,12 +119,26 @@ class ImagePairing:
         self._triggers = [*self._triggers, *triggers][-PAIRING.largest_waiting :]
         self._images = [*self._images, *images][-PAIRING.largest_waiting :]
         if self._offset_s is None:
-            self._offset_s = self._found_offset()
-        return [] if self._offset_s is None else self._paired()
+            times = [trigger.unix_s for trigger in self._triggers]
+            self._offset_s = self._found_offset(times, PAIRING.agreement_s)
+        if self._offset_s is None:
+            reported = [trigger.reported_s for trigger in self._reported]
+            found_s = self._found_offset(reported, PAIRING.tolerance_s)
+            self._take_from_ours(math.inf if found_s is None else found_s)
+        is_known = self._offset_s is not None or self._from_ours_s is not None
+        return self._paired() if is_known else []
 
-    def _found_offset(self) -> float | None:
-        """Return the difference of the clocks with which most agree, the smallest of these."""
-        triggers = [trigger.unix_s for trigger in self._triggers[: PAIRING.searched_count]]
+    @property
+    def _reported(self) -> list[CameraTrigger]:
+        """Triggers of which it is known when they were reported."""
+        return [trigger for trigger in self._triggers if not math.isnan(trigger.reported_s)]
+
+    def _take_from_ours(self, offset_s: float) -> None:
+        self._from_ours_s = offset_s if abs(offset_s) < PAIRING.set_alike_s else None
+
+    def _found_offset(self, times_s: list[float], agreement_s: float) -> float | None:
+        """Return the difference to a clock of triggers with which most agree, the smallest."""
+        triggers = times_s[: PAIRING.searched_count]
         images = [image.unix_s for image in self._images[: PAIRING.searched_count]]
         candidates = [image_s - trigger_s for image_s in images for trigger_s in triggers]
         if not candidates:
@@ -124,13 +146,22 @@ class ImagePairing:
 
         def agreeing(offset_s: float) -> int:
             return sum(
-                any(abs(image_s - offset_s - s) < PAIRING.agreement_s for s in triggers)
+                any(abs(image_s - offset_s - s) < agreement_s for s in triggers)
                 for image_s in images
             )
 
         best_s = max(candidates, key=lambda offset_s: (agreeing(offset_s), -abs(offset_s)))
-        is_sure = agreeing(best_s) >= PAIRING.fewest_agreeing or abs(best_s) < PAIRING.set_alike_s
-        return best_s if is_sure else None
+        if abs(best_s) < PAIRING.set_alike_s:
+            return best_s
+        # Even times between triggers agree one trigger further, too.
+        others = [s for s in candidates if abs(s - best_s) > 2.0 * PAIRING.tolerance_s]
+        rival = max(map(agreeing, others), default=0)
+        count = agreeing(best_s)
+        return (
+            best_s
+            if count >= PAIRING.fewest_agreeing and count - rival >= PAIRING.fewest_more
+            else None
+        )
 
     def _paired(self) -> list[ImagePair]:
         pairs = []
@@ -143,13 +174,32 @@ class ImagePairing:
         return sorted(pairs, key=lambda pair: pair.trigger.unix_s)
 
     def _nearest(self, image: CameraImage) -> ImagePair | None:
-        offset_s = self._offset_s or 0.0
-        taken_s = image.unix_s - offset_s
+        return self._by_autopilot(image) or self._by_ours(image)
+
+    def _by_autopilot(self, image: CameraImage) -> ImagePair | None:
+        """Pair by the clock of the autopilot, and follow what the other clocks differ by."""
+        if self._offset_s is None:
+            return None
+        taken_s = image.unix_s - self._offset_s
         trigger = min(
             self._triggers, key=lambda trigger: abs(trigger.unix_s - taken_s), default=None
         )
         if trigger is None or abs(trigger.unix_s - taken_s) > PAIRING.tolerance_s:
             return None
         if not trigger.is_interpolated:
-            self._offset_s = offset_s + PAIRING.drift_share * (taken_s - trigger.unix_s)
+            self._offset_s += PAIRING.drift_share * (taken_s - trigger.unix_s)
+        if not math.isnan(trigger.reported_s):
+            self._take_from_ours(image.unix_s - trigger.reported_s)
+        return ImagePair(trigger, image)
+
+    def _by_ours(self, image: CameraImage) -> ImagePair | None:
+        """Pair by the times of reports: the clock of the autopilot may not go as ours does."""
+        if self._from_ours_s is None:
+            return None
+        taken_s = image.unix_s - self._from_ours_s
+        trigger = min(
+            self._reported, key=lambda trigger: abs(trigger.reported_s - taken_s), default=None
+        )
+        if trigger is None or abs(trigger.reported_s - taken_s) > PAIRING.tolerance_s:
+            return None
         return ImagePair(trigger, image)

@@ -16,6 +16,8 @@ from rocsafe_orchestrator.planning_commands.plan_command import planned
 from rocsafe_orchestrator.process_table.executables import find_executable
 from rocsafe_orchestrator.processes.answers import answer_of
 from rocsafe_planner.plan.plan import Route
+from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
+from rocsafe_scenario.blocks.vehicles import VehicleBlock
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 from rocsafe_scenario.scenario_file import read_scenario
@@ -67,17 +69,31 @@ def look(
 
 
 def require_links(scenario: Scenario) -> None:
-    """Raise `OrchestratorError` if a bridge would refuse its vehicles; nothing is opened.
+    """Raise `OrchestratorError` if a bridge would refuse its vehicles; no link is opened.
 
-    The executable of the bridge judges: its options are its own.
+    The executable of the bridge judges: its options are its own. Files of vehicles of another
+    host are not looked for: they are there.
     """
     block = scenario.ground_vehicle
     driver = block if block and block.link else None
     if not scenario.linked and driver is None:
         return
     bridge = bridge_parameters(scenario, '', scenario.linked, driver)
-    executable = find_executable('rocsafe_mavlink', 'preflight')
-    answer_of(executable, {'bridge': bridge, 'only_options': True}, SPARE_S)
+    here: list[VehicleBlock | GroundVehicleBlock] = [*scenario.linked_on(scenario.head)]
+    if driver is not None:
+        here.append(driver)
+    for vehicle in here:
+        _require_format_file(vehicle)
+    request = {'bridge': bridge, 'only_options': True, 'files_of': [each.name for each in here]}
+    answer_of(find_executable('rocsafe_mavlink', 'preflight'), request, SPARE_S)
+
+
+def _require_format_file(vehicle: VehicleBlock | GroundVehicleBlock) -> None:
+    """Raise `ScenarioError` if the formats of a vehicle's detector are in no file."""
+    detector = vehicle.drone.detector
+    file = '' if isinstance(detector, str) else detector.format_file
+    if file and not Path(file).is_file():
+        raise ScenarioError(f'{vehicle.name}: drone.detector.format_file = {file!r}: no such file')
 
 
 def cleared(scenario: Scenario, wait_s: float, now: datetime, host: str = '') -> Scenario:

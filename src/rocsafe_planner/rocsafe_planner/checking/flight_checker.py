@@ -22,7 +22,7 @@ Fault = str
 # The planner measures in a tangent plane, this module on the ellipsoid: 1e-4 apart at 150 km.
 RELATIVE = 2e-4
 ABSOLUTE_M = 0.05
-_ABSOLUTE_S = 0.05
+ABSOLUTE_S = 0.05
 # Mean radius of the earth (IUGG): a geodesic is longer by altitude / radius above the ellipsoid.
 _EARTH_RADIUS_M = 6_371_009.0
 
@@ -66,7 +66,7 @@ def _sortie(plan: SurveyPlan, route: Route, number: int) -> Iterator[Fault]:
         yield f'states {sortie.length_m} m: it is {length} m long'
     duration = motion_of(plan, route, number, frame).duration_s
     # A very short leg takes as long as the fourth root of its length: micrometres count there.
-    slack = RELATIVE * duration + _ABSOLUTE_S * len(track)
+    slack = RELATIVE * duration + ABSOLUTE_S * len(track)
     if abs(duration - sortie.duration_s) > slack:
         yield f'states {sortie.duration_s} s: it takes {duration} s'
     yield from _heights(plan, route, number, ups)

@@ -10,7 +10,7 @@ import numpy as np
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_planner.checking.checked_track import frame_of, motion_of
-from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, RELATIVE, Fault
+from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, ABSOLUTE_S, RELATIVE, Fault
 from rocsafe_planner.plan.plan import Route, SurveyPlan
 
 _SAMPLE_S = 0.2
@@ -32,7 +32,11 @@ def separation_faults(plan: SurveyPlan) -> Iterator[Fault]:
     wanted = plan.request.separation.distance_m
     if may_wait and stated < wanted - ABSOLUTE_M:
         yield f'minimum_separation_m is {stated}: separation distance_m is {wanted}'
-    if seen < stated - ABSOLUTE_M - RELATIVE * plan.longest_route_m:
+    # A leg of a millimetre, from beside a viewpoint to it, takes centiseconds: by so much two
+    # tracks of the same flight may be apart in time.
+    closing_mps = 2.0 * max(vehicle.cruise_speed_mps for vehicle in plan.request.vehicles)
+    slack_m = ABSOLUTE_M + RELATIVE * plan.longest_route_m + ABSOLUTE_S * closing_mps
+    if seen < stated - slack_m:
         yield f'minimum_separation_m is {stated}: vehicles come within {seen} m'
 
 

@@ -3,15 +3,16 @@
 
 import numpy as np
 
-from rocsafe_planner.solver.model.neighbours import near_all_round, near_points, near_rows
+from rocsafe_planner.solver.model.neighbours import near_all_round, near_rows
 from rocsafe_planner.solver.model.problem import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver.model.tables import Costs, Floats, Ints, Tables, Words
 
 DENSE_SITES = 800
 """Up to here a matrix of legs stays in the processor's cache and beats computing square roots."""
+NEAREST, EACH_SIDE = 4, 2
+"""Neighbours of a customer that has a place: that many anywhere, and in each quadrant."""
 NEIGHBOURS = 10
-NEAREST, EACH_SIDE = 5, 3
-"""Neighbours where there is a table of legs: that many anywhere, and in each quadrant."""
+"""Neighbours of a customer that has none, or of few customers."""
 FREE = np.uint64(1)
 
 
@@ -107,14 +108,11 @@ def _abilities(problem: RoutingProblem) -> tuple[Words, Words]:
 def _near(problem: RoutingProblem, matrix: Costs) -> Ints:
     """Return the neighbours of each customer: by distance, or by mean cost of both directions."""
     n = problem.customers
-    count = min(NEIGHBOURS, n - 1)
-    if count < 1:
+    if n < 2:
         return np.zeros((n, 0), np.int32)
-    if problem.points is not None and NEAREST + 4 * EACH_SIDE < n <= DENSE_SITES:
-        costs = matrix[:, :n, :n].mean(axis=0)
-        costs = (costs + costs.T).astype(np.float64)
-        return near_all_round(costs, problem.points[:n], NEAREST, EACH_SIDE)
-    if problem.points is not None and not any(isinstance(k, MatrixLegs) for k in problem.legs):
-        return near_points(_points(problem)[:n], count)
-    costs = matrix[:, :n, :n].mean(axis=0)
-    return near_rows((costs + costs.T).astype(np.float64), count)
+    mean = matrix[:, :n, :n].mean(axis=0)
+    costs = (mean + mean.T).astype(np.float64)
+    if problem.points is None or n <= NEAREST + 4 * EACH_SIDE:
+        return near_rows(costs, min(NEIGHBOURS, n - 1))
+    known = costs if len(costs) == n else None
+    return near_all_round(_points(problem)[:n], NEAREST, EACH_SIDE, known)

@@ -98,32 +98,61 @@ def near_rows(costs: Floats, count: int) -> Ints:
     return np.ascontiguousarray(np.take_along_axis(near, order, axis=1).astype(np.int32))
 
 
-def near_all_round(costs: Floats, points: Floats, nearest: int, each: int) -> Ints:
+@kernel
+def cheapest_all_round(
+    points: Floats, costs: Floats, near: Ints, near_costs: Floats, side: Ints, side_costs: Floats
+) -> None:
+    """Fill the rows of `near`, and four rows of `side` for the quadrants of each point.
+
+    With no `costs`, those nearest in space are the cheapest.
+    """
+    for i in range(len(points)):
+        for j in range(len(points)):
+            if j == i:
+                continue
+            dx = points[j, 0] - points[i, 0]
+            dy = points[j, 1] - points[i, 1]
+            dz = points[j, 2] - points[i, 2]
+            cost = costs[i, j] if len(costs) > 0 else dx * dx + dy * dy + dz * dz
+            quadrant = (2 if dx >= 0.0 else 0) + (1 if dy >= 0.0 else 0)
+            insert_sorted(near, near_costs, i, j, cost)
+            insert_sorted(side, side_costs, 4 * i + quadrant, j, cost)
+
+
+def near_all_round(points: Floats, nearest: int, each: int, costs: Floats | None = None) -> Ints:
     """Return the cheapest other customers of each, and more of them in each quadrant.
 
     In clusters, all nearest customers belong to the same cluster: only quadrant neighbours
     (Johnson and McGeoch) lead out of it. Where a quadrant has too few, the cheapest of the
-    rest take their places.
+    rest take their places. Ties go to the lower number.
 
     Parameters
     ----------
-    costs
-        (n, n) table of legs.
     points
-        (n, 2 or 3) customers, metres; quadrants are those of the first two columns.
+        (n, 3) customers, metres; quadrants are those of the first two columns.
     nearest
         Number of nearest customers in any direction.
     each
         Number of further customers from each of the four quadrants; n > nearest + 4 * each.
+    costs
+        (n, n) table of legs; None where the nearest are the cheapest.
     """
-    order = near_rows(costs, len(costs) - 1)
-    apart = points[order, :2] - points[:, None, :2]
-    side = 2 * (apart[..., 0] >= 0) + (apart[..., 1] >= 0)
-    rest = side[:, nearest:]
-    rank = np.full(order.shape, 2)
-    rank[:, :nearest] = 0
-    for quadrant in range(4):
-        on = rest == quadrant
-        rank[:, nearest:][on & (np.cumsum(on, axis=1) <= each)] = 1
-    chosen = np.argsort(rank, axis=1, kind='stable')[:, : nearest + 4 * each]
-    return np.ascontiguousarray(np.take_along_axis(order, chosen, axis=1))
+    n = len(points)
+    near = np.full((n, nearest + 4 * each), n, np.int32)
+    # As many of the cheapest in a quadrant may be among the nearest.
+    side = np.full((4 * n, nearest + each), n, np.int32)
+    near_costs, side_costs = np.full(near.shape, np.inf), np.full(side.shape, np.inf)
+    table = np.zeros((0, 0)) if costs is None else costs
+    cheapest_all_round(points, table, near, near_costs, side, side_costs)
+    sides = side.reshape(n, 4, -1)
+    fresh = (sides[..., None] != near[:, None, None, :nearest]).all(axis=3)
+    kept = fresh & (np.cumsum(fresh, axis=2) <= each) & (sides < n)
+    rest = near[:, nearest:]
+    chosen = np.where(kept, sides, n).reshape(n, -1)
+    twice = (rest[:, :, None] == chosen[:, None, :]).any(axis=2)
+    candidates = np.concatenate([chosen, rest], axis=1)
+    rank = np.concatenate([np.where(chosen < n, 0, 2), np.where(twice, 2, 1)], axis=1)
+    values = np.concatenate([side_costs.reshape(n, -1), near_costs[:, nearest:]], axis=1)
+    order = np.lexsort((candidates, values, rank), axis=1)[:, : 4 * each]
+    further = np.take_along_axis(candidates, order, axis=1)
+    return np.ascontiguousarray(np.concatenate([near[:, :nearest], further], axis=1))
