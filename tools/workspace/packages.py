@@ -14,7 +14,7 @@ from pathlib import Path
 from workspace.errors import CommandError, SetupError
 from workspace.layout import Layout
 from workspace.machine import BasePython
-from workspace.processes import run_logged, running
+from workspace.processes import in_idle_time, run_logged, running
 from workspace.ros import SystemRos
 
 # What a library of the system must be to be used with a system's ROS: its module, the name and
@@ -144,9 +144,8 @@ def compiling_wheels(
     layout: Layout, environment: Mapping[str, str]
 ) -> AbstractContextManager[None]:
     """Compile, beside a block, what was installed, as pip does; what does not compile stays so."""
-    compile_all = 'import compileall, sys; compileall.compile_dir(sys.argv[1], quiet=2)'
-    command = [str(layout.python), '-c', compile_all, str(layout.venv / 'lib')]
-    return running(command, layout.logs / 'bytecode.log', environment)
+    work = f'import compileall; compileall.compile_dir({str(layout.venv / "lib")!r}, quiet=2)'
+    return running(in_idle_time(layout.python, work), layout.logs / 'bytecode.log', environment)
 
 
 def pinned(requirements: Path) -> dict[str, str]:
