@@ -87,7 +87,7 @@ def test_inner_loops_are_compiled_ahead_and_again_when_they_change(machine):
     (solver / 'moves.py').write_text('')
     done = machine.setup()
     assert sorted(machine.calls) == sorted([*STAGES, 'kernels'])
-    assert 'machine code' in done.stdout
+    assert 'compiled beside the build' in done.stdout
     machine.forget_calls()
     assert machine.setup().stdout == 'setup: ready\n'
     (solver / 'moves.py').write_text('changed')

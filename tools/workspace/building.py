@@ -11,7 +11,7 @@ from workspace import records
 from workspace.environment import build_environment, capture, shell_script
 from workspace.layout import Layout
 from workspace.packages import remove
-from workspace.processes import run_logged, running
+from workspace.processes import in_idle_time, run_logged, running
 from workspace.ros import SystemRos
 
 # Started by the environment's own Python, so that the executables it installs start with it too.
@@ -52,8 +52,11 @@ def compiling_kernels(
     """Compile, beside a block, the planner's inner loops: the first plan need not wait for it."""
     sources = [str(layout.planner), str(layout.sources / 'rocsafe_geo')]
     paths = [*sources, environment.get('PYTHONPATH', '')]
+    work = (
+        "import runpy; runpy.run_module('rocsafe_planner.solver.precompile', run_name='__main__')"
+    )
     return running(
-        [str(layout.python), '-m', 'rocsafe_planner.solver.precompile'],
+        in_idle_time(layout.python, work),
         layout.logs / 'kernels.log',
         {**environment, 'PYTHONPATH': os.pathsep.join(filter(None, paths))},
         folder=layout.root,

@@ -8,12 +8,13 @@ import re
 import shutil
 import subprocess
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from workspace.errors import CommandError, SetupError
 from workspace.layout import Layout
 from workspace.machine import BasePython
-from workspace.processes import run_logged
+from workspace.processes import in_idle_time, run_logged, running
 from workspace.ros import SystemRos
 
 # What a library of the system must be to be used with a system's ROS: its module, the name and
@@ -139,6 +140,14 @@ def install_development(layout: Layout, ros: SystemRos | None, env: Mapping[str,
         _install_locked(layout, 'development', 'lock-dev.txt', env)
 
 
+def compiling_wheels(
+    layout: Layout, environment: Mapping[str, str]
+) -> AbstractContextManager[None]:
+    """Compile, beside a block, what was installed, as pip does; what does not compile stays so."""
+    work = f'import compileall; compileall.compile_dir({str(layout.venv / "lib")!r}, quiet=2)'
+    return running(in_idle_time(layout.python, work), layout.logs / 'bytecode.log', environment)
+
+
 def pinned(requirements: Path) -> dict[str, str]:
     """Return the requirement lines of a file by lower-case name."""
     lines = (line.split('#')[0].strip() for line in requirements.read_text().splitlines())
@@ -169,7 +178,7 @@ def _install_locked(
     _pip(layout, 'installer', [*_LOCKED, f'-r{layout.requirements}/installer.txt'], environment)
     sources, proxy = _pip_settings(layout, environment)
     # pip asks all indices alike, too; the hashes say which file is the right one.
-    options = ['--compile-bytecode', '--index-strategy=unsafe-best-match', *_LOCKED, *sources]
+    options = ['--index-strategy=unsafe-best-match', *_LOCKED, *sources]
     where = [f'--python={layout.python}', f'-r{layout.requirements}/{lock}']
     _install(
         layout, log_name, ['uv', 'pip', 'install', *options, *where], {**proxy, **environment}

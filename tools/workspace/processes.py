@@ -119,6 +119,11 @@ def running(
         raise CommandError(f'{command[0]} failed with code {code}; all of it in {log}', text)
 
 
+def in_idle_time(python: Path, work: str) -> list[str]:
+    """Return a command that does `work`, Python code, with what time others leave."""
+    return [str(python), '-c', f'import os; os.nice(19); {work}']
+
+
 def tail(text: str) -> str:
     """Return the last lines of `text`, indented."""
     return '\n'.join(f'    {line}' for line in text.rstrip().splitlines()[-TAIL_LINES:])

@@ -111,7 +111,7 @@ def make_ready(workspace: Workspace, *, development: bool) -> None:
     _ready_packages(workspace, version)
     if development:
         _ready_development(workspace, version)
-    with _kernels_beside(workspace, version):
+    with _compiled_beside(workspace, version):
         _ready_build(workspace, version)
         _ready_commands(workspace, version)
     _tell_of_egl()
@@ -249,8 +249,8 @@ def _ready_commands(workspace: Workspace, version: str) -> None:
 
 
 @contextmanager
-def _kernels_beside(workspace: Workspace, version: str) -> Iterator[None]:
-    """Compile the planner's inner loops while the block builds, which leaves a core idle."""
+def _compiled_beside(workspace: Workspace, version: str) -> Iterator[None]:
+    """Compile wheels and the planner's loops while the block builds, which leaves a core idle."""
     layout, mark = workspace.layout, workspace.kernels_mark(version)
     if records.read(layout.venv_record).get('kernels') == mark:
         yield
@@ -258,8 +258,9 @@ def _kernels_beside(workspace: Workspace, version: str) -> Iterator[None]:
     with ExitStack() as compiling:
         if layout.kernels:
             compiling.enter_context(building.compiling_kernels(layout, workspace.tools))
+        if workspace.ros is None:
+            compiling.enter_context(packages.compiling_wheels(layout, workspace.tools))
         yield
-        if layout.kernels:
-            with step("the planner's inner loops, to machine code, beside the build"):
-                compiling.close()
+        with step("libraries and the planner's loops, compiled beside the build"):
+            compiling.close()
     records.write(layout.venv_record, {**records.read(layout.venv_record), 'kernels': mark})
