@@ -387,6 +387,17 @@ def test_large_surveys_have_neighbours_outside_of_their_clusters():
     assert (np.abs(points[tables.near] - points[:, None]).max(axis=(1, 2)) > 500).mean() > 0.1
 
 
+def test_few_customers_of_very_many_vehicles_have_neighbours():
+    """There, too, no table of legs is made."""
+    points = np.random.default_rng(3).uniform(0.0, 100.0, (811, 2))
+    vehicles = tuple(Vehicle(start=10 + k, end=10 + k) for k in range(801))
+    tables = tables_of(RoutingProblem(customers=10, vehicles=vehicles, points=points))
+    assert not tables.dense
+    assert [sorted(row) for row in tables.near] == [
+        [j for j in range(10) if j != i] for i in range(10)
+    ]
+
+
 @pytest.mark.parametrize('home', [(0.0, 0.0), (2.2, 2.7)])
 def test_sectors_serve_everybody_once(home):
     """Equal numbers for all, whether the home is at a corner or in the middle."""

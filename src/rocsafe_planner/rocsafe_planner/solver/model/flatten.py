@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from rocsafe_planner.solver.model.neighbours import near_all_round, near_rows
+from rocsafe_planner.solver.model.neighbours import near_all_round, near_points, near_rows
 from rocsafe_planner.solver.model.problem import MatrixLegs, PointLegs, RoutingProblem
 from rocsafe_planner.solver.model.tables import Costs, Floats, Ints, Tables, Words
 
@@ -111,8 +111,8 @@ def _near(problem: RoutingProblem, matrix: Costs) -> Ints:
     if n < 2:
         return np.zeros((n, 0), np.int32)
     mean = matrix[:, :n, :n].mean(axis=0)
-    costs = (mean + mean.T).astype(np.float64)
-    if problem.points is None or n <= NEAREST + 4 * EACH_SIDE:
-        return near_rows(costs, min(NEIGHBOURS, n - 1))
-    known = costs if len(costs) == n else None
-    return near_all_round(_points(problem)[:n], NEAREST, EACH_SIDE, known)
+    costs = (mean + mean.T).astype(np.float64) if len(mean) == n else None
+    if problem.points is not None and n > NEAREST + 4 * EACH_SIDE:
+        return near_all_round(_points(problem)[:n], NEAREST, EACH_SIDE, costs)
+    count = min(NEIGHBOURS, n - 1)
+    return near_points(_points(problem)[:n], count) if costs is None else near_rows(costs, count)
