@@ -181,10 +181,8 @@ class ImagePairing:
         if self._offset_s is None:
             return None
         taken_s = image.unix_s - self._offset_s
-        trigger = min(
-            self._triggers, key=lambda trigger: abs(trigger.unix_s - taken_s), default=None
-        )
-        if trigger is None or abs(trigger.unix_s - taken_s) > PAIRING.tolerance_s:
+        trigger = _nearest({one.unix_s: one for one in reversed(self._triggers)}, taken_s)
+        if trigger is None:
             return None
         if not trigger.is_interpolated:
             self._offset_s += PAIRING.drift_share * (taken_s - trigger.unix_s)
@@ -196,10 +194,12 @@ class ImagePairing:
         """Pair by the times of reports: the clock of the autopilot may not go as ours does."""
         if self._from_ours_s is None:
             return None
-        taken_s = image.unix_s - self._from_ours_s
-        trigger = min(
-            self._reported, key=lambda trigger: abs(trigger.reported_s - taken_s), default=None
-        )
-        if trigger is None or abs(trigger.reported_s - taken_s) > PAIRING.tolerance_s:
-            return None
-        return ImagePair(trigger, image)
+        times = {one.reported_s: one for one in reversed(self._reported)}
+        trigger = _nearest(times, image.unix_s - self._from_ours_s)
+        return None if trigger is None else ImagePair(trigger, image)
+
+
+def _nearest(triggers: dict[float, CameraTrigger], taken_s: float) -> CameraTrigger | None:
+    """Return the trigger nearest to a time by one clock, if it is near enough for a pair."""
+    at_s = min(triggers, key=lambda at_s: abs(at_s - taken_s), default=math.inf)
+    return triggers[at_s] if abs(at_s - taken_s) <= PAIRING.tolerance_s else None

@@ -3,17 +3,18 @@
 
 import math
 from collections.abc import Iterator
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_planner.checking.checked_track import frame_of, motion_of
+from rocsafe_planner.checking.checked_track import corners_of, frame_of, motion_of
 from rocsafe_planner.checking.flight_checker import ABSOLUTE_M, ABSOLUTE_S, RELATIVE, Fault
 from rocsafe_planner.plan.plan import Route, SurveyPlan
 
 _SAMPLE_S = 0.2
+_SHORT_M = 0.01
 
 
 def separation_faults(plan: SurveyPlan) -> Iterator[Fault]:
@@ -32,10 +33,9 @@ def separation_faults(plan: SurveyPlan) -> Iterator[Fault]:
     wanted = plan.request.separation.distance_m
     if may_wait and stated < wanted - ABSOLUTE_M:
         yield f'minimum_separation_m is {stated}: separation distance_m is {wanted}'
-    # A leg of a millimetre, from beside a viewpoint to it, takes centiseconds: by so much two
-    # tracks of the same flight may be apart in time.
     closing_mps = 2.0 * max(vehicle.cruise_speed_mps for vehicle in plan.request.vehicles)
-    slack_m = ABSOLUTE_M + RELATIVE * plan.longest_route_m + ABSOLUTE_S * closing_mps
+    doubt_s = ABSOLUTE_S * max((track.shortest_legs for track in tracks), default=0)
+    slack_m = ABSOLUTE_M + RELATIVE * plan.longest_route_m + doubt_s * closing_mps
     if seen < stated - slack_m:
         yield f'minimum_separation_m is {stated}: vehicles come within {seen} m'
 
@@ -46,6 +46,19 @@ class _Watched:
     def __init__(self, plan: SurveyPlan, route: Route, frame: LocalFrame) -> None:
         self._spec = route.vehicle
         self._plan, self._route, self._frame = plan, route, frame
+
+    @property
+    def shortest_legs(self) -> int:
+        """Number of legs so short that their time is uncertain.
+
+        A leg of a millimetre, from beside a viewpoint to it, takes centiseconds: by so much the
+        planner's track may be before or behind this one.
+        """
+        return sum(
+            0.0 < math.dist(here, place) < _SHORT_M
+            for number in range(len(self._route.sorties))
+            for here, place in pairwise(corners_of(self._plan, self._route, number, self._frame))
+        )
 
     def places(self, times: FloatArray) -> FloatArray:
         """Return (east, north, up), NaN on the ground; who begins in the air waits there."""
