@@ -15,7 +15,7 @@ from rocsafe_geo.pinhole import rotation_enu_from_optical
 from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
 from rocsafe_mapping.alignment.structure.epipolar import Link, Tracks
-from rocsafe_mapping.alignment.structure.growth import Cameras, best_grown
+from rocsafe_mapping.alignment.structure.growth import Cameras, all_grown, best_grown
 from rocsafe_mapping.alignment.structure.levelled import levelled
 from rocsafe_mapping.alignment_options import StructureOptions
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
@@ -122,6 +122,11 @@ def test_the_scene_of_most_sightings_counts():
     found = best_grown(links, tracks, cameras, StructureOptions())
     assert sorted(found.names) == list(range(2, 9))
     assert np.median(found.seen.errors_px(found.scene)) < 1.0
+    # The two others are not lost: they are a scene of their own, seen through the same lens.
+    first, second = all_grown(links, tracks, cameras, StructureOptions())
+    assert sorted(first.names) == list(range(2, 9))
+    assert sorted(second.names) == [0, 1]
+    assert np.array_equal(second.scene.lens, first.scene.lens)
 
 
 def test_ground_is_the_plane_of_most_points():
@@ -210,7 +215,7 @@ def test_a_photograph_that_shows_no_ground_nearby_lies_beside_the_others(fix_off
     }
     poses = {name: pose for name, pose in block.state.poses.items() if name != '4'}
     block.state = dataclasses.replace(block.state, poses=poses)
-    block._structure = loose
+    block._scenes = (loose,)
     photo = block._photos['4']
     block._photos['4'] = photo.at(
         photo.prior.centre[:2] + np.array([fix_off_m, 0.0]), photo.horizontal_std_m
