@@ -213,7 +213,7 @@ class Block:
         self.pair_table.replace(photo)
 
     def remove(self, name: str) -> None:
-        """Forget a photograph that was added but never tied."""
+        """Forget a photograph, which is not placed among others."""
         del self._photos[name]
         self.pair_table.remove(name)
 
