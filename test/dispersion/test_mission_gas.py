@@ -18,6 +18,7 @@ from rocsafe_dispersion.estimation.fluctuating_plume import Shapes
 from rocsafe_dispersion.estimation.found_release import ReleaseSamples
 from rocsafe_dispersion.estimation.measuring_places import MeanAir, measuring_places, predicted
 from rocsafe_dispersion.estimation.release_options import LocateOptions
+from rocsafe_dispersion.mission_gas.gas_figure import gas_figure
 from rocsafe_dispersion.mission_gas.gas_log import (
     GasFlightReading,
     GasLog,
@@ -146,6 +147,21 @@ def test_its_plume_and_zones_lie_downwind(assessment):
 
 
 @pytest.mark.slow
+def test_a_long_verdict_is_told_whole_in_the_figure(assessment):
+    """In lines that its width holds, above the key and the map."""
+    reason = ', '.join(f'reason {number} of many' for number in range(20))
+    verdict = replace(assessment.verdict, reason=reason)
+    figure = ElementTree.fromstring(gas_figure(replace(assessment, verdict=verdict)))  # noqa: S314
+    lines = [one for one in figure if one.tag.endswith('}text')]
+    assert ' '.join(line.text for line in lines) == f'{assessment.flight.agent.name}: {reason}'
+    assert max(len(line.text) for line in lines) <= 60
+    (group,) = (one for one in figure if one.tag.endswith('}g'))
+    (inner,) = (one for one in figure if one.tag.endswith('}svg'))
+    (wind,) = (one for one in group if (one.text or '').startswith('wind '))
+    moved = float(group.get('transform').removeprefix('translate(0 ').removesuffix(')'))
+    assert float(lines[-1].get('y')) + 13.0 < moved + float(wind.get('y')) < float(inner.get('y'))
+
+
 def test_its_plume_and_zones_are_told_in_another_wind(assessment):
     """Where it goes to now: to the north instead of the east."""
     wind_mps = (0.0, SPEED_MPS)

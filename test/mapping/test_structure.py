@@ -15,7 +15,7 @@ from rocsafe_geo.pinhole import rotation_enu_from_optical
 from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
 from rocsafe_mapping.alignment.structure.epipolar import Link, Tracks
-from rocsafe_mapping.alignment.structure.growth import Cameras, best_grown
+from rocsafe_mapping.alignment.structure.growth import Cameras, all_grown, best_grown
 from rocsafe_mapping.alignment.structure.levelled import levelled
 from rocsafe_mapping.alignment_options import StructureOptions
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
@@ -122,6 +122,11 @@ def test_the_scene_of_most_sightings_counts():
     found = best_grown(links, tracks, cameras, StructureOptions())
     assert sorted(found.names) == list(range(2, 9))
     assert np.median(found.seen.errors_px(found.scene)) < 1.0
+    # The two others are not lost: they are a scene of their own, seen through the same lens.
+    first, second = all_grown(links, tracks, cameras, StructureOptions())
+    assert sorted(first.names) == list(range(2, 9))
+    assert sorted(second.names) == [0, 1]
+    assert np.array_equal(second.scene.lens, first.scene.lens)
 
 
 def test_ground_is_the_plane_of_most_points():
@@ -140,7 +145,7 @@ def test_ground_is_the_plane_of_most_points():
     assert np.quantile(np.abs(found.points[:, 2]), 0.9) < 3.0
 
 
-def oblique_flight(seed=7, count=6):
+def oblique_flight(seed=7, count=6, *, first=0, east_m=0.0):
     """Return photographs from a circle that look 40 degrees off nadir, and some from above.
 
     The records tell fixes only: neither attitude nor height.
@@ -157,23 +162,34 @@ def oblique_flight(seed=7, count=6):
         centre = np.array([*(place - ahead * texture.HEIGHT_M), texture.HEIGHT_M])
         picture = texture.seen(ground, centre, rotation)
         jpeg = bytes(cv2.imencode('.jpg', picture, [cv2.IMWRITE_JPEG_QUALITY, 92])[1])
+        centre = centre + np.array([east_m, 0.0, 0.0])
         told = centre + np.array([*rng.normal(0.0, 0.5, 2), 0.0])
         record = texture.record_of(
-            number, told, rotation_enu_from_optical(0.0), 0.5, math.radians(6.0), jpeg, 'kite'
+            first + number,
+            told,
+            rotation_enu_from_optical(0.0),
+            0.5,
+            math.radians(6.0),
+            jpeg,
+            'kite',
         )
         spread = math.radians(6.0) ** 2
         record = dataclasses.replace(
             record, height_agl_m=math.nan,
             orientation_covariance_rad2=(spread, 0, 0, 0, spread, 0, 0, 0, math.pi**2),
         )  # fmt: skip
-        shots.append((f'{number}.jpg', record, jpeg, centre, rotation))
+        shots.append((f'{first + number:02d}.jpg', record, jpeg, centre, rotation))
     return shots
 
 
 @pytest.mark.slow
-def test_oblique_photographs_are_placed():
+@pytest.mark.parametrize('islands', [1, 2])
+def test_oblique_photographs_are_placed(islands):
     """All lie where they were taken, to the fixes' half metre, and look where they looked."""
     shots = oblique_flight()
+    if islands == 2:
+        # Nothing ties these to the others.
+        shots += oblique_flight(8, 7, first=len(shots), east_m=300.0)
     maker = Mapmaker(MapOptions())
     maker.add_all(
         [Shot(name=name, record=record, read=lambda j=jpeg: j) for name, record, jpeg, *_ in shots]
@@ -189,6 +205,23 @@ def test_oblique_photographs_are_placed():
         turned.append(math.degrees(math.acos(min(cosine, 1.0))))
     assert np.linalg.norm(off, axis=1).max() < 1.0
     assert max(turned) < 2.0
+
+
+@pytest.mark.slow
+def test_without_fixes_the_largest_island_is_the_map():
+    """What is not tied to it could lie anywhere, and is told."""
+    shots = oblique_flight() + oblique_flight(8, 8, first=6)
+    told = []
+    maker = Mapmaker(MapOptions(), told.append)
+    nowhere = {'latitude_deg': math.nan, 'longitude_deg': math.nan}
+    maker.add_all([
+        Shot(name=name, record=dataclasses.replace(record, **nowhere), read=lambda j=jpeg: j)
+        for name, record, jpeg, *_ in shots
+    ])  # fmt: skip
+    placed = maker.align().placements
+    assert sorted(placed) == [f'{number:02d}.jpg' for number in range(6, 14)]
+    assert [one for one in told if 'nothing ties it' in one] == told
+    assert len(told) == 6
 
 
 @pytest.mark.slow
@@ -210,7 +243,7 @@ def test_a_photograph_that_shows_no_ground_nearby_lies_beside_the_others(fix_off
     }
     poses = {name: pose for name, pose in block.state.poses.items() if name != '4'}
     block.state = dataclasses.replace(block.state, poses=poses)
-    block._structure = loose
+    block._scenes = (loose,)
     photo = block._photos['4']
     block._photos['4'] = photo.at(
         photo.prior.centre[:2] + np.array([fix_off_m, 0.0]), photo.horizontal_std_m

@@ -48,6 +48,9 @@ told.width = innerWidth;
 told.wide = wide.map((e) => e.tagName + '.' + e.className).join(' ');
 told.scrolled = [...document.querySelectorAll('.table-scroll')].filter((e) =>
   e.scrollWidth > e.clientWidth + 1).map((e) => e.className).join(' ');
+const values = [...document.querySelectorAll('.tile-value')];
+values.at(-2).innerHTML = '4\u00a0800<span class="unit">particles/l</span>';
+told.cut = values.filter((e) => e.scrollWidth > e.clientWidth + 1).map((e) => e.innerText);
 </script></body>"""
 
 
@@ -55,7 +58,7 @@ told.scrolled = [...document.querySelectorAll('.table-scroll')].filter((e) =>
 @pytest.mark.system
 @pytest.mark.skipif(CHROMIUM is None, reason='no chromium on this machine')
 def test_nothing_is_clipped_on_a_phone(flown_run, tmp_path):
-    """At 390 pixels no part is wider than the window, and no table must be scrolled."""
+    """At 390 pixels nothing is wider than the window or its tile, no table must be scrolled."""
     run = tmp_path / 'run'
     shutil.copytree(flown_run, run)
     write_products(run)
@@ -74,3 +77,4 @@ def test_nothing_is_clipped_on_a_phone(flown_run, tmp_path):
     assert 'data-width="390"' in body
     assert 'data-wide=""' in body
     assert 'data-scrolled=""' in body
+    assert 'data-cut=""' in body

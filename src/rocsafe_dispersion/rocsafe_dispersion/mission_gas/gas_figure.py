@@ -2,6 +2,7 @@
 """A figure of readings and plume over time: one SVG that moves by itself and needs no script."""
 
 import math
+import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
@@ -13,7 +14,10 @@ from rocsafe_geo.scale_bar import bar_length_m
 
 # The figure shows the flight in so many seconds, then rests, then begins again.
 LASTS_S, RESTS_S = 12.0, 4.0
-WIDTH_PX, HEAD_PX = 720.0, 50.0
+# Of a phone: all letters can be read there.
+WIDTH_PX, HEAD_PX = 480.0, 33.0
+# Letters that a line of the head holds, and its height.
+LINE_LETTERS, LINE_PX = 60, 17.0
 LEVEL_COLOURS = ('#e0b000', '#e07000', '#c00000')
 # The plume on its way: where the mean wind has carried the gas after these times, seconds.
 ISOCHRONES_S = (30.0, 60.0, 120.0, 300.0)
@@ -42,19 +46,26 @@ def gas_figure(assessment: ReleaseAssessment) -> str:
             'vector-effect="non-scaling-stroke"/>'
         )
     words = f'{assessment.flight.agent.name}: {assessment.verdict.reason}'
+    lines = textwrap.wrap(words, LINE_LETTERS)
+    key_px = LINE_PX * len(lines)
+    head_px = HEAD_PX + key_px + LINE_PX * bool(assessment.zones)
+    texts = ''.join(
+        f'<text x="4" y="{LINE_PX * number:.0f}">{line}</text>'
+        for number, line in enumerate(lines, start=1)
+    )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" class="gas-figure" viewBox="0 0 {WIDTH_PX:.0f} '
-        f'{height * scale + HEAD_PX:.0f}" role="img"><title>Readings of gas over time</title>'
-        f'<style>{STYLE}</style><svg y="{HEAD_PX:.0f}" width="{WIDTH_PX:.0f}" '
+        f'{height * scale + head_px:.0f}" role="img"><title>Readings of gas over time</title>'
+        f'<style>{STYLE}</style><svg y="{head_px:.0f}" width="{WIDTH_PX:.0f}" '
         f'height="{height * scale:.0f}" '
         f'viewBox="{area.west_m:.1f} {-area.north_m:.1f} {width:.1f} {height:.1f}">'
-        f'{"".join(shapes)}</svg><text x="4" y="17">{words}</text>'
-        f'{_key(assessment, scale)}</svg>\n'
+        f'{"".join(shapes)}</svg>{texts}'
+        f'<g transform="translate(0 {key_px - LINE_PX:.0f})">{_key(assessment, scale)}</g></svg>\n'
     )
 
 
 def _key(assessment: ReleaseAssessment, scale_px: float) -> str:
-    """Return the line of wind, length and levels above the figure; `scale_px` is that of 1 m."""
+    """Return wind and length above the figure, levels below them; `scale_px` is that of 1 m."""
     east, north = assessment.flight.wind_towards_mps
     length_m = bar_length_m(WIDTH_PX / 6.0 / scale_px)
     bar_px = length_m * scale_px
@@ -66,9 +77,9 @@ def _key(assessment: ReleaseAssessment, scale_px: float) -> str:
         f'<text x="{156.0 + bar_px:.1f}" y="42">{length_m:g} m</text>',
     ]
     for number, zone in enumerate(assessment.zones):
-        x, colour = 360 + 120 * number, LEVEL_COLOURS[int(zone.level.name[-1]) - 1]
-        parts.append(f'<path class="zone" stroke="{colour}" stroke-width="3" d="M{x} 38h16"/>')
-        parts.append(f'<text x="{x + 21}" y="42">{zone.level.name}</text>')
+        x, colour = 6 + 120 * number, LEVEL_COLOURS[int(zone.level.name[-1]) - 1]
+        parts.append(f'<path class="zone" stroke="{colour}" stroke-width="3" d="M{x} 55h16"/>')
+        parts.append(f'<text x="{x + 26}" y="59">{zone.level.name}</text>')
     return ''.join(parts)
 
 

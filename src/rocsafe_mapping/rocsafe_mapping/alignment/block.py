@@ -78,7 +78,7 @@ class Block:
         self.path: FlownPath | None = None
         self.clock_offset_s = math.nan
         self.is_local = False
-        self._structure: Mapping[str, Pose] = {}
+        self._scenes: tuple[Mapping[str, Pose], ...] = ()
 
     def __len__(self) -> int:
         return len(self._photos)
@@ -141,24 +141,27 @@ class Block:
         """
         options = self.options.structure
         pairs = tuple(self.pair_table.found.values())
-        tied = len(groups_of(pairs)[0]) if pairs else 0
+        groups = [len(group) for group in groups_of(pairs)]
+        tied, tied_in_one = sum(groups), max(groups, default=0)
         count = len(self._photos)
         level = sum(
             p.tilt_std_rad < self.options.prior.tilt_std_rad for p in self._photos.values()
         )
         if (
-            tied >= options.least_tied_share * count
+            tied_in_one >= options.least_tied_share * count
             or 2 * level > count
             or not 2 < count <= options.most_photos
         ):
             return False
         found = find_structure(self._photos, self.pair_table.read_gray, self.options)
-        if found is None or len(found.photos) <= tied:
+        if found is None:
+            return False
+        if (len(found.photos), max(map(len, found.scenes))) <= (tied, tied_in_one):
             return False
         for photo in found.photos.values():
             self.replace(photo)
         self.pair_table.adopt(found.pairs)
-        self._structure = found.poses
+        self._scenes = found.scenes
         return True
 
     def _follow_path(self, pairs: Sequence[Pair]) -> None:
@@ -210,7 +213,7 @@ class Block:
         self.pair_table.replace(photo)
 
     def remove(self, name: str) -> None:
-        """Forget a photograph that was added but never tied."""
+        """Forget a photograph, which is not placed among others."""
         del self._photos[name]
         self.pair_table.remove(name)
 
@@ -279,9 +282,10 @@ class Block:
         One that structure from motion placed, but that shows no ground nearby, lies beside those
         that are tied, if its fix does not contradict that.
         """
-        loose, options = self._structure, self.options.structure
+        options = self.options.structure
+        loose = next((scene for scene in self._scenes if name in scene), {})
         tied = sorted(loose.keys() & self.state.poses.keys())
-        if name not in loose or len(tied) < options.beside:
+        if len(tied) < options.beside:
             return Placement(pose=self._corrected(name), placed_by=BY_GPS)
         away = [float(np.linalg.norm(loose[other].centre - loose[name].centre)) for other in tied]
         near = {tied[at] for at in np.argsort(away)[: options.beside]}

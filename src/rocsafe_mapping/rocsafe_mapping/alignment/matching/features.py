@@ -61,9 +61,15 @@ def orb_features(gray: Gray, options: FeatureOptions) -> Features:
 
 
 def sift_features(gray: Gray, options: FeatureOptions) -> Features:
-    """Return about `options.count` SIFT features (Lowe 2004), slower than ORB."""
+    """Return about `options.count` SIFT features (Lowe 2004), slower than ORB.
+
+    Descriptors are compared by the Hellinger distance (Arandjelovic, Zisserman 2012): they are
+    roots of the gradients' shares.
+    """
     small, scale = _searched(gray, options)
     points, descriptors = _sift(options).detectAndCompute(small, None)
+    if descriptors is not None:
+        descriptors = np.sqrt(descriptors / descriptors.sum(axis=1, keepdims=True).clip(1e-6))
     return _features(points, descriptors, scale, np.zeros((0, 128), np.float32))
 
 

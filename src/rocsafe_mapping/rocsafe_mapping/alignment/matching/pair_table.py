@@ -56,17 +56,21 @@ class PairTable:
             self._neighbours.add(photo)
 
     def remove(self, name: str) -> None:
-        """Forget a photograph that was added but never matched."""
-        if self._photos.pop(name).is_located:
-            self._neighbours.remove(name)
+        """Forget a photograph and its pairs."""
+        self._leave(name)
+        self._pairs = {key: pair for key, pair in self._pairs.items() if name not in key}
 
     def replace(self, photo: Photo) -> None:
         """Take over a new prior of a photograph; failed pairs of it will be tried again."""
-        self.remove(photo.name)
+        self._leave(photo.name)
         self.add(photo)
         lost = [key for key, pair in self._pairs.items() if pair is None and photo.name in key]
         for key in lost:
             del self._pairs[key]
+
+    def _leave(self, name: str) -> None:
+        if self._photos.pop(name).is_located:
+            self._neighbours.remove(name)
 
     def without_features(self) -> tuple[str, ...]:
         """Return the names of the photographs whose features are not known yet."""

@@ -5,8 +5,9 @@ Snavely, Seitz, Szeliski: Photo tourism (2006); Schoenberger, Frahm: Structure-f
 revisited (2016).
 """
 
+import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -55,11 +56,30 @@ class Cameras:
         Of each photograph.
     lens_std
         Prior of logarithm of the focal length, k1 and k2; zeros for a calibrated camera.
+    lens
+        Logarithm of the focal length over `focal_px`, k1 and k2, with which a scene begins.
     """
 
     offsets_px: Sequence[FloatArray]
     focal_px: FloatArray
     lens_std: FloatArray
+    lens: FloatArray = field(default_factory=lambda: np.zeros(3))
+
+
+def all_grown(
+    links: Mapping[Key, Link], tracks: Tracks, cameras: Cameras, options: StructureOptions
+) -> tuple[Grown, ...]:
+    """Return scenes without common photographs, that of most sightings first.
+
+    Photographs that too little ties to those of a scene form one of their own. The lens is that of
+    the first scene: the others are smaller and tell less of it.
+    """
+    left, found = dict(links), []
+    while (grown := best_grown(left, tracks, cameras, options)) is not None:
+        found.append(grown)
+        left = {key: link for key, link in left.items() if not set(grown.names) & set(key)}
+        cameras = dataclasses.replace(cameras, lens=grown.scene.lens, lens_std=HELD)
+    return tuple(found)
 
 
 def best_grown(
@@ -97,7 +117,7 @@ class Growth:
         self._centres = np.zeros((len(focal_px), 3))
         self._rotations = np.zeros((len(focal_px), 3, 3))
         self._places = np.full((tracks.count, 3), np.nan)
-        self._lens: FloatArray = np.zeros(3)
+        self._lens = cameras.lens
         self._bundled_count = 0
 
     def grow(self, key: Key, link: Link) -> Grown | None:

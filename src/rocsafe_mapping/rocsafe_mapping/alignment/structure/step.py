@@ -19,7 +19,7 @@ from rocsafe_mapping.alignment.matching.features import Features, Gray, sift_fea
 from rocsafe_mapping.alignment.matching.pair_matching import Pair
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.structure.epipolar import Key, Link, linked, tracks_of
-from rocsafe_mapping.alignment.structure.growth import Cameras, Grown, best_grown
+from rocsafe_mapping.alignment.structure.growth import Cameras, Grown, all_grown
 from rocsafe_mapping.alignment.structure.levelled import levelled
 from rocsafe_mapping.alignment_options import AlignmentOptions, StructureOptions
 
@@ -36,13 +36,14 @@ class Structure:
         With their tilts, by name.
     pairs
         Ties between them, on or near the ground.
-    poses
-        That fit each other, but lie anywhere; also of photographs that show no ground nearby.
+    scenes
+        Poses by name, those of each scene fit each other but lie anywhere; also of photographs
+        that show no ground nearby.
     """
 
     photos: Mapping[str, Photo]
     pairs: tuple[Pair, ...]
-    poses: Mapping[str, Pose]
+    scenes: tuple[Mapping[str, Pose], ...]
 
 
 def find_structure(
@@ -62,21 +63,29 @@ def find_structure(
     focal = np.array([photo.camera.fx_px for photo in chosen])
     share = max(photo.focal_std_share for photo in chosen)
     lens_std = np.array([share, *options.adjustment.radial_std]) if share else np.zeros(3)
-    grown = best_grown(links, tracks, Cameras(offsets, focal, lens_std), structure)
-    scene = levelled(grown.scene, structure) if grown is not None else None
-    if grown is None or scene is None:
+    scenes = []
+    for grown in all_grown(links, tracks, Cameras(offsets, focal, lens_std), structure):
+        scene = levelled(grown.scene, structure)
+        if scene is not None:
+            scenes.append(dataclasses.replace(grown, scene=scene))
+    if not scenes:
         return None
-    grown = dataclasses.replace(grown, scene=scene)
+    pairs = [pair for grown in scenes for pair in _ties(chosen, grown, structure)]
     return Structure(
-        photos=_tilted(chosen, grown, structure),
-        pairs=_ties(chosen, grown, structure),
-        poses={
-            names[number]: Pose(centre=centre, rotation=rotation)
-            for number, centre, rotation in zip(
-                grown.names, scene.centres, scene.rotations, strict=True
-            )
-        },
+        photos={n: p for grown in scenes for n, p in _tilted(chosen, grown, structure).items()},
+        pairs=tuple(sorted(pairs, key=lambda pair: (pair.first, pair.second))),
+        scenes=tuple(_poses(names, grown) for grown in scenes),
     )
+
+
+def _poses(names: Sequence[str], grown: Grown) -> dict[str, Pose]:
+    scene = grown.scene
+    return {
+        names[number]: Pose(centre=centre, rotation=rotation)
+        for number, centre, rotation in zip(
+            grown.names, scene.centres, scene.rotations, strict=True
+        )
+    }
 
 
 def _offsets_px(photo: Photo, features: Features) -> FloatArray:
@@ -141,7 +150,7 @@ def _tilted(photos: Sequence[Photo], grown: Grown, options: StructureOptions) ->
     return found
 
 
-def _ties(photos: Sequence[Photo], grown: Grown, options: StructureOptions) -> tuple[Pair, ...]:
+def _ties(photos: Sequence[Photo], grown: Grown, options: StructureOptions) -> list[Pair]:
     """Return the sightings of points near the ground as ties of two photographs each."""
     scene, seen = grown.scene, grown.seen
     centres, points = scene.centres[seen.photos], scene.points[seen.points]
@@ -164,7 +173,7 @@ def _ties(photos: Sequence[Photo], grown: Grown, options: StructureOptions) -> t
             every = -(-len(shared) // options.most_ties)
             shared = shared[::every]
             pairs.append(_pair(photos, grown, (one, other), shared, pixels))
-    return tuple(sorted(pairs, key=lambda pair: (pair.first, pair.second)))
+    return pairs
 
 
 def _pair(
