@@ -5,7 +5,8 @@
     python benchmarks/ground.py --part derailment --run runs/derailment-...
 
 Parts: `exact` (brute force on small grids), `routes` (300 x 300), `large` (1000 x 1000), `tours`,
-`replan`, `derailment` (draws of starts and goals on the map of a run, doses in the true field).
+`replan`; on the map of a run `drive_replan` (the rest of a drive after a blocked place, all of it)
+and `derailment` (draws of starts and goals, doses in the true field).
 
 Peers on the same grids: scikit-image's MCP_Geometric (where it is installed), a weighted sum of
 time and dose with 8 weights, of which the fastest path within the budget counts, and the radiation
@@ -22,6 +23,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -32,7 +34,7 @@ from rocsafe_geo.arrays import BoolArray, FloatArray
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
-from rocsafe_ground.drive.ground_map import GroundMap, MapFiles, read_ground_map
+from rocsafe_ground.drive.ground_map import GroundMap, MapFiles, MapReader, read_ground_map
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
@@ -288,6 +290,40 @@ def part_replan(count: int, side: int) -> Figures:
     }
 
 
+def part_drive_replan(run: Path, count: int) -> Figures:
+    """Plan the rest of a drive anew: something stands 4 m ahead, at drawn places of its way."""
+    reader, files, vehicle = MapReader(), MapFiles(folder=run), GroundVehicle()
+    ground = reader.read(files, vehicle, 0.5, 1e5)
+    near = three_points(ground)
+    request = DriveRequest(start=TENT, evidence=near, dose_budget_usv=80.0, curve_points=0)
+    track = plan_drive(request, ground).track[:, :2]
+    generator = np.random.default_rng([count, 7])
+    seconds, read, refused = [], [], 0
+    for _ in range(count):
+        at = int(generator.integers(len(track) // 10, len(track) // 2))
+        east, north = track[at + 8].tolist()
+        again = replace(
+            request,
+            start=ground.grid.position_at(*track[at].tolist()),
+            end=TENT,
+            evidence=near[int(generator.integers(3)) :],
+            blocked=tuple(ground.grid.position_at(east + k, north) for k in (-0.3, 0.0, 0.3)),
+        )
+        try:
+            seconds.append(timed(partial(plan_drive, again, ground))[0])
+        except GroundError:
+            refused += 1
+        # The ground is known, the dose rates are read anew.
+        read.append(timed(partial(reader.read, files, vehicle, 0.5, 1e5))[0])
+    return {
+        'replans': len(seconds),
+        'refused': refused,
+        'cpu_s_median': statistics.median(seconds),
+        'cpu_s_p95': float(np.quantile(seconds, 0.95)),
+        'cpu_s_of_new_dose_rates_median': statistics.median(read),
+    }
+
+
 # The yellow tent beside the track of the scene `derailment`, and its source.
 TENT = GeoPosition(53.279695, -9.063585)
 WRECK = GeoPosition(53.27985, -9.06330)
@@ -394,12 +430,12 @@ def transit_usv(plan: DrivePlan, ground: GroundMap) -> float:
 def main() -> int:
     """Run the parts that were asked for and print their figures as JSON."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parts = ('exact', 'routes', 'large', 'tours', 'replan', 'derailment')
+    parts = ('exact', 'routes', 'large', 'tours', 'replan', 'drive_replan', 'derailment')
     parser.add_argument('--part', choices=parts, action='append')
     parser.add_argument('--count', type=int, default=0, help='cases of each part')
     parser.add_argument('--run', type=Path, help='run directory of the derailment')
     options = parser.parse_args()
-    chosen = options.part or parts[:-1]
+    chosen = options.part or parts[:-2]
     count = options.count
     works: dict[str, Callable[[], Figures]] = {
         'exact': lambda: part_exact(count or 1000),
@@ -409,6 +445,7 @@ def main() -> int:
         ),
         'tours': lambda: part_tours(count or 10, 12, 300),
         'replan': lambda: part_replan(count or 50, 300),
+        'drive_replan': lambda: part_drive_replan(options.run, count or 40),
         'derailment': lambda: part_derailment(options.run, count or 200),
     }
     # Compile before anything is timed.

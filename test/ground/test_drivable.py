@@ -2,11 +2,13 @@
 """Where a vehicle can drive: things finer than cells, relief, exclusions, ages."""
 
 import json
+import math
 
 import numpy as np
 import pytest
 from test.ground.villages import HALF_M, ORIGIN, PIXEL_M, position, write_bands, write_village
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.raster import Bands, read_bands
 from rocsafe_ground.drivable.relief import relief_of
@@ -203,3 +205,18 @@ def test_age_of_each_cell_is_known(tmp_path):
 def test_parts_of_cells_are_about_as_large_in_every_grid(cell_m, parts):
     """Their number is odd: the middle of a cell is the middle of a part."""
     assert parts_of(grid_of(cell_m)) == parts
+
+
+@pytest.mark.parametrize('reach_m', [0.0, 0.6, 3.0, math.inf])
+@pytest.mark.parametrize('place', [(0.0, 0.0), (-4.9, 6.1), (30.0, 0.0), (-1.2, -40.0)])
+def test_cells_within_reach_are_those_of_the_whole_grid(place, reach_m):
+    """Also where the circle leaves the grid, or the place is beyond it."""
+    grid = RouteGrid(
+        origin=GeoPosition(53.28, -9.06, 0.0), west_m=-5.0, south_m=-7.0, cell_m=0.5,
+        rows=28, columns=20,
+    )  # fmt: skip
+    east, north = grid.places()
+    distances = np.hypot(east - place[0], north - place[1]).ravel()
+    cells, found = grid.cells_within(*place, reach_m)
+    assert cells.tolist() == np.flatnonzero(distances <= reach_m).tolist()
+    assert found == pytest.approx(distances[cells])

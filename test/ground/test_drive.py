@@ -374,6 +374,23 @@ def test_command_writes_every_file(village, tmp_path, capsys):
     assert (out / 'ground.tif').stat().st_size > 1000
 
 
+@pytest.mark.slow
+def test_each_budget_of_the_trade_off_admits_a_drive_of_its_time(village):
+    """As it is driven, with braking and turns, and surely enough."""
+    request = request_of((20.0, -10.0))
+    ground = ground_of(village)
+    curve = plan_drive(request, ground).curve
+    assert len(curve) >= 3
+    assert list(curve) == sorted(curve)
+    assert [time for _, time in curve] == sorted((time for _, time in curve), reverse=True)
+    for budget, time in curve:
+        plan = plan_drive(
+            replace(request, dose_budget_usv=budget * (1.0 + 1e-6), curve_points=0), ground
+        )
+        assert plan.forecast.probability >= request.confidence
+        assert plan.time_s <= 1.02 * time
+
+
 def test_time_of_the_trade_off_is_printed_once(village):
     """With the least budget that gives it."""
     plan = plan_drive(request_of((20.0, -10.0)), ground_of(village))

@@ -502,8 +502,10 @@ def test_words_of_failsafes():
     for words in ('Battery 1 is low 10.60V used 9 mAh', 'Battery 2 is critical 9.8V used 9 mAh'):
         assert failsafe_of(words) is FlightOutcome.FAILSAFE_BATTERY
     assert failsafe_of('Battery 2 is missing, last: 9.80V used 9 mAh') is None
-    assert failsafe_of('Crash: Going to HOLD') is FlightOutcome.FAILSAFE_OTHER
     for words in (
+        'Crash: Going to HOLD',
+        # Wherever it stands: some autopilots say who speaks first.
+        'Navigation of vehicle one says: Crash: Going to HOLD',
         'Radio Failsafe',
         'Failsafe: Terrain data missing',
         'Some new failsafe: landing',

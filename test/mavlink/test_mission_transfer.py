@@ -9,12 +9,16 @@ import pytest
 from test.fakes.channel import Channel, Fault
 from test.fakes.mission_store import MissionStore
 
+from rocsafe_mavlink.drone.readout import Readout
 from rocsafe_mavlink.protocols.mission_item import MissionItem
+from rocsafe_mavlink.protocols.mission_results import MissionType
 from rocsafe_mavlink.protocols.mission_transfer import (
     TransferStage,
     compare,
     transfer,
 )
+from rocsafe_mavlink.protocols.onboard_mission import MissionCondition
+from rocsafe_mavlink.protocols.stream_rates import StreamRates
 from rocsafe_mavlink.wire.dialect import Message
 
 TARGET, STATION = (1, 1), (255, 190)
@@ -275,3 +279,16 @@ def test_fence_of_two_corners_is_refused():
     assert rig.run().error.startswith('refused')
     assert 'Fence validation failed' in rig.texts
     assert rig.store.stored[1] == []
+
+
+def test_reading_that_was_begun_before_an_upload_tells_nothing():
+    """Its first part is of the old mission, its second may be of the new one: torn is torn."""
+    readout = Readout(target=TARGET, rates=StreamRates(2.0))
+    readout._begin(MissionType.MISSION, 0.0)
+    readout.on_message(Message('MISSION_COUNT', {'count': 1, 'mission_type': 0}), 0.1)
+    readout.overwritten(MissionType.MISSION)
+    fields = {'seq': 0, 'frame': 0, 'command': 16, 'x': 0, 'y': 0, 'z': 0.0, 'mission_type': 0,
+              'autocontinue': 1, **{f'param{k}': 0.0 for k in range(1, 5)}}  # fmt: skip
+    readout.on_message(Message('MISSION_ITEM_INT', fields), 0.2)
+    assert readout.mission.condition is MissionCondition.TORN
+    assert readout.mission.items is None

@@ -56,6 +56,9 @@ GOAL_WAITS_S = 45.0
 # alone; a route given up before its flight was found; an odd kind; a go-to that became late; an
 # order repeated though another station had undone it.
 FOUND = (100969, 106004, 120438, 102518, 108634, 102553, 108998, 213101, 227696)
+# The same with strange misfortunes: "Crash:" in the second part of a text; a route replaced before
+# the vehicle had left the ground began past its take-off.
+FOUND_STRANGE = ((103355, ROVER), (108731, ROVER), (109569, None))
 PLANS = {size: plan(size) for size in (2, 4, 6)}
 DRIVES = {
     size: replace(
@@ -370,6 +373,13 @@ def test_most_runs_meet_somebody_else_in_the_air(kind):
 def test_no_run_that_broke_a_rule_does_so_again(seed):
     """What was found among 20 000 runs."""
     Run(seed).fly()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(('seed', 'kind'), FOUND_STRANGE)
+def test_no_strange_run_that_broke_a_rule_does_so_again(seed, kind):
+    """What was found among 10 000 further runs."""
+    Run(seed, kind, STRANGE).fly()
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Requests of a drive: what is asked again before a further drive."""
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -11,6 +12,7 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GeoPoint, GroundRoute, GroundStop
 from rocsafe_interfaces.srv import SuggestViewpoints
+from rocsafe_orchestrator.mission.drive_watch import Reading
 from rocsafe_orchestrator.mission.driving import DriveEnd
 from rocsafe_orchestrator.mission_state.request import Order, OrderKind
 from rocsafe_orchestrator.parameters.drive_goal import DriveSoFar, dose_change
@@ -127,6 +129,51 @@ def test_photographs_of_evidence_are_expected_once_however_often_it_is_planned(r
         result = PlanGroundRoute.Result(route=GroundRoute(stops=stops))
         requests._on_route(DRIVE, done(SimpleNamespace(result=result)))
         assert monitor.images_expected == expected
+    requests.close()
+    node.destroy_node()
+
+
+@pytest.mark.parametrize('outcome', [DriveRoute.Result.CANCELLED, DriveRoute.Result.BLOCKED])
+def test_budget_of_a_real_vehicle_is_one_for_all_its_drives(ros, outcome):
+    """It does not know its dose: readings tell it, while it drives and while it waits."""
+    node = Node('requests', context=ros.context)
+    scenario = SimpleNamespace(driver_name='rgv1', real_names=('rgv1',))
+    calls, leases = [], SimpleNamespace(carry=lambda *_: None)
+    requests = DriveRequests(
+        node, scenario, SimpleNamespace(), leases, [], lambda: calls.append('home')
+    )
+    requests.begin(SimpleNamespace(driven=lambda *_end: None))
+    requests._goal = lambda: 'rest'
+
+    def read(second, rate_usvh):
+        requests.on_reading(
+            Reading(stamp_s=second, rate_usvh=rate_usvh, place=PLACE, speed_mps=0.0)
+        )
+
+    requests._route = route()
+    requests._route.dose_budget_usv, requests._route.turn_back_usvh = 1e6, 1e9
+    requests.send_drive(DRIVE)
+    requests._driving = 'under way'
+    for second in range(11):
+        read(second, 3600.0)
+    # The vehicle was started again, and gets the same route: it joins the drive.
+    requests.send_drive(DRIVE)
+    result = DriveRoute.Result(outcome=outcome, dose_usv=math.nan)
+    requests._on_driven(DRIVE, done(SimpleNamespace(result=result)))
+    assert requests._so_far.dose_usv == pytest.approx(10.0)
+    assert requests._so_far.duration_s == pytest.approx(10.0)
+    for second in range(11, 21):
+        read(second, 3600.0)
+    assert not calls
+    requests._route = route()
+    requests._route.dose_budget_usv, requests._route.turn_back_usvh = 12.0, 1e9
+    requests.send_drive(DRIVE)
+    requests._driving = 'under way'
+    for second in range(21, 24):
+        read(second, 3600.0)
+    assert calls == ['home']
+    requests._on_driven(DRIVE, done(SimpleNamespace(result=result)))
+    assert requests._so_far.dose_usv == pytest.approx(22.0)
     requests.close()
     node.destroy_node()
 

@@ -80,3 +80,12 @@ def test_level_of_the_dose_rate_turns_it_back_at_once():
     why, along, _ = driven(drive_watch(route(1e4, 1e6, turn_back_usvh=200.0)), 1e4)
     assert 'the level is 200' in why
     assert along < LENGTH_M
+
+
+def test_dose_and_time_of_a_drive_are_added_up_with_what_was_taken_before():
+    """What a vehicle takes while it waits for its route counts in the budget of that route."""
+    watch = drive_watch(route(1e4, 1e6), 7.0)
+    _, _, dose = driven(watch, 1e4)
+    assert watch.dose_usv == pytest.approx(7.0 + dose, rel=0.01)
+    assert watch.duration_s == pytest.approx(2.0 * LENGTH_M / SPEED_MPS, abs=1.0)
+    assert driven(drive_watch(route(1e4, 1.1 * planned_usv(1e4)), 7.0), 1e4)[0]

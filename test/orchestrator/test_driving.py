@@ -194,15 +194,22 @@ def test_goal_asks_for_what_is_left_within_what_is_left() -> None:
     assert first.dose_budget_usv == scenario.ground_vehicle.dose_budget_usv
     here = GeoPoint(latitude=53.2797, longitude=-9.0635, altitude=66.0)
     result = DriveRoute.Result(
-        evidence_taken=['wagon', 'source-1'], dose_usv=20.0, position=here, blocked=[here]
-    )
+        evidence_taken=['wagon', 'source-1'], dose_usv=20.0, duration_s=600.0,
+        position=here, blocked=[here],
+    )  # fmt: skip
     again = drive_goal(scenario, sources, releases, DriveSoFar().after(result))
     assert again is not None
     assert [one.id for one in again.evidence] == ['ballast', 'source-2', 'release-1']
     assert again.dose_budget_usv == first.dose_budget_usv - 20.0
+    assert again.endurance_s == first.endurance_s - 600.0
     assert again.start == here
     assert list(again.blocked) == [here]
     assert again.end[0].latitude == pytest.approx(scenario.ground_vehicle.home[0])
+    spent = DriveRoute.Result(dose_usv=100.0, duration_s=1e5)
+    empty = drive_goal(scenario, sources, releases, DriveSoFar().after(spent))
+    # 0 would be the default.
+    assert 0.0 < empty.dose_budget_usv < 0.01
+    assert 0.0 < empty.endurance_s < 10.0
     rest = DriveRoute.Result(evidence_taken=['ballast', 'source-2', 'release-1'])
     assert drive_goal(scenario, sources, releases, DriveSoFar().after(result).after(rest)) is None
 

@@ -367,6 +367,24 @@ def test_the_ground_of_a_scenario_reaches_field_localizer_and_command(
             assert given.get('terrain_shift_m', 0.0) == pytest.approx(expected)
 
 
+def test_slopes_of_a_drive_are_those_of_the_elevation_model_and_never_of_the_scene(
+    small: Callable[..., Path], run: RunDirectory, tmp_path: Path
+) -> None:
+    """A router knows what the planner of the survey knows, not the simulator's truth."""
+    plain = read_scenario(small(DRIVE))
+    dem = write_terrain(tmp_path / 'dem.tif', np.full((300, 300), 1000.0, np.float32))
+    survey = plain.survey.model_copy(update={'terrain_file': str(dem)})
+    camera = plain.camera.model_copy(update={'backend': 'engine', 'scene_file': '/hill.yaml'})
+    changes = {'survey': survey, 'camera': camera}
+    for scenario, known in (
+        (plain, None),
+        (plain.model_copy(update={'camera': camera}), None),
+        (plain.model_copy(update=changes), dem),
+    ):
+        table = {spec.name: spec.parameters for spec in process_table(scenario, run)}
+        assert RouterOptions(**table['router']).files('').terrain == known
+
+
 def test_the_kind_of_detector_reaches_field_localizer_and_command(
     small: Callable[..., Path], run: RunDirectory
 ) -> None:

@@ -370,6 +370,7 @@ export const MISSION_TEXTS = {
   "it flies another mission than that of its plan: another station has changed it": "",
   "it gets no orders": "",
   "it has landed": "",
+  "it has not left the ground yet": "",
   "it is beyond the map{0}": "",
   "it is in the air": "",
   "it is not ours to command: a failsafe has it, in {0}": "",

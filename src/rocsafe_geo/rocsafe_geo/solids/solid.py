@@ -131,12 +131,9 @@ class Solid:
 
     def touches(self, place: FloatArray, radius_m: float) -> bool:
         """Return whether a ball about `place` (3,) touches the surface."""
-        if not _is_near(self.whole, place, radius_m):
-            return False
-        return any(
-            _is_near(cluster, place, radius_m) and _gap_m(cluster, place) < radius_m
-            for cluster in self.clusters
-        )
+        gaps = np.maximum(np.maximum(self.lows - place, place - self.highs), 0.0)
+        near = np.flatnonzero((gaps**2).sum(axis=1) < radius_m**2)
+        return any(_gap_m(self.clusters[index], place) < radius_m for index in near)
 
 
 def blocks(rays: IndexArray) -> Iterator[IndexArray]:
@@ -196,12 +193,6 @@ def _union_m(distances: FloatArray, cosines: FloatArray, length: float) -> float
     # A start within a part shows as one exit too many.
     depth -= min(0, int(depth.min(initial=0)))
     return float(np.sum(np.diff(np.append(at, length)) * (depth > 0)))
-
-
-def _is_near(cluster: Cluster, place: FloatArray, radius_m: float) -> bool:
-    """Return whether a ball about `place` (3,) reaches the box around a cluster."""
-    gap = np.maximum(np.maximum(cluster.low - place, place - cluster.high), 0.0)
-    return bool(np.linalg.norm(gap) < radius_m)
 
 
 def _gap_m(cluster: Cluster, place: FloatArray) -> float:

@@ -6,7 +6,7 @@ one. The rate at a cell is therefore that of the sources by 1 / r^2, times the r
 the same law, which varies slowly: it holds what air and shields absorb and scatter, and heights.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from rasterio.enums import Resampling
@@ -58,13 +58,13 @@ class DoseField:
             return np.tile(self.mean_usvh[row, column], (count, 1))
         generator = np.random.default_rng([seed, 0x6D])
         places = self.grid.place_of(cells)
-        ratio = self.ratio[row, column]
-        return np.stack(
-            [
-                _rates(self.posterior.drawn(generator), self.grid, places) * ratio
-                for _ in range(count)
-            ]
-        )
+        rates = np.tile(self.posterior.drawn_background(generator, count)[:, None], len(places))
+        for source in self.posterior.sources:
+            at = np.array(self.grid.enu_of(source.position))
+            steps, strengths = source.drawn(generator, count)
+            for k in range(count):
+                rates[k] += strengths[k] * _by_distance(places - (at + steps[k]))
+        return rates * self.ratio[row, column]
 
 
 def dose_field(
@@ -73,8 +73,9 @@ def dose_field(
     grid: RouteGrid,
 ) -> DoseField:
     """Return the dose rates on `grid` from the bands mean, deviation and upper 95 % of a map."""
-    bands = dose_map.on(grid, Resampling.bilinear)
-    mean, upper = bands[MEAN], np.maximum(bands[UPPER], bands[MEAN])
+    used = replace(dose_map, values=dose_map.values[[MEAN, UPPER]])
+    mean, upper = used.on(grid, Resampling.bilinear)
+    upper = np.maximum(upper, mean)
     ratio: FloatArray = np.ones(grid.shape)
     if posterior is not None and posterior.sources:
         share = upper / np.maximum(mean, 1e-12)
@@ -133,10 +134,14 @@ def _rates(posterior: SourcePosterior, grid: RouteGrid, places: FloatArray) -> F
     """Return background and 1 / r^2, r horizontal, of all sources at places (n, 2), (n,)."""
     total: FloatArray = np.full(len(places), posterior.background_usvh)
     for source in posterior.sources:
-        east, north = grid.enu_of(source.position)
-        squares = (places[:, 0] - east) ** 2 + (places[:, 1] - north) ** 2
-        total += source.rate_usvh / np.maximum(squares, LEAST_DISTANCE_M**2)
+        total += source.rate_usvh * _by_distance(places - np.array(grid.enu_of(source.position)))
     return total
+
+
+def _by_distance(offsets_m: FloatArray) -> FloatArray:
+    """Return 1 / r^2 of places from a source, east and north, (n, 2), (n,)."""
+    squares = (offsets_m**2).sum(axis=1)
+    return np.asarray(1.0 / np.maximum(squares, LEAST_DISTANCE_M**2))
 
 
 def origin_of(dose_map: Bands) -> GeoPosition | None:

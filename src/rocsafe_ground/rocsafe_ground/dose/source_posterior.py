@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray
-from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.errors import NoMapError
 
@@ -36,6 +35,15 @@ class FoundSource:
     rate_usvh: float
     rate_std_usvh: float
 
+    def drawn(self, generator: np.random.Generator, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return draws: steps east and north from its position, (count, 2), rates, (count,)."""
+        steps = generator.multivariate_normal(
+            np.zeros(3), self.covariance_m2, count, method='eigh'
+        )
+        # Variance of the logarithm of a log-normal variable with this relative deviation.
+        spread = math.sqrt(math.log1p((self.rate_std_usvh / self.rate_usvh) ** 2))
+        return steps[:, :2], self.rate_usvh * np.exp(generator.normal(0.0, spread, count))
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SourcePosterior:
@@ -45,29 +53,11 @@ class SourcePosterior:
     background_usvh: float
     background_std_usvh: float
 
-    def drawn(self, generator: np.random.Generator) -> 'SourcePosterior':
-        """Return sources and background drawn from what is known of them."""
-        return SourcePosterior(
-            sources=tuple(_drawn(source, generator) for source in self.sources),
-            background_usvh=max(
-                0.0, generator.normal(self.background_usvh, self.background_std_usvh)
-            ),
-            background_std_usvh=self.background_std_usvh,
+    def drawn_background(self, generator: np.random.Generator, count: int) -> FloatArray:
+        """Return draws of the background, (count,)."""
+        return np.maximum(
+            generator.normal(self.background_usvh, self.background_std_usvh, count), 0.0
         )
-
-
-def _drawn(source: FoundSource, generator: np.random.Generator) -> FoundSource:
-    step = generator.multivariate_normal(np.zeros(3), source.covariance_m2, method='eigh')
-    place = source.position
-    frame = LocalFrame(place)
-    # Variance of the logarithm of a log-normal variable with this relative deviation.
-    spread = math.sqrt(math.log1p((source.rate_std_usvh / source.rate_usvh) ** 2))
-    return FoundSource(
-        position=frame.position_of(step),
-        covariance_m2=source.covariance_m2,
-        rate_usvh=source.rate_usvh * math.exp(generator.normal(0.0, spread)),
-        rate_std_usvh=source.rate_std_usvh,
-    )
 
 
 def read_sources(path: Path) -> SourcePosterior:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rocsafe_geo.arrays import FloatArray
+from rocsafe_geo.arrays import FloatArray, IndexArray
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between, require_count
 from rocsafe_geo.position import GeoPosition
@@ -88,6 +88,25 @@ class RouteGrid:
         if not (0 <= row < self.rows and 0 <= column < self.columns):
             return None
         return row * self.columns + column
+
+    def cells_within(
+        self, east_m: float, north_m: float, reach_m: float
+    ) -> tuple[IndexArray, FloatArray]:
+        """Return the cells whose middle is within reach of a place, and its distances."""
+        ranges = [
+            np.arange(
+                math.floor(min(max((at - reach_m - edge) / self.cell_m, 0.0), count)),
+                math.ceil(min(max((at + reach_m - edge) / self.cell_m, 0.0), count)),
+            )
+            for at, edge, count in (
+                (east_m, self.west_m, self.columns),
+                (north_m, self.south_m, self.rows),
+            )
+        ]
+        cells = (ranges[1][:, None] * self.columns + ranges[0]).ravel()
+        distances = np.hypot(*(self.place_of(cells) - (east_m, north_m)).T)
+        is_within = distances <= reach_m
+        return cells[is_within], distances[is_within]
 
     def enu_of(self, position: GeoPosition) -> tuple[float, float]:
         """Return east and north of a position."""

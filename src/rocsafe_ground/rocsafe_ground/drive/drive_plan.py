@@ -49,7 +49,7 @@ class DriveRequest:
     seed
         Of the draws.
     curve_points
-        Budgets for which the time is told; 0: none.
+        Budgets for which the time is told, at most; 0: none.
     """
 
     start: GeoPosition
@@ -146,7 +146,7 @@ class DrivePlan:
     left_out
         Points not visited.
     curve
-        Budget of dose and time of the trip within it, for the same points.
+        Budget of dose and time of a drive within it, for the same points.
     gas
         Gas along the drive; None: none was found.
     oldest_s

@@ -96,15 +96,13 @@ class GroundMap:
 
     def blocked_at(self, places: Iterable[GeoPosition], radius_m: float) -> 'GroundMap':
         """Return the map with obstacles at places, which nothing may come nearer than a radius."""
-        reasons = self.ground.reasons.copy()
-        east, north = self.grid.places()
+        reasons = self.ground.reasons.ravel().copy()
         for place in places:
-            at_east, at_north = self.grid.enu_of(place)
-            distance = np.hypot(east - at_east, north - at_north)
-            is_free = reasons == Reason.FREE
-            reasons[is_free & (distance < radius_m)] = Reason.TOO_NEAR
-            reasons[distance < 0.5 * self.grid.cell_m] = Reason.OBSTACLE
-        return replace(self, ground=replace(self.ground, reasons=reasons))
+            near, distances = self.grid.cells_within(*self.grid.enu_of(place), radius_m)
+            reasons[near[reasons[near] == Reason.FREE]] = Reason.TOO_NEAR
+            reasons[near[distances < 0.5 * self.grid.cell_m]] = Reason.OBSTACLE
+        shaped = reasons.reshape(self.grid.shape)
+        return replace(self, ground=replace(self.ground, reasons=shaped))
 
     @property
     def is_free(self) -> BoolArray:

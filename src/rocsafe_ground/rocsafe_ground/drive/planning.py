@@ -2,6 +2,7 @@
 """Planning of a drive: stands at the evidence, the tour, straight lines, the check by draws."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from rocsafe_ground.drive.ground_map import GroundMap
 from rocsafe_ground.drive.sureness import beyond_text, needed_text, sure_drive
 from rocsafe_ground.drive.task import Drive, Task, task_of
 from rocsafe_ground.errors import BeyondBudgetError
+from rocsafe_ground.route.constrained import ROUNDING
 from rocsafe_ground.route.edges import SECONDS_PER_HOUR
 from rocsafe_ground.tour.trip import Budgets, Tour
 
@@ -90,8 +92,13 @@ def _safe_drive(task: Task) -> Drive:
 
 
 def _plan(task: Task, drive: Drive, refused: tuple[LeftOut, ...]) -> DrivePlan:
-    tour = drive.tour
-    quick = task.drive(task.search.fastest(tour.chosen))
+    tour, curve = drive.tour, _curve(task, drive.tour)
+    # The fastest tour over cells is not always driven the fastest: it may have more bends.
+    best = min((drive, *(one for budget, one in curve if budget <= task.request.dose_budget_usv)),
+               key=lambda one: one.time_s)  # fmt: skip
+    drive = drive if best is drive else task.drive(best.tour)
+    quickest = task.drive(task.search.fastest(tour.chosen))
+    quick = min(quickest, drive, key=lambda one: one.time_s)
     return DrivePlan(
         request=task.request,
         stops=_stops(task, drive),
@@ -99,13 +106,13 @@ def _plan(task: Task, drive: Drive, refused: tuple[LeftOut, ...]) -> DrivePlan:
         time_s=drive.time_s,
         forecast=drive.forecast,
         bound_s=tour.bound_s,
-        grid_time_s=tour.time_s,
+        grid_time_s=drive.tour.time_s,
         price_s_per_usv=tour.price_s_per_usv,
         fastest_s=quick.time_s,
         fastest_usv=quick.forecast.mean_usv,
-        standing_usv=task.standing_usv(tour),
+        standing_usv=task.standing_usv(drive.tour),
         left_out=(*refused, *_left_out(task, tour)),
-        curve=_curve(task, tour),
+        curve=tuple((budget, one.time_s) for budget, one in curve),
         gas=drive.gas,
         oldest_s=_oldest_s(task, drive),
     )
@@ -119,19 +126,28 @@ def _oldest_s(task: Task, drive: Drive) -> float:
     return float(known.max()) if len(known) else math.nan
 
 
-def _curve(task: Task, tour: Tour) -> tuple[tuple[float, float], ...]:
-    """Return budgets from the cleanest to the fastest trip to the same points, and their times."""
+def _curve(task: Task, tour: Tour) -> list[tuple[float, Drive]]:
+    """Return budgets of dose, from the least, and a drive to the same points within each.
+
+    Of drives that take more dose and no less time none is told.
+    """
     search, count = task.search, task.request.curve_points
     load = task.budgets.load
     cleanest = search.cleanest(tour.chosen, load)
     if not count or cleanest is None:
-        return ()
-    high = max(search.fastest(tour.chosen).dose_usv, cleanest.dose_usv)
-    budgets = np.geomspace(cleanest.dose_usv, high, count) * (1.0 + 1e-9)
-    trips = [
-        search.within(tour.chosen, Budgets(dose_usv=float(one), load=load)) for one in budgets
-    ]
-    return tuple((float(one), trip.time_s) for one, trip in zip(budgets, trips, strict=True))
+        return []
+    low, high = (
+        max(drive.tour.dose_usv, drive.forecast.upper_usv)
+        for drive in map(task.drive, (cleanest, search.fastest(tour.chosen)))
+    )
+    curve: list[tuple[float, Drive]] = []
+    for budget in (np.geomspace(low, max(low, high), count) * (1.0 + ROUNDING)).tolist():
+        within = Budgets(dose_usv=budget, load=load)
+        drive = sure_drive(task.within(replace(task.budgets, dose_usv=budget)),
+                           search.within(tour.chosen, within))  # fmt: skip
+        if drive is not None and (not curve or drive.time_s < curve[-1][1].time_s):
+            curve.append((budget, drive))
+    return curve
 
 
 def _left_out(task: Task, tour: Tour) -> list[LeftOut]:

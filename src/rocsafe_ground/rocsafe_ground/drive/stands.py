@@ -93,12 +93,10 @@ def _near(
     ground: GroundMap, place: tuple[float, float], reach_m: float, is_wanted: BoolArray
 ) -> tuple[IndexArray, FloatArray]:
     """Return wanted cells within reach of a place, and their distances."""
-    east, north = ground.grid.places()
-    distance = np.hypot(east - place[0], north - place[1])
     # The middle of the cell that the place is in may be half a diagonal away.
-    limit = max(reach_m, 0.75 * ground.grid.cell_m)
-    found = np.flatnonzero((distance <= limit) & is_wanted)
-    return found, distance.ravel()[found]
+    cells, distances = ground.grid.cells_within(*place, max(reach_m, 0.75 * ground.grid.cell_m))
+    is_found = is_wanted.ravel()[cells]
+    return cells[is_found], distances[is_found]
 
 
 def _nearest(ground: GroundMap, place: tuple[float, float], is_reached: BoolArray) -> str:

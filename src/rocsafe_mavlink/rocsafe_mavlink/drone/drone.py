@@ -287,11 +287,14 @@ class Drone:
         Raises
         ------
         WaitError
-            If its fence has not been read yet.
+            If its fence has not been read yet, or it has not left the ground: the new route
+            begins past its take-off item.
         CommandRefusedError
             Saying why the plan cannot be flown.
         """
         self.commands.require_in_air(now_s)
+        if not self.vehicle.has_left_ground:
+            raise WaitError('it has not left the ground yet')
         _wait_for(self.commands.route_checks(assignment.plan))
         self.commands.replace_route(assignment.plan, now_s)
         self._record.begin_replacing(assignment)

@@ -25,7 +25,7 @@ _WORDS = (
     # All that an ArduPilot Rover says of it, and its status stays as it was.
     (r'battery \d+ is (low|critical)', FlightOutcome.FAILSAFE_BATTERY),
     # It switches a Rover to a mode that obeys.
-    ('^crash: ', FlightOutcome.FAILSAFE_OTHER),
+    (r'\bcrash: ', FlightOutcome.FAILSAFE_OTHER),
     ('gcs failsafe', FlightOutcome.FAILSAFE_LINK),
     ('ekf failsafe', FlightOutcome.FAILSAFE_GPS),
     ('fence breached', FlightOutcome.FAILSAFE_FENCE),

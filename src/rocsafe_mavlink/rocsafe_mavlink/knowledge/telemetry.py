@@ -21,6 +21,8 @@ GROUND_ROVER = 10
 # A vehicle this far above its home is in the air, whatever its landed state says: more
 # than the error of a barometer, less than any flight.
 SURELY_UP_M = 8.0
+# A vehicle that does not say so has left the ground above this height.
+LEFT_GROUND_M = 1.0
 FIX_3D = 3
 FIX_NONE = 0
 
@@ -348,6 +350,12 @@ class VehicleTelemetry:
     def is_airborne(self) -> bool:
         """Whether it says that it flies, or is far above its home."""
         return self.landed is Landed.IN_AIR or self.is_surely_up
+
+    @property
+    def has_left_ground(self) -> bool:
+        """Whether it flies, if only just; a ground vehicle need not."""
+        is_up = self.motion is not None and self.motion.height_above_home_m > LEFT_GROUND_M
+        return self.landed is Landed.IN_AIR or is_up or self.vehicle_type == GROUND_ROVER
 
     @property
     def is_surely_up(self) -> bool:

@@ -51,6 +51,13 @@ class DriveWatch:
         Limits of the route.
     upper_ratio
         Upper 95 % of its predicted dose over the mean; 0: nobody told.
+    taken_usv
+        Of the budget, before it began to drive.
+
+    Attributes
+    ----------
+    dose_usv, duration_s
+        What it has taken, and how long it has driven, by its readings.
     """
 
     def __init__(
@@ -59,12 +66,13 @@ class DriveWatch:
         budget_usv: float,
         turn_back_usvh: float,
         upper_ratio: float = 0.0,
+        taken_usv: float = 0.0,
     ) -> None:
         self._stops, self._next = tuple(stops), 1
         self._budget_usv, self._turn_back_usvh = budget_usv, turn_back_usvh
         self._upper_ratio = upper_ratio
         self._last: Reading | None = None
-        self._dose_usv = self._back_usv = 0.0
+        self.dose_usv, self.duration_s, self._back_usv = taken_usv, 0.0, 0.0
         self._rates: deque[float] = deque(maxlen=RATES_KEPT)
 
     def read(self, now: Reading) -> str:
@@ -73,9 +81,10 @@ class DriveWatch:
         if before is None or now.stamp_s <= before.stamp_s:
             return ''
         gap_s = now.stamp_s - before.stamp_s
+        self.duration_s += gap_s
         if gap_s <= LONGEST_GAP_S:
             dose = 0.5 * (now.rate_usvh + before.rate_usvh) * gap_s / 3600.0
-            self._dose_usv += dose
+            self.dose_usv += dose
             self._back_usv += dose if now.speed_mps >= MOVING_MPS else 0.0
         self._rates.append(now.rate_usvh)
         while self._next < len(self._stops) - 1 and self._is_passed(now.place):
@@ -95,7 +104,7 @@ class DriveWatch:
         return DoseOutlook(
             budget_usv=self._budget_usv,
             turn_back_usvh=self._turn_back_usvh,
-            dose_usv=self._dose_usv,
+            dose_usv=self.dose_usv,
             rate_usvh=now.rate_usvh,
             growth=now.rate_usvh / max(self._rates[0], 1e-9),
             predicted_usv=done,

@@ -18,8 +18,8 @@ SOURCE, RELEASE = 'source', 'release'
 Found = Sequence[tuple[GeoPosition, float]]
 # A background, and the square of the least distance to a source.
 LEAST_RATE_USVH, LEAST_M2 = 0.1, 1.0
-# A budget that is used up: the router then says what the least one would be.
-LEAST_BUDGET_USV = 1e-6
+# Budgets that are used up: the router then says what the least ones would be.
+LEAST_BUDGET_USV, LEAST_ENDURANCE_S = 1e-6, 1.0
 # What is found nearer than this to what was found before is the same: one photograph shows both.
 SAME_M = 5.0
 
@@ -32,8 +32,8 @@ class DriveSoFar:
     ----------
     evidence
         Ids of the evidence taken.
-    dose_usv
-        Taken by the vehicle.
+    dose_usv, duration_s
+        Taken by the vehicle, and how long it drove.
     position
         Where it stands; None: at home.
     blocked
@@ -44,6 +44,7 @@ class DriveSoFar:
 
     evidence: tuple[str, ...] = ()
     dose_usv: float = 0.0
+    duration_s: float = 0.0
     position: GeoPoint | None = None
     blocked: tuple[GeoPoint, ...] = ()
     found: tuple[EvidencePoint, ...] = ()
@@ -60,6 +61,7 @@ class DriveSoFar:
             self,
             evidence=(*self.evidence, *result.evidence_taken),
             dose_usv=self.dose_usv + result.dose_usv,
+            duration_s=self.duration_s + result.duration_s,
             position=result.position,
             blocked=(*self.blocked, *result.blocked),
         )
@@ -101,7 +103,7 @@ def drive_goal(
         dose_budget_usv=max(block.dose_budget_usv - so_far.dose_usv, LEAST_BUDGET_USV),
         load_budget=block.load_budget or 0.0,
         turn_back_usvh=block.turn_back_usvh,
-        endurance_s=block.endurance_s,
+        endurance_s=max(block.endurance_s - so_far.duration_s, LEAST_ENDURANCE_S),
     )
 
 
@@ -182,8 +184,8 @@ def task_digest(scenario: Scenario) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
-def drive_watch(route: GroundRoute) -> DriveWatch:
-    """Return the watch over the dose of a route."""
+def drive_watch(route: GroundRoute, taken_usv: float = 0.0) -> DriveWatch:
+    """Return the watch over the dose of a route, of which some was taken before."""
     stops = [
         WatchedStop(
             place=position_of_point(stop.position),
@@ -193,7 +195,7 @@ def drive_watch(route: GroundRoute) -> DriveWatch:
         for stop in route.stops
     ]
     ratio = route.dose_upper_usv / route.dose_usv if route.dose_usv > 0.0 else 0.0
-    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh, ratio)
+    return DriveWatch(stops, route.dose_budget_usv, route.turn_back_usvh, ratio, taken_usv)
 
 
 def drive_text(route: GroundRoute) -> str:

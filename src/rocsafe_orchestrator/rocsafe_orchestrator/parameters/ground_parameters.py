@@ -15,10 +15,17 @@ ROUTER = 'router'
 IDEAL = 'ideal'
 
 
-def router_parameters(block: GroundVehicleBlock, run: RunDirectory) -> Parameters:
-    """Return the parameters of the router: it plans on what the mission has found."""
+def router_parameters(
+    scenario: Scenario, block: GroundVehicleBlock, run: RunDirectory
+) -> Parameters:
+    """Return the parameters of the router: it plans on what the mission has found.
+
+    Slopes are those of the elevation model that the drones fly by, never those of a scene.
+    """
+    terrain = scenario.survey.terrain_file
     return {
         'width_m': block.width_m,
+        **({'terrain_file': terrain} if terrain else {}),
         'products_directory': str(run.path),
         'hazard_directory': str(run.hazard),
         'export_directory': str(run.drives),

@@ -260,7 +260,7 @@ def _ground_processes(scenario: Scenario, run: RunDirectory) -> Iterator[Process
     if block is None:
         return
     yield _process(
-        ROUTER, 'rocsafe_ground/router', router_parameters(block, run),
+        ROUTER, 'rocsafe_ground/router', router_parameters(scenario, block, run),
         *_shared(calls.PLAN_GROUND_ROUTE, topics.GROUND_ROUTE),
     )  # fmt: skip
     if not block.link:

@@ -87,7 +87,11 @@ class DriveRequests(GoalRequests):
         self._planned_on: Found = ()
         self._outdated = ''
         self._call_home, self._called_home = call_home, ''
+        # Over a real vehicle, also while it waits for its next route; of which route, and the
+        # dose that belongs to the drives before.
         self._watch: DriveWatch | None = None
+        self._watched: GroundRoute | None = None
+        self._told_usv = 0.0
         self.unconfirmed, self._is_confirmed = '', False
         self._waiting = Order(kind=OrderKind.PLAN_DRIVE)
         driver = scenario.driver_name
@@ -132,8 +136,10 @@ class DriveRequests(GoalRequests):
         if self._route is None:
             return
         goal = DriveRoute.Goal(route=self._route)
-        if self._is_real:
-            self._watch, self._called_home = drive_watch(self._route), ''
+        if self._is_real and self._watched is not self._route:
+            waited_usv = self._watch.dose_usv - self._told_usv if self._watch else 0.0
+            self._watch = drive_watch(self._route, waited_usv)
+            self._watched, self._told_usv, self._called_home = self._route, 0.0, ''
 
         def send(lease: str) -> None:
             goal.lease = lease
@@ -178,8 +184,8 @@ class DriveRequests(GoalRequests):
     def on_reading(self, reading: Reading) -> None:
         """Take a reading of the ground vehicle; call a real one home in time."""
         why = self._watch.read(reading) if self._watch is not None else ''
-        if why:
-            self._watch, self._called_home = None, f'called home for its dose: {why}'
+        if why and self._driving is not None and not self._called_home:
+            self._called_home = f'called home for its dose: {why}'
             self._call_home()
 
     def on_sources(self) -> None:
@@ -198,10 +204,14 @@ class DriveRequests(GoalRequests):
         if result.outcome == DriveRoute.Result.REJECTED:
             self._refuse(order, result.error_msg)
             return
+        if self._watch is not None:
+            # A real vehicle does not know its dose.
+            result.dose_usv = self._told_usv = self._watch.dose_usv
+            result.duration_s = max(result.duration_s, self._watch.duration_s)
         self._so_far = self._so_far.after(result)
         self._driving, outdated, self._outdated = None, self._outdated, ''
-        self._watch = None
-        is_stopped = bool(outdated) and result.outcome == DriveRoute.Result.CANCELLED
+        is_stopped = result.outcome == DriveRoute.Result.CANCELLED and bool(outdated)
+        is_stopped &= not self._called_home
         text = outdated if is_stopped else self._called_home or result.error_msg
         ending = DriveEnd.AT_HOME
         if is_stopped or result.outcome in _OUT:
