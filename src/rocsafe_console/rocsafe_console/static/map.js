@@ -5,7 +5,7 @@ import { make, isNumber } from './format.js';
 import { STALE_S } from './link.js';
 
 const L = window.L;
-export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a'];
+export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#80aa80', '#5600ff', '#56562b', '#ff56ff', '#aa5680', '#802bd5'];
 export const colourOf = (rank) => VEHICLE_COLOURS[(rank ?? 0) % VEHICLE_COLOURS.length];
 const GREY = '#8b938f';
 const M_PER_DEG = 111320;
