@@ -42,6 +42,7 @@ class Crew:
     def __init__(self) -> None:
         self.sent: list[tuple[Order, tuple[str, ...]]] = []
         self.refusal = ''
+        self.is_silent = False
 
     def send_order(
         self, order: Order, names: tuple[str, ...], finish: Callable[[tuple[Result, ...]], None]
@@ -49,6 +50,7 @@ class Crew:
         """Answer at once."""
         self.sent.append((order, names))
         outcome = Outcome.REFUSED if self.refusal else Outcome.DONE
+        outcome = Outcome.SILENT if self.is_silent else outcome
         finish(tuple(Result(vehicle=n, outcome=outcome, text=self.refusal) for n in names))
 
     def plan_drive(self, order: Order, finish: Callable[[dict | None, str], None]) -> None:

@@ -410,6 +410,23 @@ def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     view.page.close()
 
 
+def test_who_does_not_answer_in_time_is_seen_to_obey(browser, flight):
+    """The list told "no answer" of vehicles that had held a moment later, until it was closed."""
+    stage, _, address = flight
+    stage.crew.is_silent = True
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.page.keyboard.press('h')
+    view.page.wait_for_selector('.order-confirm')
+    view.page.keyboard.press('Enter')
+    view.wait('document.querySelector("[data-silent=rav2]")?.innerText === "(now: flying)"')
+    stage.state['rav2'] = 5
+    view.wait('document.querySelector("[data-silent=rav2]").innerText === "(now: holding)"')
+    assert view.page.inner_text('[data-silent="rav1"]') == '(now: flying)'
+    assert not view.faults
+    view.page.close()
+
+
 # What each of the ten facts of the console is told by; six, to hold and return all, are orders.
 TEN_FACTS = {
     'worst reading': '.fact-worst .big:not(.second), .fact-worst .link, .fact-worst .line',

@@ -305,7 +305,7 @@ const compassOf = (degrees) => t('compass').split(' ')[Math.round(degrees / 45) 
 const lineOf = (isOld) => (isOld ? 'line grey' : 'line');
 
 const stateOf = (vehicle) => STATES[vehicle.frame?.state ?? vehicle.facts.state] ?? 'unknown';
-const wordOf = (vehicle) => (vehicle.facts.is_ground && ON_WHEELS[stateOf(vehicle)]) || stateOf(vehicle);
+export const wordOf = (vehicle) => (vehicle.facts.is_ground && ON_WHEELS[stateOf(vehicle)]) || stateOf(vehicle);
 
 // The planned drive of a ground vehicle: the route that it drives, else the newest offer.
 function driveLine(vehicle, drive) {

@@ -58,7 +58,7 @@ export const TEXTS = {
   job_resume: 'Resume', job_report: 'Report anew', job_replay: 'Localize and map again', job_whatif: 'What if', job_campaign: 'Fly the campaign', job_clear: 'Vehicle is clean', job_sure: 'Press again: {job}', job_end: 'End', job_running: '{job} {name}: at work', job_done: '{job} {name}: done', job_failed: '{job} {name}: failed', job_unknown: '{job} {name}: not begun here',
   campaigns: 'Campaigns', campaigns_none: 'no campaign beside the scenarios', campaign_page: 'Results', clear_title: 'Contaminated vehicles', clear_label: 'Name of a vehicle that was checked and is clean',
   replay_mark: 'Replay: not live', replay_events: 'Recorded until here', replay_none: 'nothing yet', event_photograph: '{vehicle}: photograph {shot} stored', event_state: '{vehicle}: {state}',
-  outcome_done: 'done', outcome_refused: 'refused', outcome_silent: 'no answer', outcome_stale: 'state has changed',
+  outcome_done: 'done', outcome_refused: 'refused', outcome_silent: 'no answer', outcome_stale: 'state has changed', state_now: '(now: {state})',
   critical: 'critical', warning: 'warning', refused: 'Refused: {why}',
 };
 
