@@ -420,6 +420,8 @@ def test_who_does_not_answer_in_time_is_seen_to_obey(browser, flight):
     view.page.wait_for_selector('.order-confirm')
     view.page.keyboard.press('Enter')
     view.wait('document.querySelector("[data-silent=rav2]")?.innerText === "(now: flying)"')
+    names = view.page.locator('.results li').all_inner_texts()
+    assert [words.split()[1] for words in names] == ['rav1', 'rav2', 'rav3']
     stage.state['rav2'] = 5
     view.wait('document.querySelector("[data-silent=rav2]").innerText === "(now: holding)"')
     assert view.page.inner_text('[data-silent="rav1"]') == '(now: flying)'
@@ -827,6 +829,12 @@ def test_a_phone_shows_map_facts_and_orders_however_it_is_held(browser, flight, 
     )
     assert top
     page.locator('.fact-zones').scroll_into_view_if_needed()
+    # What became of an order leaves nearly half of an upright window to the facts.
+    names = [f'rav{number}' for number in range(50)]
+    told = [{'vehicle': name, 'outcome': 'done', 'text': ''} for name in names]
+    page.evaluate('told => rocsafe.orders.tell(told, "Hold")', told)
+    least = 0.45 if width < height else 0.25
+    assert page.locator('.orders').bounding_box()['y'] >= least * height
     assert not view.faults
     page.close()
 

@@ -140,9 +140,9 @@ export class Orders {
   }
 
   tell(results, title) {
-    const bad = results.filter((one) => one.outcome !== 'done');
-    const good = results.filter((one) => one.outcome === 'done');
-    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${told(one.text)} `, one.outcome === SILENT ? make('b', { 'data-silent': one.vehicle }) : ''));
+    // Who has not done it first, each in the order of the list of vehicles.
+    const rank = ({ vehicle, outcome }) => (outcome === 'done') * 1e6 + (this.link.vehicles.get(vehicle)?.rank ?? 0);
+    const rows = [...results].sort((a, b) => rank(a) - rank(b)).map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${told(one.text)} `, one.outcome === SILENT ? make('b', { 'data-silent': one.vehicle }) : ''));
     this.report.replaceChildren(make('div', { class: 'results-head' }, make('b', { text: title }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { this.report.hidden = true; } })), make('ul', {}, ...rows));
     this.report.hidden = false;
     this.follow();
