@@ -395,6 +395,10 @@ def test_what_is_left_to_fly_is_the_time_left():
         return picture.sections.value('progress')['left_s']
 
     assert left_s(latitude_deg=53.0, longitude_deg=-9.0) == pytest.approx(400.0)
+    left_s(viewpoint_count=4, viewpoints_visited=1)
+    progress = picture.sections.value('progress')
+    # A mission without cameras had no coverage.
+    assert (progress['visited'], progress['viewpoints']) == (1, 4)
     # Halfway between the second and third of four viewpoints, 5.5 of 8 legs are left.
     picture.on_fix('rav1', (53.0025, -9.0, 50.0), 10.0, WALL_S + 10)
     held_s = left_s(viewpoints_visited=2, state=HOLDING)

@@ -238,12 +238,15 @@ class Picture:
     def refresh(self) -> None:
         """Renew the sections that change by the second."""
         mission = self.mission
+        flown = [one.report for one in self.vehicles.values() if not one.report.is_ground]
         if mission is not None:
             self.sections.put(
                 'progress',
                 {
                     'images_stored': mission.images_stored,
                     'images_expected': mission.images_expected,
+                    'visited': sum(one.viewpoints_visited for one in flown),
+                    'viewpoints': sum(one.viewpoint_count for one in flown),
                     'mission_time_s': mission.mission_time_s,
                     'wall_time_s': mission.wall_time_s,
                     'left_s': survey_left_s(self._routes, self.vehicles.values()),

@@ -162,13 +162,15 @@ export class Facts {
   }
 
   drawCoverage(progress, plan, mission) {
-    const fraction = progress?.images_expected ? progress.images_stored / progress.images_expected : NaN;
+    // Without cameras it is the viewpoints that count.
+    const [done, all] = progress?.images_expected ? [progress.images_stored, progress.images_expected] : [progress?.visited, progress?.viewpoints];
+    const fraction = all ? done / all : NaN;
     const meter = make('div', { class: 'meter', role: 'img', 'aria-label': percent(fraction) }, make('span'));
     meter.firstChild.style.width = `${isNumber(fraction) ? 100 * Math.min(fraction, 1) : 0}%`;
     const planned = plan ? t('time_line', { planned: duration(plan.makespan_s), bound: duration(plan.lower_bound_s) }) : t('no_plan');
     fill(this.boxes.coverage,
       make('p', { class: 'big', text: percent(fraction) }), meter,
-      make('p', { class: 'line', text: progress ? t('coverage_line', { stored: progress.images_stored, expected: progress.images_expected }) : t('no_mission') }),
+      make('p', { class: 'line', text: progress ? t(progress.images_expected ? 'coverage_line' : 'coverage_visited', { stored: done, expected: all }) : t('no_mission') }),
       make('h3', { text: t('fact_time') }),
       make('p', { class: 'line' }, make('strong', { text: duration(progress?.left_s) }), ` ${planned}`),
       make('p', { class: 'report' }, reportOf(mission)));

@@ -22,7 +22,7 @@ export const TEXTS = {
   source_line: '{strength} at 1 m, ±{size} m, with {probability}', source_name: 'Source {id}', gas_verdict: 'Gas: {text}', release_name: 'Release {id}', release_line: '{low} to {high} {unit} of {agent}, within {size} m',
   zone_line: '{level} within {radius} m', zone_upper: 'upper 95 %', gas_zone_line: '{level}: {radius} m from release',
   wind_line: 'from {from}° at {speed} m/s', wind_by: 'by {vehicle}', access_line: 'Approach from upwind: {side}.',
-  coverage_line: '{stored} of {expected} photographs stored', time_line: 'planned {planned}, at least {bound}',
+  coverage_line: '{stored} of {expected} photographs stored', coverage_visited: '{stored} of {expected} viewpoints visited', time_line: 'planned {planned}, at least {bound}',
   mosaic_line: '{count} photographs placed, {resolution} m a pixel', mosaic_draft: 'growing', mosaic_final: 'final',
   battery: 'battery', way_home: 'home in', battery_left: 'left for', dose: 'dose', link: 'link', led_by: 'led by {holder}', led_by_nobody: 'led by nobody',
   taken_by: 'taken by its {who}', visited: '{done} of {all}', select: 'Select {name}', fleet_stale: '{count} stale', fleet_turn: 'first to turn home: {vehicle}, in {value}', fleet_link: 'oldest link: {vehicle}, {value}', fleet_dose: 'most dose: {vehicle}, {value}', acknowledge: 'Seen', seen_by: 'seen by {who}',
