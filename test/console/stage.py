@@ -42,6 +42,7 @@ class Crew:
     def __init__(self) -> None:
         self.sent: list[tuple[Order, tuple[str, ...]]] = []
         self.refusal = ''
+        self.is_silent = False
 
     def send_order(
         self, order: Order, names: tuple[str, ...], finish: Callable[[tuple[Result, ...]], None]
@@ -49,6 +50,7 @@ class Crew:
         """Answer at once."""
         self.sent.append((order, names))
         outcome = Outcome.REFUSED if self.refusal else Outcome.DONE
+        outcome = Outcome.SILENT if self.is_silent else outcome
         finish(tuple(Result(vehicle=n, outcome=outcome, text=self.refusal) for n in names))
 
     def plan_drive(self, order: Order, finish: Callable[[dict | None, str], None]) -> None:
@@ -131,7 +133,7 @@ class Stage:
             put = picture.sections.put
             corners = [place_of(*c) for c in ((-120, -80), (120, -80), (120, 80), (-120, 80))]
             put('region', {'name': 'yard', 'rings': [corners]})
-            put('plan', self._plan())
+            picture.on_plan(self._plan())
             put('sources', {
                 'stamp_s': now_s, 'verdict': 'enough: both error rates are met', 'doubts': [],
                 'background_usvh': 0.1,
@@ -231,13 +233,18 @@ class Stage:
         return VehicleReport(
             name=name, state=self.state[name], stamp_s=now_s, is_simulated=True,
             viewpoint_count=20, viewpoints_visited=7, battery_fraction=0.8 - self.steps * 1e-4,
-            speed_mps=8.0, is_ground=name == ROVER,
+            speed_mps=8.0, is_ground=name == ROVER, plan_id='p1',
         )  # fmt: skip
 
     def _plan(self) -> dict:
         line = [place_of(x, y) for y in (-60, 0, 60) for x in ((-100, 100) if y else (100, -100))]
         routes = {
-            name: {'home': place_of(-150, 0), 'line': line, 'viewpoints': [[*line[0], 0.0]]}
+            name: {
+                'home': place_of(-150, 0),
+                'line': line,
+                'viewpoints': [[*line[0], 0.0]],
+                'duration_s': 384.0,
+            }
             for name in self.names[:3]
         }
         return {

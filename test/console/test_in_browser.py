@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page in a browser: live, grey when old, orders by clicks, no word to another host."""
 
+import json
 import re
 import shutil
 import socket
@@ -123,6 +124,33 @@ def test_what_nobody_knows_the_age_of_is_marked_as_old(browser, flight):
     assert mark.inner_text() == 'stale'
     assert mark.get_attribute('class') == 'age old'
     view.page.close()
+
+
+def test_without_a_mission_nothing_is_said_to_be_harmless(browser, tmp_path):
+    """The page had a green "live", and "no ground above a level", before anything had flown."""
+    with served(Stage(tmp_path)) as address:
+        view = View(browser, address)
+        view.wait('document.querySelector("#pulse").textContent === "no mission"')
+        for fact in ('sources', 'zones'):
+            assert 'not estimated yet' in view.page.inner_text(f'.fact-{fact}')
+        view.page.close()
+
+
+def test_vehicles_stand_in_the_order_of_their_names(browser, tmp_path):
+    """However they were heard; map, list and replay give each the same colour."""
+    stage = Stage(tmp_path, vehicles=11)
+    stage.names.reverse()
+    stage.begin()
+    with served(stage) as address:
+        view = View(browser, address)
+        view.wait('document.querySelectorAll(".vehicle").length === 11')
+        names = view.page.locator('.vehicle-name').all_inner_texts()
+        assert names == [f'rav{number + 1}' for number in range(11)]
+        colours = (
+            '[...rocsafe.link.vehicles.values()].map(v => rocsafe.map.colourOf(v)).slice(0, 2)'
+        )
+        assert view.page.evaluate(colours) == ['#0a7bbf', '#d55e00']
+        view.page.close()
 
 
 # Whether all words in an element that tell a fact have the grey of what is old.
@@ -378,6 +406,25 @@ def test_an_order_needs_two_presses_and_its_results_are_shown(browser, flight):
     view.page.wait_for_selector('.results li.bad')
     assert 'led by the pilot' in view.page.inner_text('.results')
     assert stage.crew.sent[1][1] == ('rav2',)
+    assert not view.faults
+    view.page.close()
+
+
+def test_who_does_not_answer_in_time_is_seen_to_obey(browser, flight):
+    """The list told "no answer" of vehicles that had held a moment later, until it was closed."""
+    stage, _, address = flight
+    stage.crew.is_silent = True
+    view = View(browser, address)
+    view.wait('document.querySelectorAll(".vehicle").length === 3')
+    view.page.keyboard.press('h')
+    view.page.wait_for_selector('.order-confirm')
+    view.page.keyboard.press('Enter')
+    view.wait('document.querySelector("[data-silent=rav2]")?.innerText === "(now: flying)"')
+    names = view.page.locator('.results li').all_inner_texts()
+    assert [words.split()[1] for words in names] == ['rav1', 'rav2', 'rav3']
+    stage.state['rav2'] = 5
+    view.wait('document.querySelector("[data-silent=rav2]").innerText === "(now: holding)"')
+    assert view.page.inner_text('[data-silent="rav1"]') == '(now: flying)'
     assert not view.faults
     view.page.close()
 
@@ -782,6 +829,12 @@ def test_a_phone_shows_map_facts_and_orders_however_it_is_held(browser, flight, 
     )
     assert top
     page.locator('.fact-zones').scroll_into_view_if_needed()
+    # What became of an order leaves nearly half of an upright window to the facts.
+    names = [f'rav{number}' for number in range(50)]
+    told = [{'vehicle': name, 'outcome': 'done', 'text': ''} for name in names]
+    page.evaluate('told => rocsafe.orders.tell(told, "Hold")', told)
+    least = 0.45 if width < height else 0.25
+    assert page.locator('.orders').bounding_box()['y'] >= least * height
     assert not view.faults
     page.close()
 
@@ -876,6 +929,11 @@ def test_a_mission_is_drawn_planned_approved_and_launched_by_clicks(browser, tmp
         count = draw_and_launch(view)
         view.wait('document.documentElement.dataset.view === "live"')
         assert view.page.evaluate('document.activeElement.dataset.view') == 'live'
+        # What is drawn anew has no plan yet, and nobody flies the former one.
+        view.page.click('[data-view="draft"]')
+        assert view.page.evaluate('Boolean(rocsafe.draft.plan)')
+        view.page.click('#draft-add')
+        assert not view.page.evaluate('Boolean(rocsafe.draft.plan)')
         # The name of a draft is checked by the browser, too.
         view.page.click('[data-view="draft"]')
         view.page.fill('#draft-name', 'no name')
@@ -1072,8 +1130,13 @@ def test_a_finished_run_is_replayed(browser, tmp_path, flight):
     view.page.wait_for_selector('#replay input')
     length = 'rocsafe.map.tracks.get("rav1").length'
     assert view.page.evaluate(length) == 40
+    # What people ordered stands where it was done, and nobody is named twice.
+    told = view.page.inner_text('.decisions')
+    assert 'anna Hold: 1 of 1 done (rav1)' in told.splitlines()[0]
+    assert 'rav1 rav1' not in told
     view.page.locator('#replay input').fill('9')
     assert view.page.evaluate(length) == 10
+    assert 'Hold' not in view.page.inner_text('.decisions')
     view.page.click('#replay button:last-child')
     view.wait('rocsafe.map.source === null')
     assert not view.faults
@@ -1118,3 +1181,11 @@ def make_run(run: Path) -> None:
         latitude, longitude = place_of(second, 0.0)
         rows.append(f'{second * 10**9},rav1,{latitude},{longitude},{0.1 + second}')
     (run / 'readings.csv').write_text('\n'.join(rows) + '\n')
+    state = {'header': {'stamp': {'sec': 12, 'nanosec': 0}}, 'state': 5}
+    done = [{'vehicle': 'rav1', 'outcome': 'done', 'text': ''}]
+    log = (
+        {'kind': 'order', 'by': 'anna', 'request_id': 'a1', 'verb': 'hold', 'time_s': 1.8e9},
+        {'kind': 'state', 'by': 'rav1', 'message': state, 'time_s': 1.8e9},
+        {'kind': 'outcome', 'by': 'anna', 'request_id': 'a1', 'results': done, 'time_s': 1.8e9},
+    )
+    (run / 'evidence.jsonl').write_text(''.join(json.dumps(one) + '\n' for one in log))

@@ -33,7 +33,7 @@ from rocsafe_console.picture.vehicle import Holder, VehicleReport
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, ecef_m
 
-FLYING, HOLDING, LOST = 4, 5, 9
+FLYING, HOLDING, LANDED, LOST = 4, 5, 8, 9
 WALL_S = 1.8e9
 
 
@@ -377,6 +377,50 @@ def test_a_track_is_encoded_once_for_all_pages(monkeypatch):
             assert told == [[round(p[0], 7), p[1], None if p[2] != p[2] else p[2]]
                             for p in track.points]  # fmt: skip
     assert len(encoded) == MOST_POINTS + len(track.points)
+
+
+def test_what_is_left_to_fly_is_the_time_left():
+    """A hold of eight minutes left "0 s" of a survey of eight, with 77 per cent to be flown."""
+    picture = flown()
+    north = [[53.0 + 0.001 * step, -9.0] for step in range(5)]
+    route = {
+        'home': north[0], 'line': [*north, north[0]], 'duration_s': 400.0,
+        'viewpoints': [[*place, 0.0] for place in north[1:]],
+    }  # fmt: skip
+    picture.on_plan({'plan_id': 'p1', 'routes': {'rav1': route, 'rav2': route}})
+
+    def left_s(**rav1: object) -> float:
+        picture.on_report(report(plan_id='p1', **rav1), WALL_S + 11)
+        picture.refresh()
+        return picture.sections.value('progress')['left_s']
+
+    assert left_s(latitude_deg=53.0, longitude_deg=-9.0) == pytest.approx(400.0)
+    left_s(viewpoint_count=4, viewpoints_visited=1)
+    progress = picture.sections.value('progress')
+    # A mission without cameras had no coverage.
+    assert (progress['visited'], progress['viewpoints']) == (1, 4)
+    # Halfway between the second and third of four viewpoints, 5.5 of 8 legs are left.
+    picture.on_fix('rav1', (53.0025, -9.0, 50.0), 10.0, WALL_S + 10)
+    held_s = left_s(viewpoints_visited=2, state=HOLDING)
+    assert held_s == pytest.approx(400.0 * 5.5 / 8.0, rel=1e-3)
+    for second in range(12, 500):
+        picture.on_mission(mission(float(second)), WALL_S + second)
+    assert left_s(viewpoints_visited=2, state=HOLDING) == held_s
+    # The rest of a lost vehicle is in the next plan, and one that waits has all before it.
+    assert left_s(state=LOST) == 0.0
+    picture.on_report(report('rav2', state=1), WALL_S + 11)
+    assert left_s(state=LOST) == pytest.approx(400.0)
+    picture.on_report(report('rav2', plan_id='p2'), WALL_S + 11)
+    assert left_s(state=LANDED) == 0.0
+
+
+def test_what_people_order_is_among_the_decisions():
+    """The page told what the orchestrator had decided, and not what its people had."""
+    picture = flown()
+    picture.on_order('anna', 'hold', {'rav1': 'done', 'rav2': 'silent'})
+    (told,) = picture.sections.value('decisions')
+    assert (told['by'], told['verb'], told['outcomes']['rav2']) == ('anna', 'hold', 'silent')
+    assert not picture.alarms.to_plain()
 
 
 def test_estimates_of_a_vehicle():

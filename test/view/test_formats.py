@@ -2,13 +2,16 @@
 """Quantities as people read them, and colours as they see them."""
 
 import math
+from itertools import combinations
 
+import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
 from rocsafe_view import formats
 from rocsafe_view.palette import (
+    VEHICLE_COLOURS,
     DoseScale,
     ramp_colour,
     scale_of,
@@ -193,6 +196,48 @@ def test_each_vehicle_has_a_colour():
     colours = vehicle_colours([f'rav{n}' for n in range(20)])
     assert len(colours) == 20
     assert len(set(list(colours.values())[:8])) == 8
+
+
+# How colours look to people, linear sRGB (Machado, Oliveira and Fernandes, 2009, severity 1).
+SEEN_BY = {
+    'most people': np.eye(3),
+    'protanopes': np.array([[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+                            [-0.003882, -0.048116, 1.051998]]),
+    'deuteranopes': np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+                              [-0.011820, 0.042940, 0.968881]]),
+    'tritanopes': np.array([[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+                            [0.004733, 0.691367, 0.303900]]),
+}  # fmt: skip
+
+
+def linear(colour: str) -> np.ndarray:
+    """Return a colour ``#rrggbb`` as linear sRGB."""
+    shares = np.array([int(colour[at : at + 2], 16) for at in (1, 3, 5)]) / 255.0
+    return np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+
+
+def lab(colour: np.ndarray) -> np.ndarray:
+    """Return a colour of linear sRGB in CIELAB, white of D65."""
+    to_xyz = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722],
+                       [0.0193, 0.1192, 0.9505]])  # fmt: skip
+    share = to_xyz @ np.clip(colour, 0.0, 1.0) / (0.9505, 1.0, 1.089)
+    x, y, z = np.where(share > 0.008856, np.cbrt(share), 7.787 * share + 16.0 / 116.0)
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+@pytest.mark.parametrize('people', SEEN_BY)
+def test_vehicles_are_told_apart_by_their_colours(people):
+    """Two of the former colours were 3 apart to deuteranopes; 2 is the least to be seen."""
+    seen = [lab(SEEN_BY[people] @ linear(one)) for one in VEHICLE_COLOURS]
+    assert min(math.dist(a, b) for a, b in combinations(seen, 2)) >= 20.0
+
+
+@pytest.mark.parametrize('ground', ['#ffffff', '#14191a'])
+def test_vehicles_are_seen_on_light_and_dark_ground(ground):
+    """The contrast is that of WCAG 2."""
+    weights = (0.2126, 0.7152, 0.0722)
+    lights = [float(weights @ linear(colour)) + 0.05 for colour in (ground, *VEHICLE_COLOURS)]
+    assert min(max(lights[0] / one, one / lights[0]) for one in lights[1:]) >= 2.3
 
 
 def test_units_of_gas_sensors_are_written_as_people_do() -> None:

@@ -40,6 +40,7 @@ from rocsafe_interfaces.msg import (
     MissionState,
     Mosaic,
     ShotReceipt,
+    SurveyPlan,
     VehicleEvent,
     VehicleState,
     WindReading,
@@ -84,7 +85,7 @@ class ConsoleNode(Node):
             (topics.AGENTS, self._on_agent),
             (topics.HAZARD_SOURCES, self._on_section('sources', conversions.sources_of)),
             (topics.REGION, self._on_section('region', conversions.region_of)),
-            (topics.PLAN, self._on_section('plan', conversions.plan_of)),
+            (topics.PLAN, self._on_plan),
             (topics.GROUND_ROUTE, self._on_section('drive', drive_of)),
             (topics.RELEASES, self._on_section('releases', gas_conversions.releases_of)),
             (topics.DOSE_MAP, self._on_grid('dose_map', DOSE)),
@@ -273,6 +274,10 @@ class ConsoleNode(Node):
         stamp_s = conversions.seconds_of(message.header.stamp)
         with self._live.lock:
             self._live.picture.on_agent(message.vehicle, message.heard, stamp_s, time.time())
+
+    def _on_plan(self, message: SurveyPlan) -> None:
+        with self._live.lock:
+            self._live.picture.on_plan(conversions.plan_of(message))
 
     def _on_section(self, name: str, convert: Callable[[Any], Any]) -> Callable[[Any], None]:
         def on_message(message: Any) -> None:

@@ -2,8 +2,9 @@
 """Colours: dose rates on a logarithmic scale, and one colour a vehicle.
 
 Dose rates use "plasma" (Smith and van der Walt, 2015, CC0), which is even in lightness, told apart
-by the colour-blind and far from the greens and greys of the ground. Vehicles use the set of Okabe
-and Ito (2008), which is safe for the colour-blind too.
+by the colour-blind and far from the greens and greys of the ground. Vehicles use eight colours any
+two of which are 20 or more apart in CIELAB, to all and to the three kinds of colour-blind people
+(as Machado, Oliveira and Fernandes, 2009, have them see), with a contrast of 2.3 on light and dark.
 """
 
 import math
@@ -18,7 +19,7 @@ _PLASMA = (
     (240, 249, 33),
 )  # fmt: skip
 VEHICLE_COLOURS = (
-    '#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a',
+    '#0a7bbf', '#d55e00', '#80aa80', '#5600ff', '#56562b', '#ff56ff', '#aa5680', '#802bd5',
 )  # fmt: skip
 # Concentrations of gas: from blue-green to white, of one hue, so that nobody takes it for a dose.
 _GAS = ((0, 74, 84), (0, 121, 124), (0, 168, 157), (99, 212, 192), (214, 250, 240))

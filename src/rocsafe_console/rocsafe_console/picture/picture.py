@@ -17,6 +17,7 @@ from rocsafe_console.picture.freshness import MissionClock
 from rocsafe_console.picture.gas import GasNow, GasReadings
 from rocsafe_console.picture.map_image import DOSE, PLUME
 from rocsafe_console.picture.sections import Sections
+from rocsafe_console.picture.time_left import RouteLeft, routes_left, survey_left_s
 from rocsafe_console.picture.vehicle import CRASHED, LOST, Holder, Vehicle, VehicleReport
 
 MOST_VEHICLES = 1000
@@ -85,6 +86,7 @@ class Picture:
         self._first_revision = first_revision
         self._decisions: list[dict[str, Any]] = []
         self._contacts: dict[str, dict[str, Any]] = {}
+        self._routes: dict[str, RouteLeft] = {}
         self.sections.put('scale', DOSE.stops())
         self.sections.put('gas_scale', PLUME.stops())
 
@@ -180,6 +182,11 @@ class Picture:
             vehicle.home = home
             self._tell(vehicle)
 
+    def on_plan(self, plan: Mapping[str, Any]) -> None:
+        """Take over the plan that is flown, as `conversions.plan_of` gives it."""
+        self._routes = routes_left(plan)
+        self.sections.put('plan', plan)
+
     def on_agent(self, name: str, heard: Sequence[str], stamp_s: float, now_s: float) -> None:
         """Take over which vehicles the agent of a vehicle hears."""
         self._contacts[name] = {
@@ -189,13 +196,18 @@ class Picture:
 
     def on_decision(self, decision: Mapping[str, Any], now_s: float) -> None:
         """Add a decision; one of at least ``warning`` is an alarm."""
-        self._decisions = [*self._decisions, dict(decision)][-DECISIONS_KEPT:]
-        self.sections.put('decisions', self._decisions)
+        self._add_decision(decision)
         if decision['severity'] in (WARN, ERROR):
             vehicles = decision['vehicles']
             name = vehicles[0] if len(vehicles) == 1 else ''
             text = ': '.join(filter(None, (decision['text'], decision['reason'])))
             self.alarm(now_s, decision['severity'], name, text)
+
+    def on_order(self, by: str, verb: str, outcomes: Mapping[str, str]) -> None:
+        """Add what a person has ordered to what was decided: the outcome of each vehicle."""
+        seconds = self.mission.wall_time_s if self.mission else math.nan
+        order = {'by': by, 'wall_time_s': seconds, 'verb': verb, 'outcomes': dict(outcomes)}
+        self._add_decision({**order, 'severity': '', 'text': '', 'reason': ''})
 
     def alarm(self, now_s: float, severity: str, vehicle: str, text: str) -> Alarm | None:
         """Raise an alarm, unless nobody has seen the same one yet."""
@@ -226,14 +238,18 @@ class Picture:
     def refresh(self) -> None:
         """Renew the sections that change by the second."""
         mission = self.mission
+        flown = [one.report for one in self.vehicles.values() if not one.report.is_ground]
         if mission is not None:
             self.sections.put(
                 'progress',
                 {
                     'images_stored': mission.images_stored,
                     'images_expected': mission.images_expected,
+                    'visited': sum(one.viewpoints_visited for one in flown),
+                    'viewpoints': sum(one.viewpoint_count for one in flown),
                     'mission_time_s': mission.mission_time_s,
                     'wall_time_s': mission.wall_time_s,
+                    'left_s': survey_left_s(self._routes, self.vehicles.values()),
                 },
             )
         self.sections.put('mission_heard_s', self.mission_heard_s)
@@ -255,6 +271,10 @@ class Picture:
         self.sections.put('contacts', self._contacts)
         slow = {name: vehicle.slow_facts() for name, vehicle in self.vehicles.items()}
         self.sections.put('vehicle_facts', slow)
+
+    def _add_decision(self, decision: Mapping[str, Any]) -> None:
+        self._decisions = [*self._decisions, dict(decision)][-DECISIONS_KEPT:]
+        self.sections.put('decisions', self._decisions)
 
     def _vehicle(self, report: VehicleReport) -> Vehicle:
         if report.name not in self.vehicles:

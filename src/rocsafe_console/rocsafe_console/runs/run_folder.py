@@ -28,7 +28,9 @@ FILES = frozenset(
 _TILE = re.compile(r'map/tiles/(\d{1,2}/\d{1,7}/\d{1,7}\.png)')
 _SEALED = re.compile(r'seal-\d{4}\.json|evidence-\d{4}\.jsonl')
 _MOST_POINTS = 4000
-_REPLAYED = frozenset({'decision', 'state', 'alarm', 'event', 'photograph', 'order', 'mark'})
+_REPLAYED = frozenset(
+    {'decision', 'state', 'alarm', 'event', 'photograph', 'order', 'outcome', 'mark'}
+)
 # One transparent pixel.
 EMPTY_TILE = base64.b64decode(
     'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGNgYGBgAAAABQABpfZFQAAAAABJRU5ErkJggg=='

@@ -5,10 +5,13 @@ import { figures, make } from './format.js';
 import { ask } from './link.js';
 import { jobButton } from './jobs.js';
 import { areaOf } from './measure.js';
+import { colourOf } from './map.js';
 
 const L = window.L;
 const LOOK_MS = 2000;
 const SURE_MS = 8000;
+// Of a check or a plan, as in runs/drafts.py.
+const STEP_S = 120;
 
 export class Draft {
   constructor(panel, map, link, say) {
@@ -78,10 +81,9 @@ export class Draft {
     if (this.template.value.startsWith('drafts/')) this.name.value = this.template.value.slice(7);
     this.text.value = text;
     this.drawn = { region: [], exclusions: [], homes: {} };
-    this.plan = null;
     this.showFaults([]);
-    this.take(outline);
     this.changed();
+    this.take(outline);
     const ground = [...outline.region.flat(), ...outline.vehicles.map((one) => one.home).filter(Boolean)];
     if (ground.length && !this.link.sections.mission) this.map.map.fitBounds(L.latLngBounds(ground).pad(0.1), { animate: false });
     this.look();
@@ -198,6 +200,8 @@ export class Draft {
     this.approve.checked = false;
     this.approve.disabled = true;
     this.launch.disabled = true;
+    // Nor are its routes those of what is drawn.
+    if (this.plan) { this.plan = null; this.paint(); }
   }
 
   // Whoever works by keys is led to the map: Enter there sets a corner.
@@ -276,14 +280,20 @@ export class Draft {
       });
     }
     for (const [name, place] of Object.entries(homes)) this.layer.addLayer(L.circleMarker(place, { radius: 7, color: '#ffd400', weight: 3, fillOpacity: 0.5, interactive: false }).bindTooltip(name, { permanent: true }));
-    if (this.plan) this.layer.addLayer(L.geoJSON(this.plan, { interactive: false, filter: (one) => one.geometry.type === 'LineString', style: { color: '#ffffff', weight: 2 } }));
+    if (this.plan) {
+      const names = this.outline.vehicles.map((one) => one.name);
+      const style = ({ properties }) => ({ color: colourOf(Math.max(names.indexOf(properties.vehicle), 0)), weight: 3 });
+      for (const under of [{ color: '#ffffff', weight: 5 }, style]) this.layer.addLayer(L.geoJSON(this.plan, { interactive: false, filter: (one) => one.geometry.type === 'LineString', style: under }));
+    }
     const shown = ring.length ? ring : region;
     this.word.textContent = shown.length ? t('draft_area', { area: figures(areaOf(shown)), count: shown.length }) : '';
   }
 
   async step(kind) {
+    if (this.isBusy) return;
     this.close();
-    this.tell(t('draft_running'), true);
+    this.tell('', true);
+    const isDone = this.count(kind);
     const name = encodeURIComponent(this.name.value);
     try {
       const saved = await ask('/api/drafts', { name: this.name.value, text: this.text.value, drawn: this.drawn });
@@ -306,11 +316,26 @@ export class Draft {
       // A text that is no YAML is refused before it is checked.
       const line = /: line (\d+): (.*)$/.exec(error.message);
       if (line) this.showFaults([{ line: Number(line[1]), field: '', text: line[2] }]);
-    }
+    } finally { isDone(); }
+    this.output.scrollIntoView({ block: 'nearest' });
+  }
+
+  // What is at work and for how long; returns what ends it.
+  count(kind) {
+    const begin = performance.now();
+    const words = make('span', {});
+    const tick = () => { words.textContent = t('draft_running', { step: t(`draft_${kind}`), seconds: Math.round((performance.now() - begin) / 1000), most: STEP_S }); };
+    tick();
+    this.output.replaceChildren(words);
+    this.output.setAttribute('aria-busy', 'true');
+    const timer = setInterval(tick, 1000);
+    this.isBusy = true;
+    return () => { clearInterval(timer); this.isBusy = false; this.output.setAttribute('aria-busy', 'false'); };
   }
 
   async start(confirm = []) {
     this.launch.disabled = true;
+    this.tell(t('draft_launching'), true);
     try {
       const answer = await ask(`/api/drafts/${encodeURIComponent(this.name.value)}/launch`, { approved: this.approved, confirm });
       const isGood = answer.state !== 'failed';

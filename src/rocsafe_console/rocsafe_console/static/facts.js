@@ -2,7 +2,7 @@
 // The ten facts that an incident commander asks for, in their order.
 import { t, told } from './texts.js';
 import { age, dose, doseRate, duration, figures, isNumber, make, missionClock, percent, placeText } from './format.js';
-import { VEHICLE_COLOURS, worldOf } from './map.js';
+import { colourOf, worldOf } from './map.js';
 import { STALE_S } from './link.js';
 
 export const STATES = ['unknown', 'disarmed', 'armed', 'taking_off', 'flying', 'holding', 'returning', 'landing', 'landed', 'lost', 'crashed', 'waiting'];
@@ -15,6 +15,8 @@ const ON_WHEELS = { disarmed: 'parked', flying: 'driving', holding: 'standing', 
 const COLUMNS = [['alarms', 'worst', 'sources', 'zones'], ['coverage', 'picture', 'camera', 'vehicles'], ['decisions']];
 // Rows that are made in one go: the page answers between them.
 const ROWS_AT_ONCE = 12;
+// Vehicles of an order that are named.
+const MOST_NAMED = 5;
 // A wind that was measured longer ago is not the wind now.
 const WIND_OLD_S = 10;
 // Photographs come each some seconds, estimates each 5 s or as fast as they can be computed.
@@ -132,7 +134,7 @@ export class Facts {
       list.push(make('li', { class: lineOf(isGasOld) }, this.lookButton(...one.place, t('release_name', { id: one.id })), ` ${line}`));
     }
     const doubts = (value?.doubts ?? []).map((text) => make('li', { class: 'warn', text: told(text) }));
-    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t('no_source') }), value?.verdict ? make('p', { class: 'note' }, told(value.verdict), ' ', mark) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: told(gas.verdict) }), ' ', gasMark) : '');
+    fill(this.boxes.sources, list.length ? make('ul', {}, ...list, ...doubts) : make('p', { class: 'none', text: t(value || gas ? 'no_source' : 'no_estimate') }), value?.verdict ? make('p', { class: 'note' }, told(value.verdict), ' ', mark) : '', gas?.verdict ? make('p', { class: 'note' }, t('gas_verdict', { text: told(gas.verdict) }), ' ', gasMark) : '');
   }
 
   drawZones({ cordons, wind, zones: gas, releases, cordons_heard_s: heard, zones_heard_s: gasHeard }) {
@@ -147,7 +149,7 @@ export class Facts {
     const rows = [...zones.values()].filter((one) => !one.is_mean).sort((a, b) => b.level_usvh - a.level_usvh)
       .map((one) => make('li', { text: t('zone_line', { level: doseRate(one.level_usvh), radius: figures(one.radius, 2) }) }));
     rows.push(...gasZones(gas ?? [], releases?.releases?.[0]?.place));
-    const list = rows.length ? make('ul', { class: lineOf(isOld) }, ...rows, make('li', { class: 'note' }, `${t('zone_upper')} `, mark)) : make('p', { class: 'none', text: t('no_zone') });
+    const list = rows.length ? make('ul', { class: lineOf(isOld) }, ...rows, make('li', { class: 'note' }, `${t('zone_upper')} `, mark)) : make('p', { class: 'none', text: t(cordons || gas ? 'no_zone' : 'no_estimate') });
     let line = make('p', { class: 'none', text: t('no_wind') });
     if (wind) {
       const arrow = make('span', { class: 'wind-arrow', text: '↓', 'aria-hidden': 'true' });
@@ -160,16 +162,17 @@ export class Facts {
   }
 
   drawCoverage(progress, plan, mission) {
-    const fraction = progress?.images_expected ? progress.images_stored / progress.images_expected : NaN;
-    const left = plan && isNumber(progress?.mission_time_s) ? Math.max(plan.makespan_s - progress.mission_time_s, 0) : NaN;
+    // Without cameras it is the viewpoints that count.
+    const [done, all] = progress?.images_expected ? [progress.images_stored, progress.images_expected] : [progress?.visited, progress?.viewpoints];
+    const fraction = all ? done / all : NaN;
     const meter = make('div', { class: 'meter', role: 'img', 'aria-label': percent(fraction) }, make('span'));
     meter.firstChild.style.width = `${isNumber(fraction) ? 100 * Math.min(fraction, 1) : 0}%`;
     const planned = plan ? t('time_line', { planned: duration(plan.makespan_s), bound: duration(plan.lower_bound_s) }) : t('no_plan');
     fill(this.boxes.coverage,
       make('p', { class: 'big', text: percent(fraction) }), meter,
-      make('p', { class: 'line', text: progress ? t('coverage_line', { stored: progress.images_stored, expected: progress.images_expected }) : t('no_mission') }),
+      make('p', { class: 'line', text: progress ? t(progress.images_expected ? 'coverage_line' : 'coverage_visited', { stored: done, expected: all }) : t('no_mission') }),
       make('h3', { text: t('fact_time') }),
-      make('p', { class: 'line' }, make('strong', { text: duration(left) }), ` ${planned}`),
+      make('p', { class: 'line' }, make('strong', { text: duration(progress?.left_s) }), ` ${planned}`),
       make('p', { class: 'report' }, reportOf(mission)));
   }
 
@@ -214,10 +217,12 @@ export class Facts {
     fill(this.fleet, ...this.fleetWords(facts));
     for (const name of this.rows.keys()) if (!this.link.vehicles.has(name)) { this.watch.unobserve(this.rows.get(name)); this.rows.get(name).remove(); this.rows.delete(name); }
     let room = ROWS_AT_ONCE;
+    let at = 0;
     for (const vehicle of this.link.vehicles.values()) {
       let row = this.rows.get(vehicle.name);
       if (!row && !room) { setTimeout(() => this.drawVehicles(this.link.sections.vehicle_facts ?? {}), 0); break; }
-      if (!row) { room -= 1; row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.append(row); this.watch.observe(row); }
+      if (!row) { room -= 1; row = this.makeRow(vehicle); this.rows.set(vehicle.name, row); this.list.insertBefore(row, this.list.children[at] ?? null); this.watch.observe(row); }
+      at += 1;
       row.classList.toggle('grey', this.link.isStale(vehicle));
       if (row.isSeen !== false) this.drawRow(row, vehicle, facts[vehicle.name] ?? {});
     }
@@ -246,7 +251,6 @@ export class Facts {
   makeRow(vehicle) {
     const box = make('input', { type: 'checkbox', id: `pick-${vehicle.name}`, onchange: () => this.actions.select(vehicle.name, box.checked) });
     const stripe = make('span', { class: 'stripe', 'aria-hidden': 'true' });
-    stripe.style.background = VEHICLE_COLOURS[vehicle.facts.number % VEHICLE_COLOURS.length];
     const name = make('label', { class: 'vehicle-name', for: `pick-${vehicle.name}`, text: vehicle.name });
     return make('li', { class: 'vehicle' }, stripe, make('div', { class: 'vehicle-head' }, box, name, make('span', { class: 'state' })), make('div', { class: 'vehicle-facts' }), make('div', { class: 'vehicle-text' }));
   }
@@ -254,9 +258,10 @@ export class Facts {
   drawRow(row, vehicle, facts) {
     const frame = vehicle.frame;
     const isStale = this.link.isStale(vehicle);
-    const shown = [vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, frame?.flags, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
+    const shown = [vehicle.rank, vehicle.facts.revision, vehicle.facts.text, vehicle.facts.holder, frame?.battery, frame?.flags, isStale, Math.round(this.link.ageOf(vehicle)), this.actions.isSelected(vehicle.name), contactLine(this.link.sections.contacts?.[vehicle.name], this.link.now), Object.values(facts)].join();
     if (row.shown === shown) return;
     row.shown = shown;
+    row.querySelector('.stripe').style.background = colourOf(vehicle.rank);
     const state = stateOf(vehicle);
     row.classList.toggle('bad', state === 'lost' || state === 'crashed');
     row.querySelector('input').checked = this.actions.isSelected(vehicle.name);
@@ -275,9 +280,17 @@ export class Facts {
   }
 
   drawDecisions(decisions) {
-    const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), [one.text, one.reason].filter(Boolean).map(told).join(': ')));
+    const rows = decisions.slice(-30).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.wall_time_s)} ${one.by} ` }), one.verb ? orderText(one.verb, one.outcomes) : [one.text, one.reason].filter(Boolean).map(told).join(': ')));
     fill(this.boxes.decisions, rows.length ? make('ul', { class: 'decisions', tabindex: 0, 'aria-label': t('decisions') }, ...rows) : make('p', { class: 'none', text: '–' }));
   }
+}
+
+// What a person has ordered, and how many of which vehicles have done it.
+export function orderText(verb, outcomes) {
+  const names = Object.keys(outcomes).sort();
+  const done = names.filter((name) => outcomes[name] === 'done').length;
+  const text = t('sent', { verb: t(`verb_${verb}`), done, all: names.length });
+  return names.length > MOST_NAMED ? text : `${text} (${names.join(', ')})`;
 }
 
 export const isOver = (mission) => ['complete', 'failed', 'cancelled'].includes(mission?.phase);
@@ -294,7 +307,7 @@ const compassOf = (degrees) => t('compass').split(' ')[Math.round(degrees / 45) 
 const lineOf = (isOld) => (isOld ? 'line grey' : 'line');
 
 const stateOf = (vehicle) => STATES[vehicle.frame?.state ?? vehicle.facts.state] ?? 'unknown';
-const wordOf = (vehicle) => (vehicle.facts.is_ground && ON_WHEELS[stateOf(vehicle)]) || stateOf(vehicle);
+export const wordOf = (vehicle) => (vehicle.facts.is_ground && ON_WHEELS[stateOf(vehicle)]) || stateOf(vehicle);
 
 // The planned drive of a ground vehicle: the route that it drives, else the newest offer.
 function driveLine(vehicle, drive) {

@@ -47,6 +47,7 @@ export class Link extends EventTarget {
     this.wait = 0.1;
     this.isWanted = false;
     this.hasEnded = false;
+    this.isUnranked = false;
   }
 
   // Seconds since the last word of the server.
@@ -108,14 +109,24 @@ export class Link extends EventTarget {
       this.sections[name] = value;
       if (name.startsWith('vehicle/')) this.readVehicle(name.slice(8), value);
     }
+    if (this.isUnranked) this.rank();
     this.dispatchEvent(new CustomEvent('sections', { detail: { names, isHello: message.kind === 'hello' } }));
   }
 
   readVehicle(name, facts) {
+    this.isUnranked ||= this.vehicles.has(name) === (facts === null);
     if (facts === null) { this.vehicles.delete(name); return; }
     const vehicle = this.vehicles.get(name) ?? { name };
     vehicle.facts = facts;
     this.vehicles.set(name, vehicle);
+  }
+
+  // In the order of their names, however they were heard: lists and colours go by it.
+  rank() {
+    const { compare } = new Intl.Collator('en', { numeric: true });
+    const all = [...this.vehicles.values()].sort((a, b) => compare(a.name, b.name));
+    this.isUnranked = false;
+    this.vehicles = new Map(all.map((vehicle, rank) => [vehicle.name, Object.assign(vehicle, { rank })]));
   }
 
   readVehicles(frame) {

@@ -167,8 +167,10 @@ setInterval(() => {
   const pulse = $('#pulse');
   pulse.classList.toggle('old', isOld);
   const isEnd = isLive && isOver(mission);
-  pulse.classList.toggle('over', isEnd);
-  const word = t(isOld ? 'not_live' : isEnd ? 'over' : 'live');
+  // A page without a mission is linked to its server, and shows nothing that lives.
+  const isIdle = isLive && !mission && !link.sections.session?.is_hidden;
+  pulse.classList.toggle('over', isEnd || isIdle);
+  const word = t(isOld ? 'not_live' : isEnd ? 'over' : isIdle ? 'idle' : 'live');
   if (pulse.textContent !== word) pulse.textContent = word;
   const banner = $('#banner');
   const text = bannerText(isLive, isMissionOld, missionAge, isEnd ? mission : null);

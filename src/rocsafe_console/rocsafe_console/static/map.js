@@ -5,7 +5,8 @@ import { make, isNumber } from './format.js';
 import { STALE_S } from './link.js';
 
 const L = window.L;
-export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#009e73', '#c0568c', '#b58900', '#56b4e9', '#7a5cc8', '#6b7d2a'];
+export const VEHICLE_COLOURS = ['#0a7bbf', '#d55e00', '#80aa80', '#5600ff', '#56562b', '#ff56ff', '#aa5680', '#802bd5'];
+export const colourOf = (rank) => VEHICLE_COLOURS[(rank ?? 0) % VEHICLE_COLOURS.length];
 const GREY = '#8b938f';
 const M_PER_DEG = 111320;
 const MOST_LABELS = 40;
@@ -208,7 +209,7 @@ export class MissionMap {
     }
     for (const rings of plan?.exclusions ?? []) this.groups.exclusions.addLayer(L.polygon(rings, { color: '#d03030', weight: 2, fillColor: '#d03030', fillOpacity: 0.25, interactive: false }));
     Object.entries(plan?.routes ?? {}).forEach(([name, route], index) => {
-      const colour = VEHICLE_COLOURS[index % VEHICLE_COLOURS.length];
+      const colour = colourOf(this.vehicles.get(name)?.rank ?? index);
       this.groups.routes.addLayer(L.polyline(route.line, { color: '#0b100e', weight: 4, opacity: 0.5, interactive: false }));
       this.groups.routes.addLayer(L.polyline(route.line, { color: '#ffffff', weight: 1.6, dashArray: '6 5', opacity: 0.9, interactive: false }));
       if (plan.footprint_m) for (const viewpoint of route.viewpoints) this.groups.footprints.addLayer(L.polygon(footprint(viewpoint, plan.footprint_m), { color: colour, weight: 1, fillOpacity: 0.12, interactive: false }));
@@ -355,7 +356,7 @@ export class MissionMap {
     });
   }
 
-  colourOf(vehicle) { return VEHICLE_COLOURS[(vehicle.facts?.number ?? 0) % VEHICLE_COLOURS.length]; }
+  colourOf(vehicle) { return colourOf(vehicle.rank); }
 
   doseColour(rate) {
     if (!isNumber(rate) || !this.stops.length) return null;

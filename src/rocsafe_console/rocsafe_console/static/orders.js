@@ -3,6 +3,7 @@
 import { t, told } from './texts.js';
 import { dose, duration, make } from './format.js';
 import { ask } from './link.js';
+import { wordOf } from './facts.js';
 
 const VERBS = [['hold', 'h'], ['resume', 'r'], ['return', 'b'], ['land', 'l'], ['take', ''], ['release', ''], ['replan', 'p']];
 // Of the whole mission, whatever is selected.
@@ -12,6 +13,8 @@ const TOUCH_S = 0.6;
 // The server gives up after seven.
 const ANSWER_S = 10;
 const ASK_AGAIN_S = [0.5, 1, 2, 4];
+const SILENT = 'no answer';
+const LOOK_MS = 500;
 const OUTCOMES = { refused: 'outcome_refused', 'no answer': 'outcome_silent', 'state has changed': 'outcome_stale' };
 
 export const newId = () => [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
@@ -137,11 +140,26 @@ export class Orders {
   }
 
   tell(results, title) {
-    const bad = results.filter((one) => one.outcome !== 'done');
-    const good = results.filter((one) => one.outcome === 'done');
-    const rows = [...bad, ...good].map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${told(one.text)}`));
+    // Who has not done it first, each in the order of the list of vehicles.
+    const rank = ({ vehicle, outcome }) => (outcome === 'done') * 1e6 + (this.link.vehicles.get(vehicle)?.rank ?? 0);
+    const rows = [...results].sort((a, b) => rank(a) - rank(b)).map((one) => make('li', { class: one.outcome === 'done' ? 'done' : 'bad' }, make('b', { text: `${one.outcome === 'done' ? '✓' : '✕'} ${one.vehicle} ` }), one.outcome === 'done' ? t('outcome_done') : `${t(OUTCOMES[one.outcome] ?? 'unknown')}: ${told(one.text)} `, one.outcome === SILENT ? make('b', { 'data-silent': one.vehicle }) : ''));
     this.report.replaceChildren(make('div', { class: 'results-head' }, make('b', { text: title }), make('button', { type: 'button', class: 'small', text: t('close'), onclick: () => { this.report.hidden = true; } })), make('ul', {}, ...rows));
     this.report.hidden = false;
+    this.follow();
+  }
+
+  // Who has not answered in time may obey later: its state says so, as long as the list is shown.
+  follow() {
+    const silent = [...this.report.querySelectorAll('[data-silent]')];
+    if (this.report.hidden || !silent.length) return;
+    for (const one of silent) {
+      const vehicle = this.link.vehicles.get(one.dataset.silent);
+      const state = vehicle && !this.link.isStale(vehicle) ? t(`state_${wordOf(vehicle)}`) : t('stale');
+      const text = t('state_now', { state });
+      if (one.textContent !== text) one.textContent = text;
+    }
+    clearTimeout(this.following);
+    this.following = setTimeout(() => this.follow(), LOOK_MS);
   }
 
   onKey(key) {

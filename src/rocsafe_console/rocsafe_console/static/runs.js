@@ -4,7 +4,7 @@ import { t, told } from './texts.js';
 import { doseRate, make, missionClock } from './format.js';
 import { ask } from './link.js';
 import { worldOf } from './map.js';
-import { STATES } from './facts.js';
+import { STATES, orderText } from './facts.js';
 import { jobButton } from './jobs.js';
 
 const SPEED = 8;
@@ -121,8 +121,8 @@ export class Runs {
     const run = await ask(`/api/runs/${encodeURIComponent(name)}/replay`);
     // Where a vehicle was, second by second; without a recording, where it measured.
     this.places = { ...run.series, ...run.tracks };
-    const names = Object.keys(this.places).sort();
-    const vehicles = new Map(names.map((vehicle, number) => [vehicle, { name: vehicle, facts: { number, home: null }, frame: { state: 0 } }]));
+    const names = Object.keys(this.places).sort(new Intl.Collator('en', { numeric: true }).compare);
+    const vehicles = new Map(names.map((vehicle, number) => [vehicle, { name: vehicle, rank: number, facts: { number, home: null }, frame: { state: 0 } }]));
     this.told = toldOf(run.evidence);
     this.run = run;
     this.map.source = { vehicles, tracks: new Map(), sections: { scale: this.map.link.sections.scale, ...staticSections(run) } };
@@ -217,7 +217,7 @@ export class Runs {
       if (vehicle) vehicle.frame.state = one.state;
     }
     if (!this.events) return;
-    const rows = past.slice(-SHOWN_EVENTS).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: `${missionClock(one.time_s - this.run.begin_s)} ${one.by} ` }), told(one.text)));
+    const rows = past.slice(-SHOWN_EVENTS).reverse().map((one) => make('li', { class: one.severity }, make('span', { class: 'note', text: [missionClock(one.time_s - this.run.begin_s), one.text.startsWith(`${one.by}:`) ? '' : one.by, ''].join(' ') }), told(one.text)));
     this.events.replaceChildren(...(rows.length ? rows : [make('li', { class: 'none', text: t('replay_none') })]));
   }
 
@@ -257,9 +257,16 @@ function upTo(times, until) {
 }
 
 // What the log of a run tells at times of the mission: [{time_s, by, text, severity, state}].
+// An order of a person has the time on the wall; the line before it in the log has the mission's.
 function toldOf(evidence) {
-  return evidence.filter((one) => one.message?.header).map(({ kind, by, message }) => {
+  const verbs = new Map(evidence.filter((one) => one.kind === 'order' && one.verb).map((one) => [one.request_id, one.verb]));
+  let now = 0;
+  return evidence.map(({ kind, by, message, request_id: id, results, text }) => {
+    if (kind === 'outcome' && verbs.has(id)) return { time_s: now, by, severity: '', text: orderText(verbs.get(id), Object.fromEntries(results.map((one) => [one.vehicle, one.outcome]))) };
+    if (kind === 'mark') return { time_s: now, by, severity: '', text: `${t('verb_mark')}: ${text || '–'}` };
+    if (!message?.header) return { time_s: 0 };
     const { sec, nanosec } = message.header.stamp;
+    now = Math.max(now, sec + nanosec / 1e9);
     const told = { time_s: sec + nanosec / 1e9, by, text: [message.text, message.reason].filter(Boolean).join(': '), severity: kind === 'decision' ? SEVERITIES[message.severity] : '' };
     if (kind === 'state') return { ...told, state: message.state, text: t('event_state', { vehicle: by, state: t(`state_${STATES[message.state] ?? 'unknown'}`) }) };
     if (kind === 'photograph') return { ...told, text: t('event_photograph', { vehicle: message.vehicle, shot: message.shot_id }) };

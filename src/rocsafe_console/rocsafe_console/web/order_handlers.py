@@ -85,6 +85,9 @@ async def confirm_order(request: web.Request) -> web.Response:
     results = (*left_out, *(await _sent(context, order, names) if names else ()))
     plain = [_result_plain(result) for result in results]
     context.orders.finish(request_id, results)
+    outcomes = {result.vehicle: result.outcome.value for result in results}
+    with context.live.lock:
+        context.live.picture.on_order(order.user, order.verb.value, outcomes)
     # The vehicles have done it: that is told, whatever the disk does.
     outcome = {'request_id': request_id, 'results': plain}
     unlogged_outcome = await _write_down(
