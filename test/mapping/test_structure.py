@@ -252,3 +252,26 @@ def test_a_photograph_that_shows_no_ground_nearby_lies_beside_the_others(fix_off
     assert placement.placed_by == placed_by
     if placed_by == 'features':
         assert np.abs(placement.pose.centre - found.centre).max() < 1e-6
+
+
+@pytest.mark.slow
+def test_a_photograph_that_may_be_anywhere_is_left_out():
+    """One is, with its name; where most are so, the map says it of itself."""
+    shots = texture.flight(3, rows=2, columns=3, spacing_m=(13.0, 13.0), fix_m=0.5)
+    told = []
+    maker = Mapmaker(MapOptions(), told.append)
+    maker.add_all(
+        [Shot(name=str(n), record=s.record, read=lambda j=s.jpeg: j) for n, s in enumerate(shots)]
+    )
+    alignment = maker.align()
+    assert len(maker) == len(shots)
+    assert told == []
+    unsure = dataclasses.replace(alignment, errors_m=dict.fromkeys(alignment.errors_m, 100.0))
+    assert not maker._drop_uncertain(unsure)
+    unsure = dataclasses.replace(alignment, errors_m={**alignment.errors_m, '5': 100.0})
+    assert maker._drop_uncertain(unsure)
+    assert sorted(maker.block.placements()) == ['0', '1', '2', '3', '4']
+    assert len(told) == 1
+    assert '5: it may be off by 100 m' in told[0]
+    maker.block.place_all()
+    assert not maker._drop_uncertain(maker.alignment())

@@ -4,7 +4,7 @@
 Dose rates use "plasma" (Smith and van der Walt, 2015, CC0), which is even in lightness, told apart
 by the colour-blind and far from the greens and greys of the ground. Vehicles use eight colours any
 two of which are 20 or more apart in CIELAB, to all and to the three kinds of colour-blind people
-(as Machado, Oliveira and Fernandes, 2009, have them see), with a contrast of 2.3 on light and dark.
+(Machado, Oliveira, Fernandes, 2009), with a contrast of 2.3 on light and dark.
 """
 
 import math

@@ -220,9 +220,12 @@ class Mapmaker:
                 f'clock of the camera: {self.block.clock_offset_s:+.1f} s to that of the track'
             )
         step('match')
-        self.block.place_all()
-        self._drop_unturned()
-        alignment = self.alignment()
+        while True:
+            self.block.place_all()
+            self._drop_unturned()
+            alignment = self.alignment()
+            if not self._drop_uncertain(alignment):
+                break
         step('adjust')
         return alignment
 
@@ -237,6 +240,29 @@ class Mapmaker:
                     f'not on the map: {name}: nothing tells its heading, and nothing ties it to '
                     'the others'
                 )
+
+    def _drop_uncertain(self, alignment: Alignment) -> bool:
+        """Leave out tied photographs that may be off by more than half of what they show.
+
+        A few that are tied to each other alone, by fixes that are too near to each other, have
+        neither scale nor north. Where most are so, the whole map is, and says it. Returns whether
+        there were any.
+        """
+        shown_m = {}
+        for name, placement in alignment.placements.items():
+            camera = self.block.photo(name).camera
+            slope = math.hypot(camera.width_px, camera.height_px) / camera.fx_px
+            shown_m[name] = float(placement.pose.centre[2]) * slope
+        lost = {n: e for n, e in alignment.errors_m.items() if e > 0.5 * shown_m[n]}
+        if 2 * len(lost) > len(alignment.errors_m):
+            return False
+        for name, error_m in lost.items():
+            self.block.remove(name)
+            self._notice(
+                f'not on the map: {name}: it may be off by {error_m:.0f} m, more than half of '
+                f'the {shown_m[name]:.0f} m that it shows'
+            )
+        return bool(lost)
 
     def drop_unreadable(self) -> None:
         """Leave out photographs whose pixels cannot be had, and say so."""
