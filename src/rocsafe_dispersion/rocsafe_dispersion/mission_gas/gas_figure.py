@@ -14,7 +14,7 @@ from rocsafe_geo.scale_bar import bar_length_m
 
 # The figure shows the flight in so many seconds, then rests, then begins again.
 LASTS_S, RESTS_S = 12.0, 4.0
-# Of a phone: all letters can be read there.
+# The width of a phone's page, so that its letters can be read there.
 WIDTH_PX, HEAD_PX = 480.0, 33.0
 # Letters that a line of the head holds, and its height.
 LINE_LETTERS, LINE_PX = 60, 17.0
