@@ -43,6 +43,13 @@ class Grown:
     seen: Observations
     tracks: NDArray[np.int64]
 
+    def common_points(self, key: Key) -> int:
+        """Return how many points two photographs have in common; 0 if one has no pose."""
+        if not set(key) <= set(self.names):
+            return 0
+        first, second = (self.seen.photos == self.names.index(name) for name in key)
+        return len(np.intersect1d(self.seen.points[first], self.seen.points[second]))
+
 
 @dataclass(frozen=True, slots=True)
 class Cameras:
@@ -88,12 +95,16 @@ def best_grown(
     """Return the scene in which most sightings agree, of those of several seeds; None without any.
 
     Two photographs may agree by a wrong geometry, of a plane above all: the scene that grows from
-    them takes in most photographs, but fewer of their sightings.
+    them takes in most photographs, but fewer of their sightings. From a seed of whose matches most
+    agree with a scene, the same scene would grow: it is passed over.
     """
-    scenes = (
-        Growth(tracks, cameras, options).grow(key, links[key]) for key in _seeds(links, options)
-    )
-    found = [scene for scene in scenes if scene is not None]
+    found: list[Grown] = []
+    for key in _seeds(links, options):
+        if any(2 * scene.common_points(key) > len(links[key].matches) for scene in found):
+            continue
+        scene = Growth(tracks, cameras, options).grow(key, links[key])
+        if scene is not None:
+            found.append(scene)
     return max(found, key=lambda scene: len(scene.seen.photos), default=None)
 
 
