@@ -14,9 +14,9 @@ from std_srvs.srv import SetBool
 from test.sim.node_stand import DEADLINE_S, SMALL, Operator, route
 
 from rocsafe_interfaces.msg import GimbalCommand
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.interface_spec import TopicSpec, of_camera
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec, of_camera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel

@@ -5,6 +5,7 @@ import dataclasses
 import os
 import shutil
 import sys
+from itertools import chain, repeat
 from threading import Thread
 
 import pytest
