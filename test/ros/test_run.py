@@ -140,7 +140,9 @@ def test_node_that_stood_still_ends_to_be_started_again(own_domain, monkeypatch,
     """The others have given it up; without a supervisor nobody would start it again."""
     if is_supervised:
         monkeypatch.setenv('ROCSAFE_SUPERVISOR_PID', str(os.getpid()))
-    process = start('import rocsafe_ros.process.run\nrocsafe_ros.process.run.STOOD_STILL_S = 0.5\n' + NODE)
+    process = start(
+        'import rocsafe_ros.process.run\nrocsafe_ros.process.run.STOOD_STILL_S = 0.5\n' + NODE
+    )
     assert process.stdout.readline() == 'alive\n'
     process.send_signal(signal.SIGSTOP)
     time.sleep(3.0)

@@ -202,13 +202,18 @@ class Growth:
         rows = self._rows[name]
         rows = rows[self._is_known(rows)]
         points, rays = self._places[self._point[rows]], self._straight(rows)
-        cv2.setRNGSeed(0)
-        limit = options.pose_px / self._focal[name]
+        # By the size of the errors, not by the number below a limit: of points near a plane two
+        # poses may lie below it.
+        ransac = cv2.UsacParams()
+        ransac.threshold = options.pose_px / self._focal[name]
+        ransac.score = cv2.SCORE_METHOD_MSAC
+        ransac.maxIterations, ransac.confidence = 3000, 0.9999
+        ransac.loMethod = cv2.LOCAL_OPTIM_INNER_LO
+        ransac.randomGeneratorState = 0
         try:
-            found, turn, shift, inside = cv2.solvePnPRansac(
-                points, rays, np.eye(3), None, iterationsCount=3000,
-                reprojectionError=limit, confidence=0.9999, flags=cv2.SOLVEPNP_AP3P,
-            )  # fmt: skip
+            found, _, turn, shift, inside = cv2.solvePnPRansac(
+                points, rays, np.eye(3), np.zeros(4), params=ransac
+            )
         except cv2.error:
             return False
         if not found or inside is None or len(inside) < options.least_seen:

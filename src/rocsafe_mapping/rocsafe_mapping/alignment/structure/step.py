@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.matching.features import Features, Gray, sift_features
-from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.matching.pair_matching import Pair, most_alike
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.structure.epipolar import Key, Link, linked, tracks_of
 from rocsafe_mapping.alignment.structure.growth import Cameras, Grown, all_grown
@@ -101,10 +101,10 @@ def _links(
     offsets: Sequence[FloatArray],
     options: AlignmentOptions,
 ) -> dict[Key, Link]:
-    """Return what ties photographs, of the nearest fixes or of all."""
+    """Return what ties photographs: of the nearest fixes, and those that look most alike."""
     rays = [part / photo.camera.fx_px for part, photo in zip(offsets, photos, strict=True)]
     links = {}
-    for key in _candidates(photos, options.structure):
+    for key in _candidates(photos, features, options):
         one, other = key
         link = linked(
             features[one], features[other], (rays[one], rays[other]),
@@ -115,18 +115,22 @@ def _links(
     return links
 
 
-def _candidates(photos: Sequence[Photo], options: StructureOptions) -> list[Key]:
-    if len(photos) <= options.all_up_to or not all(photo.is_located for photo in photos):
+def _candidates(
+    photos: Sequence[Photo], features: Sequence[Features], options: AlignmentOptions
+) -> list[Key]:
+    structure = options.structure
+    if len(photos) <= structure.all_up_to:
         return list(itertools.combinations(range(len(photos)), 2))
-    places = np.array([photo.prior.centre[:2] for photo in photos])
-    _, near = cKDTree(places).query(places, options.neighbours + 1)
-    keys = {
-        (min(one, other), max(one, other))
-        for one, others in enumerate(near.tolist())
-        for other in others
-        if other != one
-    }
-    return sorted(keys)
+    located = [number for number, photo in enumerate(photos) if photo.is_located]
+    keys = set()
+    if len(located) > structure.neighbours:
+        places = np.array([photos[number].prior.centre[:2] for number in located])
+        _, near = cKDTree(places).query(places, structure.neighbours + 1)
+        pairs = {(located[a], located[b]) for a, row in enumerate(near.tolist()) for b in row}
+        keys = {(min(pair), max(pair)) for pair in pairs if len(set(pair)) > 1}
+    few = {n: f.first(options.neighbours.alike_features) for n, f in enumerate(features)}
+    lost = set(few) - (set(located) if keys else set())
+    return sorted(keys | most_alike(few, lost, structure.neighbours, options.matching))
 
 
 def _tilted(photos: Sequence[Photo], grown: Grown, options: StructureOptions) -> dict[str, Photo]:
