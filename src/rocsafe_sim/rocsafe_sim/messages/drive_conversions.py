@@ -33,6 +33,7 @@ OUTCOMES = {
     DriveOutcome.TURNED_BACK_DOSE: DriveRoute.Result.TURNED_BACK_DOSE,
     DriveOutcome.BLOCKED: DriveRoute.Result.BLOCKED,
     DriveOutcome.COLLISION: DriveRoute.Result.COLLISION,
+    DriveOutcome.TURNED_BACK_GAS: DriveRoute.Result.TURNED_BACK_GAS,
     DriveOutcome.DOSE_UNEXPECTED: DriveRoute.Result.DOSE_UNEXPECTED,
 }
 
@@ -54,6 +55,7 @@ def drive_route_of(message: GroundRoute, frame: LocalFrame) -> DrivenRoute:
         stops=tuple(stops),
         budget_usv=message.dose_budget_usv,
         turn_back_usvh=message.turn_back_usvh,
+        turn_back_ppm=message.turn_back_ppm,
         upper_ratio=message.dose_upper_usv / message.dose_usv if message.dose_usv > 0.0 else 0.0,
     )
 
