@@ -13,6 +13,7 @@ from rocsafe_sim.driving.caution import CautionOptions, Outlook, reason_to_end
 from rocsafe_sim.driving.chassis import Chassis
 from rocsafe_sim.driving.drive_journal import read_drive, write_drive
 from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome
+from rocsafe_sim.driving.readings import ReadingQueue
 from rocsafe_sim.driving.rover import Rover
 from rocsafe_sim.driving.way_back import Mark, WayBack
 from rocsafe_sim.errors import CommandRefusedError, JournalError
@@ -280,6 +281,21 @@ def test_gas_sensors_that_fall_silent_bring_it_home_where_it_has_a_level():
     driven(rover, None)
     assert rover.state.ledger.outcome is DriveOutcome.TURNED_BACK_GAS
     assert 'silent' in rover.state.ledger.text
+
+
+def test_sensor_that_has_not_warmed_up_is_not_waited_for():
+    """Once it has given a reading it is, until it is given up."""
+    queue = ReadingQueue(1.2, is_awaited=False)
+    assert queue.has_all(100 * SECOND)
+    queue.add(100 * SECOND, 0.5)
+    assert queue.has_all(101 * SECOND)
+    assert not queue.has_all(102 * SECOND)
+    assert queue.due(102 * SECOND) == [(100 * SECOND, 0.5)]
+    queue.give_up()
+    assert queue.has_all(102 * SECOND)
+    queue.add(102 * SECOND, 0.5)
+    assert not queue.has_all(104 * SECOND)
+    assert not ReadingQueue(1.2).has_all(2 * SECOND)
 
 
 def drive_in_gas(rover, ppm):

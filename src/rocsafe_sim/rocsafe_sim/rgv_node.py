@@ -46,7 +46,9 @@ class RgvNode(VehicleScopeNode):
         self._participant: Participant | None = None
         self._readings = ReadingQueue(options.reading_period_s)
         period_s = options.gas_period_s
-        self._gases = {sensor: ReadingQueue(period_s) for sensor in options.gas_sensors}
+        self._gases = {
+            sensor: ReadingQueue(period_s, is_awaited=False) for sensor in options.gas_sensors
+        }
         self._waits_since_s: float | None = None
         self._rgv = _rgv(options, self.vehicle_name)
         self._interface = RgvInterface(self, self._rgv, options.fix_period_ns, self._on_busy)
@@ -106,6 +108,8 @@ class RgvNode(VehicleScopeNode):
         since = self._waits_since_s
         if since is not None and time.monotonic() - since > LONGEST_WAIT_S:
             self.get_logger().warning('no reading of its sensors: time goes on without')
+            for queue in self._gases.values():
+                queue.give_up()
             self._go_on()
 
     def _go_on(self) -> None:
