@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """The node ``rgv``: one simulated ground vehicle, named after its namespace."""
 
-import math
 import time
 from typing import Any
 
@@ -21,12 +20,12 @@ from rocsafe_sim.driving.readings import ReadingQueue
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.driving.rgv_options import RgvOptions
 from rocsafe_sim.errors import SimError
+from rocsafe_sim.messages.drive_conversions import ppm_of
 from rocsafe_sim.vehicle_interface.rgv_interface_node import RgvInterface
 
 # A detector that does not answer for this wall time is not waited for any longer.
 LONGEST_WAIT_S = 20.0
 LOOK_S = 0.5
-PPM = 'ppm'
 
 
 class RgvNode(VehicleScopeNode):
@@ -90,12 +89,9 @@ class RgvNode(VehicleScopeNode):
 
     def _on_gas(self, reading: GasReading) -> None:
         queue = self._gases.get(reading.sensor)
-        if queue is None:
-            return
-        # What is saturated shows a lower limit, or nothing at all. Others tell no concentration.
-        ppm = math.inf if reading.saturated else reading.raw
-        queue.add(ns_of_stamp(reading.header.stamp), ppm if reading.unit == PPM else -math.inf)
-        self._look_again()
+        if queue is not None:
+            queue.add(ns_of_stamp(reading.header.stamp), ppm_of(reading))
+            self._look_again()
 
     def _has_all(self, time_ns: int) -> bool:
         return all(queue.has_all(time_ns) for queue in (self._readings, *self._gases.values()))

@@ -11,7 +11,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.motion.ground_motion import Place
 from rocsafe_interfaces.action import DriveRoute
-from rocsafe_interfaces.msg import GeoPoint, GroundRoute, VehicleState
+from rocsafe_interfaces.msg import GasReading, GeoPoint, GroundRoute, VehicleState
 from rocsafe_ros.conversions import enu_of_point, point_of_position
 from rocsafe_sim.driving.drive_route import DrivenRoute, RouteStop
 from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome
@@ -58,6 +58,16 @@ def drive_route_of(message: GroundRoute, frame: LocalFrame) -> DrivenRoute:
         turn_back_ppm=message.turn_back_ppm,
         upper_ratio=message.dose_upper_usv / message.dose_usv if message.dose_usv > 0.0 else 0.0,
     )
+
+
+def ppm_of(reading: GasReading) -> float:
+    """Return a concentration: infinite where the sensor is saturated, none where it tells none.
+
+    What is saturated shows a lower limit, or nothing at all.
+    """
+    if reading.unit != 'ppm':
+        return -math.inf
+    return math.inf if reading.saturated else float(reading.raw)
 
 
 def drive_result(rgv: Rgv) -> DriveRoute.Result:
