@@ -128,7 +128,7 @@ class EngineCamera:
     def __init__(self, scene: EngineScene, lens: PinholeCamera, oversampling: int) -> None:
         self.lens = lens
         self.truth: Truth | None = None
-        self._scene = scene
+        self._scene, self._oversampling = scene, oversampling
         self._camera = OversampledCamera(scene.renderer, lens, oversampling)
 
     @property
@@ -144,6 +144,14 @@ class EngineCamera:
     def set_light(self, order: LightOrder) -> None:
         """Change sun and air of the scene, also for all other cameras in it."""
         self._scene.set_light(order)
+
+    def through(self, lens: PinholeCamera) -> 'EngineCamera':
+        """Return a camera of the same scene with another lens."""
+        return EngineCamera(self._scene, lens, self._oversampling)
+
+    def close(self) -> None:
+        """Release its buffers."""
+        self._camera.close()
 
     def photograph(
         self,

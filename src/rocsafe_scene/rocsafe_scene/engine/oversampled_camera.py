@@ -102,6 +102,13 @@ class OversampledCamera:
         """Return what is seen from a pose, drawn once; see `RendererCamera.expose`."""
         return self._plain.expose(position_enu, rotation_enu_from_optical)
 
+    def close(self) -> None:
+        """Release the buffers."""
+        for camera in (self.__dict__.pop('_plain', None), *(self._pair or ())):
+            if camera is not None:
+                camera.close()
+        self._pair = None
+
     @cached_property
     def _plain(self) -> _AnyCamera:
         return self._renderer.camera(self.lens)
