@@ -170,7 +170,7 @@ class Vehicle:
         """Keep it."""
         self.pointed = (camera, pitch_rad, yaw_rad)
 
-    async def set_fov(self, camera, fov_deg):
+    async def set_fov(self, _camera, fov_deg):
         """Keep it."""
         self.fov_deg = fov_deg
 
