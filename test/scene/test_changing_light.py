@@ -74,8 +74,15 @@ def test_a_narrower_lens_shows_the_middle_larger(drawing, monkeypatch) -> None:
     with np.errstate(invalid='ignore'):
         same = np.isclose(halved, middle, rtol=0.05)
     assert same.mean() > 0.9
-    narrow.close()
     assert np.array_equal(camera.photograph(PLACE, LOOK, START_NS), first)
+    # A script that zooms fills no memory with buffers.
+    windows = camera._scene.renderer.pipe.engine.getNumWindows()
+    for px in (40, 50, 60):
+        zoomed = camera.through(
+            PinholeCamera(px / 48.0, LENS.image_width_px, LENS.image_height_px)
+        )
+        zoomed.photograph(PLACE, LOOK, START_NS, is_quick=True)
+    assert camera._scene.renderer.pipe.engine.getNumWindows() == windows
 
 
 @pytest.mark.slow
