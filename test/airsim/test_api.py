@@ -18,6 +18,7 @@ from rocsafe_airsim.ned import Origin
 from rocsafe_airsim.protocol.wire import Call
 from rocsafe_airsim.vehicle import Picture, VehicleNow
 from rocsafe_geo.frame import LocalFrame
+from rocsafe_geo.motion.battery import HOVER_POWER_W
 from rocsafe_geo.position import GeoPosition
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.flight.segment import Mode
@@ -104,7 +105,7 @@ class Vehicle:
         self.home = world.to_geodetic(home)
         self.cameras = ['camera', 'oblique']
         self.leads, self.orders = False, 0
-        self.smells, self.light = False, None
+        self.smells, self.light, self.fov_deg = False, None, 70.0
         world.vehicles[name] = self
 
     def now(self):
@@ -169,13 +170,17 @@ class Vehicle:
         """Keep it."""
         self.pointed = (camera, pitch_rad, yaw_rad)
 
+    async def set_fov(self, _camera, fov_deg):
+        """Keep it."""
+        self.fov_deg = fov_deg
+
     async def look(self, camera, *, with_truth):
         """Return a picture."""
         down = (math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0)
         truth = {'depth_m': DEPTH, 'labels': LABELS} if with_truth and camera == 'camera' else {}
         return Picture(
-            stamp_ns=5, pixels=PIXELS, place_enu=(1.0, 2.0, 33.0), attitude=down, fov_deg=70.0,
-            **truth,
+            stamp_ns=5, pixels=PIXELS, place_enu=(1.0, 2.0, 33.0), attitude=down,
+            fov_deg=self.fov_deg, **truth,
         )  # fmt: skip
 
     def label_table(self, camera) -> Sequence[dict]:
@@ -186,6 +191,8 @@ class Vehicle:
 
     def reading(self, kind):
         """Return a reading."""
+        if kind == 'imu':
+            return {'time_stamp': 7, 'linear_acceleration': {'z_val': -9.80665}}
         return {'dose_rate_usvh': 2.5} if kind == 'radiation' else self._none()
 
     def _none(self):
@@ -394,6 +401,9 @@ def test_parameters_of_any_kind_and_number_are_carried_out_or_refused_by_name(wo
         ([*LED, ('rotateToYaw', math.nan, 9.0, 5.0, '')], 'yaw is nan: must be a finite number'),
         ([('takeoff', 20, '')], 'enableApiControl first'),
         ([('moveByMotorPWMs', 1, 1, 1, 1, 1, '')], 'not served here'),
+        ([('getRotorStates', 'rav2')], 'rav2 is a real vehicle: it tells nothing of its rotors'),
+        ([('simSetCameraFov', '0', 30.0, 'rav2')], 'real vehicle'),
+        ([('simSetCameraFov', '0', math.nan, '')], 'fov_degrees is nan'),
         ([('getMultirotorState', 'rav9')], 'there are rav1, rav2'),
         ([('simGetVehiclePose', 'rav2')], 'real vehicle'),
         ([('simGetImages', [{'camera_name': '0', 'image_type': 0}], 'rav2')], 'real vehicle'),
@@ -454,6 +464,30 @@ def test_a_camera_that_a_script_set_up_for_itself_is_refused(world, name):
     """With the names of those that there are."""
     with pytest.raises(AirsimError, match=f"camera '{name}' of rav1: has camera, oblique"):
         ask(world, ('simGetImages', [{'camera_name': name, 'image_type': 0}]))
+
+
+def test_the_field_of_view_of_a_camera_is_told_as_it_is_set(world):
+    """With the projection that follows of it."""
+    ask(world, ('simSetCameraFov', '0', 40.0, ''))
+    info = ask(world, ('simGetCameraInfo', '0', ''))
+    assert info['fov'] == 40.0
+    assert info['proj_mat']['matrix'][0][0] == pytest.approx(1.0 / math.tan(math.radians(20.0)))
+
+
+def test_rotors_carry_the_vehicle_in_the_air_and_stand_on_the_ground(world):
+    """Four alike bear the weight of 2 kg at 9.8 m/s2, and turn nobody."""
+    on_ground = ask(world, ('getRotorStates', ''))
+    assert [rotor['speed'] for rotor in on_ground['rotors']] == [0.0] * 4
+    hovering = ask(world, *LED, ('getRotorStates', ''))
+    assert hovering['timestamp'] == 7
+    rotors = hovering['rotors']
+    assert sum(rotor['thrust'] for rotor in rotors) == pytest.approx(2.0 * 9.80665)
+    assert sum(rotor['torque_scaler'] for rotor in rotors) == pytest.approx(0.0)
+    # Static tests of such propellers (10 x 4.7 inches): 5 N at some 5500 turns a minute.
+    assert rotors[0]['speed'] * 60.0 / (2.0 * math.pi) == pytest.approx(5500.0, rel=0.1)
+    # All shafts together take less than the motors do.
+    shafts_w = sum(abs(rotor['torque_scaler']) * rotor['speed'] for rotor in rotors)
+    assert 0.56 * HOVER_POWER_W < shafts_w < HOVER_POWER_W
 
 
 def test_a_camera_is_turned_by_its_gimbal(world):

@@ -492,10 +492,10 @@ def test_labels_count_instead_of_colours_and_propose_things(tmp_path, capsys):
     ground = read_ground_map(files, GroundVehicle(), CELL_M, TURN_BACK)
     assert not ground.is_free.ravel()[ground.grid.cell_of(25.0, -25.0)]
     assert ground.is_free.ravel()[ground.grid.cell_of(-10.0, 20.0)]
-    first, second = labelled_things(read_labels(labels), ground.grid, 12)
+    first, second = labelled_things(read_labels(labels), 12)
     assert ground.grid.enu_of(first.position) == pytest.approx((-10.0, 0.0), abs=0.05)
     assert ground.grid.enu_of(second.position) == pytest.approx((5.0, -15.0), abs=0.05)
-    assert labelled_things(read_labels(labels), ground.grid, 1) == [first]
+    assert labelled_things(read_labels(labels), 1) == [first]
     words = [str(folder), '--from', text(*START), '--to', 'objects', '--dose-budget', '500']
     assert main([*words, '--labels', str(labels)]) == 0
     assert 'drum-' in capsys.readouterr().out

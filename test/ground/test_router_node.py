@@ -8,7 +8,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from test.ground.villages import position, write_village
+from test.ground.villages import position, write_labels, write_village
 
 from rocsafe_ground.router_node import RouterNode
 from rocsafe_interfaces.action import PlanGroundRoute
@@ -160,3 +160,30 @@ def test_refusal_names_the_reason(router, tmp_path, changes, code, text):
     result = router.ask(goal_of(write_village(tmp_path), **changes))
     assert result.error_code == code
     assert text in result.error_msg
+
+
+def test_things_of_its_labels_are_evidence_of_a_goal_that_asks_for_them(ros, tmp_path):
+    """The result names them, so that what is left can be asked for by name after a drive."""
+    folder = write_village(tmp_path)
+    made = Router(ros, labels_file=str(write_labels(folder)))
+    wanted = {'to_objects': True, 'object_dwell_s': 7.0}
+    result = made.ask(goal_of(folder, evidence=[], **wanted))
+    assert [one.id for one in result.objects] == ['drum-1', 'drum-2']
+    assert {(one.kind, one.dwell_s) for one in result.objects} == {('object', 7.0)}
+    stops = {stop.evidence for stop in result.route.stops if stop.evidence}
+    assert stops == {'drum-1', 'drum-2'}
+    made.ros.spin_until(lambda: 'evidence' in made.heard, DEADLINE_S)
+    assert [one.id for one in made.heard['evidence'].points] == ['drum-1', 'drum-2']
+    rest = made.ask(goal_of(folder, evidence=result.objects[1:]))
+    assert [one.evidence for one in rest.route.stops if one.evidence] == ['drum-2']
+    assert rest.objects == []
+    twice = made.ask(goal_of(folder, evidence=result.objects[:1], **wanted))
+    assert twice.error_msg.startswith('evidence: drum-1 is there twice')
+    made.close()
+
+
+def test_goal_that_asks_for_things_of_a_router_without_labels_is_refused(router, tmp_path):
+    """It does not drive to the rest in silence."""
+    result = router.ask(goal_of(write_village(tmp_path), to_objects=True))
+    assert result.error_code == PlanGroundRoute.Result.NO_MAP
+    assert 'labels_file' in result.error_msg

@@ -31,10 +31,11 @@ def write_gas(folder: Path, *, exponent: float | None = EXPONENT, half_m: float 
     return folder
 
 
-def driven(folder: Path, capsys) -> dict:
+def driven(folder: Path, capsys, *options: str) -> dict:
     """Return the drive as the command tells it."""
     arguments = [str(folder), f'--from={text(-20.0, 7.0)}', f'--to={text(20.0, 9.0)}']
-    assert main([*arguments, '--dose-budget=1e6', '--turn-back=1e5', '--cell=0.5', '--json']) == 0
+    options = (*options, '--dose-budget=1e6', '--turn-back=1e5', '--cell=0.5', '--json')
+    assert main([*arguments, *options]) == 0
     return json.loads(capsys.readouterr().out)
 
 
@@ -58,6 +59,23 @@ def test_load_of_an_even_gas_is_that_of_the_time_spent_in_it(village: Path, caps
     assert gas['toxic_load_share_upper_95'] == pytest.approx(4.0 * expected, rel=1e-4)
     assert gas['toxic_load_of'] == 'AEGL-2, 60 min'
     assert gas['outside_the_map_s'] == 0.0
+
+
+@pytest.mark.slow
+def test_no_way_enters_the_concentration_to_turn_back_at(village: Path, capsys) -> None:
+    """By its upper 95 %; without the level the way leads through it."""
+    write_gas(village, half_m=8.0)
+    through = driven(village, capsys)
+    assert through['gas']['highest_upper_95_ppm'] == pytest.approx(UPPER_PPM)
+    level = 0.75 * UPPER_PPM
+    around = driven(village, capsys, f'--turn-back-ppm={level}')
+    assert around['gas']['highest_upper_95_ppm'] < level
+    inside = [str(village), f'--from={text(-20.0, 7.0)}', f'--to={text(0.0, 2.0)}']
+    assert main([*inside, '--dose-budget=1e6', f'--turn-back-ppm={level}']) == 1
+    assert 'a concentration of gas at which the vehicle turns back' in capsys.readouterr().err
+    (village / PLUME).unlink()
+    assert main([*inside, '--dose-budget=1e6', '--turn-back-ppm=150']) == 2
+    assert capsys.readouterr().err.startswith('error: --turn-back-ppm: ')
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 """The drive of a ground vehicle in a mission: what each step waits for, and how it ends."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from rocsafe_geo.evidence.place_marks import PlaceMark
 from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.action import DriveRoute
-from rocsafe_interfaces.msg import GeoPoint
+from rocsafe_interfaces.msg import EvidencePoint, GeoPoint
 from rocsafe_orchestrator.mission.driving import MOST_PLANS, DriveEnd
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission.options import Deadlines
@@ -246,3 +247,30 @@ def test_marks_of_operators_are_driven_to_where_the_scenario_says_so() -> None:
     (one,) = goal.evidence[2:]
     assert (one.id, one.kind, one.dwell_s) == ('operator-1', 'mark', 7.0)
     assert one.found_in == 'ann: a bag'
+
+
+def test_things_of_labels_are_asked_for_once_and_then_by_name() -> None:
+    """What was taken of them is left out; without a file of labels nothing is asked for."""
+    scenario = read_scenario(SCENARIO)
+    plain = drive_goal(scenario, [], [], DriveSoFar())
+    assert plain is not None
+    assert not plain.to_objects
+    changes = {'labels_file': 'labels.tif', 'dwell_s': 7.0, 'evidence': ()}
+    block = scenario.ground_vehicle.model_copy(update=changes)
+    wanted = scenario.model_copy(update={'ground_vehicle': block})
+    first = drive_goal(wanted, [], [], DriveSoFar())
+    assert first is not None
+    assert (first.to_objects, first.object_dwell_s) == (True, 7.0)
+    drums = tuple(EvidencePoint(id=f'drum-{number}', kind='object') for number in (1, 2))
+    so_far = replace(DriveSoFar(), objects=drums)
+    taken = so_far.after(DriveRoute.Result(evidence_taken=['drum-1']))
+    rest = drive_goal(wanted, [], [], taken)
+    assert rest is not None
+    assert not rest.to_objects
+    assert [one.id for one in rest.evidence] == ['drum-2']
+    assert drive_goal(wanted, [], [], replace(so_far, evidence=('drum-1', 'drum-2'))) is None
+    unwanted = block.model_copy(update={'to_objects': False})
+    assert (
+        drive_goal(scenario.model_copy(update={'ground_vehicle': unwanted}), [], [], DriveSoFar())
+        is None
+    )

@@ -96,6 +96,47 @@ def test_a_node_runs_without_standard_streams(own_domain, tmp_path):
     assert told.exists()
 
 
+@pytest.mark.parametrize(
+    ('fault', 'line'),
+    [
+        ("raise MemoryError('8 GiB')", 'error: not enough memory: 8 GiB'),
+        ('raise MemoryError', 'error: not enough memory: MemoryError'),
+        # A thread of its own, where the system grants none.
+        (
+            "threading.Thread.start = refuse; BackgroundJob(print, 'fitting', None)",
+            'error: not enough memory: fitting: no thread',
+        ),
+    ],
+)
+def test_short_memory_is_one_line_and_a_restart(own_domain, fault, line):
+    """No traceback: the supervisor tells the last line, and starts the node again."""
+    code = NODE.replace(
+        'sys.exit(',
+        f"""
+import threading
+from rocsafe_ros.background_job import BackgroundJob
+
+def refuse(_):
+    raise RuntimeError('no thread')
+
+def fail():
+    {fault}
+
+def make():
+    node = Subject()
+    node.create_timer(0.1, fail)
+    return node
+
+sys.exit(""",
+        1,
+    ).replace('run(Subject)', 'run(make)')
+    process = start(code)
+    _, errors = process.communicate(timeout=DEADLINE_S)
+    assert process.returncode == 1
+    assert 'Traceback' not in errors
+    assert errors.splitlines()[-1] == line
+
+
 def test_wrong_parameter_is_one_line_and_exit_2(child):
     """No traceback for a user's mistake."""
     process = child('--ros-args', '-p', 'speed_mps:=9.0')

@@ -66,6 +66,7 @@ REFUSED = [
     ('radiation.sources[0].position', [0.0, -9.061], 'is 590'),
 ]
 
+DRIVER = {'name': 'rgv1', 'home': [53.28, -9.06], 'dose_budget_usv': 60.0}
 # Key path, value, the line: mistakes without a single value.
 REFUSED_BLOCKS = [
     ('other_cameras', [{'name': 'camera'}], "other_cameras[0].name = 'camera': is taken"),
@@ -82,6 +83,17 @@ REFUSED_BLOCKS = [
     ('radiation.sources[0].line', [[53.28, -9.06]], 'must have one of position, line, area'),
     ('radiation.shields', [WALL], "radiation.model = 'paper': must be shielded where there are"),
     ('radiation.scene_file', 'gone.yaml', "radiation.scene_file = 'gone.yaml': must be the path"),
+    (
+        'ground_vehicle',
+        {**DRIVER, 'labels_file': 'no.tif'},
+        "ground_vehicle.labels_file = 'no.tif': must be the path of a GeoTIFF of labels; no such",
+    ),
+    ('ground_vehicle', {**DRIVER, 'turn_back_ppm': 2.0}, 'turn_back_ppm = 2: needs air.gas_sens'),
+    (
+        'ground_vehicle',
+        {**DRIVER, 'turn_back_ppm': 2.0, 'link': 'udp://127.0.0.1:14560'},
+        'turn_back_ppm = 2: must be left out, no gas sensor of a real ground vehicle is read',
+    ),
     ('camera', {'backend': 'engine', 'scene_file': 'no.yaml'}, 'must be the path of a scene; no '),
     (
         'radiation',

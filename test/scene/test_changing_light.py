@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sun and fog of a scene that are changed while it is watched."""
 
+import math
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -45,9 +46,8 @@ def test_the_sun_moves_by_steps_of_time() -> None:
         MovingSun(sun_ns=0, from_ns=0, speed=-1.0)
 
 
-@pytest.mark.slow
-def test_the_light_of_a_scene_changes_and_comes_back(drawing, monkeypatch) -> None:
-    """Fog hides what is far, the sun moves the shadows, and the first light draws the same."""
+def opened(monkeypatch) -> EngineScene:
+    """Return a small scene."""
     environment = small_environment()
     monkeypatch.setattr(engine_camera, 'read_scene', lambda _: environment.description)
     monkeypatch.setattr(engine_camera, 'build', lambda *_: environment)
@@ -55,7 +55,40 @@ def test_the_light_of_a_scene_changes_and_comes_back(drawing, monkeypatch) -> No
     request = EngineRequest(
         scene_file=Path(), seed=1, origin=origin, start_ns=START_NS, cache=None
     )
-    camera = EngineCamera(EngineScene(request), LENS, 1)
+    return EngineScene(request)
+
+
+@pytest.mark.slow
+def test_a_narrower_lens_shows_the_middle_larger(drawing, monkeypatch) -> None:
+    """Depths are those of the wide lens at the same ray; the first camera draws as before."""
+    camera = EngineCamera(opened(monkeypatch), LENS, 2)
+    first = camera.photograph(PLACE, LOOK, START_NS)
+    wide = camera.truth.depth_m
+    # Each pixel of half the tangent is half as wide.
+    narrow_rad = 2.0 * math.atan(0.5 * math.tan(0.5 * LENS.horizontal_fov_rad))
+    narrow = camera.through(PinholeCamera(narrow_rad, LENS.image_width_px, LENS.image_height_px))
+    narrow.photograph(PLACE, LOOK, START_NS, is_quick=True)
+    height, width = wide.shape
+    middle = wide[height // 4 : height - height // 4, width // 4 : width - width // 4]
+    halved = narrow.truth.depth_m.reshape(height // 2, 2, width // 2, 2).mean(axis=(1, 3))
+    with np.errstate(invalid='ignore'):
+        same = np.isclose(halved, middle, rtol=0.05)
+    assert same.mean() > 0.9
+    assert np.array_equal(camera.photograph(PLACE, LOOK, START_NS), first)
+    # A script that zooms fills no memory with buffers.
+    windows = camera._scene.renderer.pipe.engine.getNumWindows()
+    for px in (40, 50, 60):
+        zoomed = camera.through(
+            PinholeCamera(px / 48.0, LENS.image_width_px, LENS.image_height_px)
+        )
+        zoomed.photograph(PLACE, LOOK, START_NS, is_quick=True)
+    assert camera._scene.renderer.pipe.engine.getNumWindows() == windows
+
+
+@pytest.mark.slow
+def test_the_light_of_a_scene_changes_and_comes_back(drawing, monkeypatch) -> None:
+    """Fog hides what is far, the sun moves the shadows, and the first light draws the same."""
+    camera = EngineCamera(opened(monkeypatch), LENS, 1)
 
     def seen(order: LightOrder, seconds: int = 5):
         camera.set_light(order)

@@ -14,8 +14,9 @@ from std_srvs.srv import SetBool
 from test.sim.node_stand import DEADLINE_S, SMALL, Operator, route
 
 from rocsafe_interfaces.msg import GimbalCommand
+from rocsafe_interfaces.srv import Look, SetFieldOfView
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.interfaces.interface_spec import TopicSpec, of_camera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
@@ -107,6 +108,37 @@ def test_a_gimbal_obeys_and_says_where_it_points(operator: Operator, world: Any,
     assert len(moving) > 5
     rates = np.diff([state.yaw_rad for state in moving]) / np.diff(times_s)
     assert np.degrees(rates) == pytest.approx(np.full(len(rates), 30.0), abs=0.1)
+
+
+def test_looks_and_streams_have_the_field_of_view_that_is_set(
+    operator: Operator, world: Any, rav: Any
+) -> None:
+    """With their camera_info; photographs of the survey keep the scenario's, as their record."""
+    world('rav1', autostart=False)
+    vehicle = rav(cameras=(SMALL, FRONT))
+    shots, infos = operator.store_shots(), operator.listen(topics.CAMERA_INFO)
+    set_fov, look = calls.SET_FOV.name, calls.LOOK.name
+
+    def focal_px() -> float:
+        return operator.ask(Look, f'rav1/{look}', Look.Request()).camera_info.k[0]
+
+    before = focal_px()
+    narrow = SetFieldOfView.Request(horizontal_fov_deg=30.0)
+    assert operator.ask(SetFieldOfView, f'rav1/{set_fov}', narrow).success
+    assert focal_px() == pytest.approx(32.0 / math.tan(math.radians(15.0)))
+    refused = operator.ask(
+        SetFieldOfView, f'rav1/{set_fov}', SetFieldOfView.Request(horizontal_fov_deg=151.0)
+    )
+    assert refused.message.startswith('rav1: camera: horizontal_fov_deg is 151')
+    sender = operator.send(route(count=1))
+    operator.wait_until_heard(vehicle, topics.CAMERA_INFO)
+    operator.call('world/run', SetBool.Request(data=True))
+    operator.wait(sender.get_result_async())
+    operator.ros.spin_until(lambda: bool(shots and infos), DEADLINE_S)
+    assert infos[-1].k[0] == shots[0].camera_info.k[0] == before
+    back = SetFieldOfView.Request(horizontal_fov_deg=CameraSettings(**SMALL).horizontal_fov_deg)
+    assert operator.ask(SetFieldOfView, f'rav1/{set_fov}', back).success
+    assert focal_px() == before
 
 
 def test_a_stream_runs_at_its_rate_while_somebody_looks(

@@ -70,8 +70,8 @@ def test_noise_differs_by_camera_and_is_repeated_by_a_restart(tmp_path):
 
 def test_the_camera_info_tells_the_distortion_of_the_picture(tmp_path):
     """Straightened by its own CameraInfo, the photograph is that of a pinhole."""
-    rav, _, (photo,) = flown(tmp_path, {'effects': {'distortion': [-0.2, 0.04, 0.002, -0.001]}})
-    info = info_message(rav.parts.cameras[0].settings, Header())
+    _, _, (photo,) = flown(tmp_path, {'effects': {'distortion': [-0.2, 0.04, 0.002, -0.001]}})
+    info = info_message(photo, Header())
     assert info.distortion_model == 'plumb_bob'
     assert list(info.d) == [-0.2, 0.04, 0.002, -0.001, 0.0]
     matrix = np.array(info.k).reshape(3, 3)

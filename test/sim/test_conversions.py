@@ -16,7 +16,7 @@ from test.sim.node_stand import FRAME, HOME_ENU, point, route
 
 from rocsafe_geo.motion.battery import VOLTAGE_V, PowerModel
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_interfaces.msg import Flight, GeoPolygon
+from rocsafe_interfaces.msg import Flight, GasReading, GeoPolygon
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.flight.segment import Mode, standing
 from rocsafe_sim.messages.conversions import (
@@ -27,6 +27,7 @@ from rocsafe_sim.messages.conversions import (
     route_of,
     waiting_text,
 )
+from rocsafe_sim.messages.drive_conversions import ppm_of
 from rocsafe_sim.messages.picture_conversions import depth_message, labels_message
 from rocsafe_sim.vehicle.flight_record import FlightOutcome
 from rocsafe_sim.vehicle.snapshot import FlightSummary, VehicleSnapshot
@@ -132,3 +133,11 @@ def test_depth_and_labels_are_written_row_by_row():
     depth = np.frombuffer(depth_message(truth, Header()).data, '<f4')
     assert depth[0] == 1.5
     assert math.isinf(depth[1])
+
+
+def test_concentration_of_a_reading_is_told_in_ppm_only():
+    """What is saturated may show little, and counts as above all."""
+    assert ppm_of(GasReading(unit='ppm', raw=3.0)) == 3.0
+    assert ppm_of(GasReading(unit='ppm', raw=0.1, saturated=True)) == math.inf
+    for unit in ('ppm_m', 'mg_m3'):
+        assert ppm_of(GasReading(unit=unit, raw=1e6, saturated=True)) == -math.inf

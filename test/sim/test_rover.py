@@ -13,6 +13,7 @@ from rocsafe_sim.driving.caution import CautionOptions, Outlook, reason_to_end
 from rocsafe_sim.driving.chassis import Chassis
 from rocsafe_sim.driving.drive_journal import read_drive, write_drive
 from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome
+from rocsafe_sim.driving.readings import ReadingQueue
 from rocsafe_sim.driving.rover import Rover
 from rocsafe_sim.driving.way_back import Mark, WayBack
 from rocsafe_sim.errors import CommandRefusedError, JournalError
@@ -245,6 +246,67 @@ def test_detector_that_falls_silent_brings_it_home():
     assert rover.state.ledger.outcome is DriveOutcome.TURNED_BACK_DOSE
     assert 'silent' in rover.state.ledger.text
     assert rover.state.ledger.distance_m < 40.0
+
+
+@pytest.mark.parametrize(('slope', 'text'), [(0.5, 'reads 10.'), (math.inf, 'is saturated')])
+def test_concentration_at_the_level_turns_it_back_by_its_own_gas_sensor(slope, text):
+    """Though nothing of it was predicted; what is saturated is above any level."""
+    rover = rover_of(parts_of(has_detector=False))
+    way = route_of(((0.0, 0.0), (38.0, 0.0), (0.0, 0.0)))
+    rover.drive(replace(way, turn_back_ppm=10.0))
+    most = drive_in_gas(rover, lambda east: 0.0 if east < 1.0 else slope * east)
+    assert rover.state.ledger.outcome is DriveOutcome.TURNED_BACK_GAS
+    assert f'electrochemical_chlorine {text}' in rover.state.ledger.text
+    assert rover.state.mode is DriveMode.ARRIVED
+    assert math.dist(rover.state.place, (0.0, 0.0)) < 0.5
+    # It brakes at 0.5 m/s2 from 1 m/s, and learns of it a second later.
+    assert most < (22.5 if math.isfinite(slope) else 3.5)
+
+
+def test_gas_below_the_level_or_without_a_level_ends_no_drive():
+    """The level is that of the route."""
+    for level in (0.0, 20.0):
+        rover = rover_of(parts_of(has_detector=False))
+        way = route_of(((0.0, 0.0), (38.0, 0.0), (0.0, 0.0)))
+        rover.drive(replace(way, turn_back_ppm=level))
+        drive_in_gas(rover, lambda east: 0.5 * east)
+        assert rover.state.ledger.outcome is DriveOutcome.COMPLETED
+
+
+def test_gas_sensors_that_fall_silent_bring_it_home_where_it_has_a_level():
+    """As a silent detector does."""
+    rover = rover_of(parts_of(has_detector=False))
+    way = route_of(((0.0, 0.0), (60.0, 0.0), (0.0, 0.0)))
+    rover.drive(replace(way, turn_back_ppm=10.0))
+    driven(rover, None)
+    assert rover.state.ledger.outcome is DriveOutcome.TURNED_BACK_GAS
+    assert 'silent' in rover.state.ledger.text
+
+
+def test_sensor_that_has_not_warmed_up_is_not_waited_for():
+    """Once it has given a reading it is, until it is given up."""
+    queue = ReadingQueue(1.2, is_awaited=False)
+    assert queue.has_all(100 * SECOND)
+    queue.add(100 * SECOND, 0.5)
+    assert queue.has_all(101 * SECOND)
+    assert not queue.has_all(102 * SECOND)
+    assert queue.due(102 * SECOND) == [(100 * SECOND, 0.5)]
+    queue.give_up()
+    assert queue.has_all(102 * SECOND)
+    queue.add(102 * SECOND, 0.5)
+    assert not queue.has_all(104 * SECOND)
+    assert not ReadingQueue(1.2).has_all(2 * SECOND)
+
+
+def drive_in_gas(rover, ppm):
+    """Drive to the end in a concentration by the distance east; return how far east it came."""
+    most = 0.0
+    while not (rover.is_over and rover.is_idle):
+        assert rover.state.time_ns < 1000 * SECOND
+        rover.step(rover.state.time_ns + SECOND)
+        most = max(most, rover.state.east_m)
+        rover.read_gas('electrochemical_chlorine', ppm(rover.state.east_m))
+    return most
 
 
 def test_hold_resume_return_and_cancel():

@@ -30,6 +30,14 @@ client.takeoffAsync().join()
 client.moveToPositionAsync(5, -5, -12, 5).join()
 (image,) = client.simGetImages([airsim.ImageRequest('0', airsim.ImageType.Scene, False, False)])
 assert len(image.image_data_uint8) == image.width * image.height * 3
+before = client.simGetCameraInfo('0').fov
+client.simSetCameraFov('0', 25.0)
+assert abs(client.simGetCameraInfo('0').fov - 25.0) < 1e-6
+(closer,) = client.simGetImages([airsim.ImageRequest('0', airsim.ImageType.Scene, False, False)])
+assert closer.image_data_uint8 != image.image_data_uint8
+client.simSetCameraFov('0', before)
+rotors = client.getRotorStates().rotors
+assert len(rotors) == 4 and 15.0 < sum(one['thrust'] for one in rotors) < 25.0
 place = client.simGetVehiclePose().position
 assert abs(place.x_val - 5) < 0.5 and abs(place.y_val + 5) < 0.5 and abs(place.z_val + 12) < 0.5
 client.landAsync().join()

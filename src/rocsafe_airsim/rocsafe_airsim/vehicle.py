@@ -174,6 +174,9 @@ class Vehicle(Protocol):
     async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:
         """Point a camera in a gimbal: above the horizon, and from the nose, anticlockwise."""
 
+    async def set_fov(self, camera: str, fov_deg: float) -> None:
+        """Let a camera look with another horizontal field of view, degrees."""
+
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""
 

@@ -19,7 +19,16 @@ from rocsafe_airsim.ned import Origin, Vector
 from rocsafe_airsim.vehicle import Light, Picture, Turn, VehicleNow
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_interfaces.msg import GeoPoint, VehicleState
-from rocsafe_interfaces.srv import GoTo, Lease, Look, Move, SetHome, SetLight, SetWind
+from rocsafe_interfaces.srv import (
+    GoTo,
+    Lease,
+    Look,
+    Move,
+    SetFieldOfView,
+    SetHome,
+    SetLight,
+    SetWind,
+)
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
 from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.interfaces.interface_spec import CallSpec, name_of, of_camera
@@ -74,8 +83,8 @@ class RosVehicle:
         """Use a camera, named as its topics are; the first of a vehicle comes first."""
         if camera in self.cameras:
             return
-        spec = of_camera(calls.LOOK, camera)
-        self._clients[spec.name] = self._client(spec)
+        for spec in (of_camera(each, camera) for each in (calls.LOOK, calls.SET_FOV)):
+            self._clients[spec.name] = self._client(spec)
         table = of_camera(topics.CAMERA_LABEL_TABLE, camera)
         topics.create_subscription(self._node, table, partial(self._on_table, camera), self.name)
         self._gimbals.add(camera)
@@ -224,6 +233,11 @@ class RosVehicle:
     async def point(self, camera: str, pitch_rad: float, yaw_rad: float) -> None:
         """Turn the gimbal of a camera."""
         await self._gimbals.point(camera, pitch_rad, yaw_rad)
+
+    async def set_fov(self, camera: str, fov_deg: float) -> None:
+        """Let a camera look with another field of view."""
+        name = of_camera(calls.SET_FOV, camera).name
+        await self._order(name, SetFieldOfView.Request(horizontal_fov_deg=fov_deg))
 
     async def look(self, camera: str, *, with_truth: bool) -> Picture:
         """Return the image of a camera now."""

@@ -10,6 +10,7 @@ from std_msgs.msg import Header
 
 from rocsafe_geo.limits import require_not_negative
 from rocsafe_ground.drivable.drivable_ground import Reason
+from rocsafe_ground.drivable.labels import read_labels
 from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import (
     DEFAULT_CURVE_POINTS,
@@ -20,7 +21,9 @@ from rocsafe_ground.drive.drive_plan import (
 from rocsafe_ground.drive.ground_map import GroundMap
 from rocsafe_ground.errors import BeyondBudgetError, NoMapError, NoWayError
 from rocsafe_ground.evidence.evidence_point import EvidencePoint
+from rocsafe_ground.evidence.labelled_things import labelled_things
 from rocsafe_ground.options import RouterOptions
+from rocsafe_ground.tour.orders import MOST_POINTS
 from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint as EvidenceMessage
 from rocsafe_interfaces.msg import GroundRoute, GroundStop
@@ -45,28 +48,43 @@ _ERRORS = (
 def request_of_goal(goal: PlanGroundRoute.Goal, options: RouterOptions) -> DriveRequest:
     """Return what a goal asks for; a turn-back level or endurance of 0 is the default.
 
-    A load budget of 0 is no limit.
+    A load budget or concentration to turn back at of 0 is no limit. With `to_objects` the things
+    of the router's labels follow what the goal names, as many as a tour takes.
 
     Raises
     ------
+    NoMapError
+        If the goal asks for the things of labels, and they cannot be read.
     ValueError
         If a field is out of range.
     """
     require_not_negative('endurance_s', goal.endurance_s, 's')
     require_not_negative('load_budget', goal.load_budget)
     require_not_negative('turn_back_usvh', goal.turn_back_usvh, 'uSv/h')
+    require_not_negative('turn_back_ppm', goal.turn_back_ppm, 'ppm')
     return DriveRequest(
         start=position_of_point(goal.start),
-        evidence=tuple(_evidence(message) for message in goal.evidence),
+        evidence=(*map(_evidence, goal.evidence), *_objects(goal, options)),
         dose_budget_usv=goal.dose_budget_usv,
         load_budget=goal.load_budget or math.inf,
         vehicle=options.vehicle(goal.endurance_s or GroundVehicle().endurance_s),
         turn_back_usvh=goal.turn_back_usvh or DEFAULT_TURN_BACK_USVH,
+        turn_back_ppm=goal.turn_back_ppm or math.inf,
         # A vehicle under way waits for its new route.
         curve_points=0 if goal.end else DEFAULT_CURVE_POINTS,
         end=position_of_point(goal.end[0]) if goal.end else None,
         blocked=tuple(map(position_of_point, goal.blocked)),
     )
+
+
+def _objects(goal: PlanGroundRoute.Goal, options: RouterOptions) -> list[EvidencePoint]:
+    if not goal.to_objects:
+        return []
+    labels = options.files(goal.products).labels
+    if labels is None:
+        raise NoMapError('to_objects: the router has no labels_file')
+    room = max(MOST_POINTS - len(goal.evidence), 0)
+    return labelled_things(read_labels(labels), room, goal.object_dwell_s)
 
 
 def _evidence(message: EvidenceMessage) -> EvidencePoint:
@@ -77,6 +95,18 @@ def _evidence(message: EvidenceMessage) -> EvidencePoint:
         priority=message.priority,
         dwell_s=message.dwell_s,
         found_in=message.found_in,
+    )
+
+
+def evidence_message(point: EvidencePoint) -> EvidenceMessage:
+    """Return an evidence point."""
+    return EvidenceMessage(
+        id=point.id,
+        position=point_of_position(point.position),
+        kind=point.kind,
+        priority=point.priority,
+        dwell_s=point.dwell_s,
+        found_in=point.found_in,
     )
 
 
@@ -102,6 +132,9 @@ def route_message(plan: DrivePlan, vehicle: str, route_id: str) -> GroundRoute:
         dose_upper_usv=plan.forecast.upper_usv,
         dose_budget_usv=plan.request.dose_budget_usv,
         turn_back_usvh=plan.request.turn_back_usvh,
+        turn_back_ppm=(
+            plan.request.turn_back_ppm if math.isfinite(plan.request.turn_back_ppm) else 0.0
+        ),
         lower_bound_s=plan.bound_s,
         left_out=[f'{one.evidence}: {one.why}' for one in plan.left_out],
     )

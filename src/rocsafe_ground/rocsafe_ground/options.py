@@ -31,6 +31,9 @@ class RouterOptions:
     largest_step_m: float = _known('largest_step_m', 'highest step, m', 0.0, 5.0)
     cell_m: float = option(0.5, 'side of a cell of the route, m', 0.05, 100.0)
     terrain_file: str = option('', 'GeoTIFF of heights; empty: the ground is level')
+    labels_file: str = option(
+        '', 'GeoTIFF of classes of ground and things, names in the .json beside it; empty: colours'
+    )
     keep_out_files: tuple[str, ...] = option(
         (), 'files of zones not to be entered, for example [zones.kml]'
     )
@@ -65,6 +68,7 @@ class RouterOptions:
             dose_map=hazard and hazard / DOSES,
             sources=hazard and hazard / SOURCES,
             gas=hazard,
+            labels=Path(self.labels_file) if self.labels_file else None,
             terrain=Path(self.terrain_file) if self.terrain_file else None,
             keep_outs=tuple(Path(name) for name in self.keep_out_files),
         )

@@ -11,12 +11,13 @@ from rclpy.node import Node
 
 from rocsafe_ground.conversions import (
     costs_message,
+    evidence_message,
     path_message,
     request_of_goal,
     result_of_error,
     route_message,
 )
-from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
+from rocsafe_ground.drive.drive_plan import DrivePlan
 from rocsafe_ground.drive.ground_map import GroundMap, MapReader
 from rocsafe_ground.drive.planning import plan_drive
 from rocsafe_ground.errors import GroundError
@@ -85,20 +86,25 @@ class RouterNode(Node):
         asked = goal.request
         route = route_message(plan, asked.vehicle, f'drive-{number + 1}')
         if goal is job.first:
-            self._publish(asked, plan, ground, route)
+            self._publish(plan, ground, route)
         goal.succeed()
-        return PlanGroundRoute.Result(route=route)
+        objects = plan.request.evidence[len(asked.evidence) :]
+        return PlanGroundRoute.Result(route=route, objects=list(map(evidence_message, objects)))
 
     def _start(self, goal: ServerGoalHandle) -> Job:
         """Start to plan what a goal asks for."""
-        request = request_of_goal(goal.request, self._options)
-        return Job(partial(self._plan, request, goal.request.products), 'routing', 'map')
+        return Job(partial(self._plan, goal.request), 'routing', 'map')
 
-    def _plan(self, request: DriveRequest, folder: str, report: Callable[[str], bool]) -> Planned:
+    def _plan(self, goal: PlanGroundRoute.Goal, report: Callable[[str], bool]) -> Planned:
         """Read the map and plan; runs in the thread of the job."""
         options = self._options
+        request = request_of_goal(goal, options)
         ground = self._reader.read(
-            options.files(folder), request.vehicle, options.cell_m, request.turn_back_usvh
+            options.files(goal.products),
+            request.vehicle,
+            options.cell_m,
+            request.turn_back_usvh,
+            request.turn_back_ppm,
         )
         report('routes')
         plan = plan_drive(request, ground)
@@ -107,12 +113,10 @@ class RouterNode(Node):
             write_drive(_folder(options.export_directory, number), plan, ground)
         return plan, ground, number
 
-    def _publish(
-        self, goal: PlanGroundRoute.Goal, plan: DrivePlan, ground: GroundMap, route: GroundRoute
-    ) -> None:
+    def _publish(self, plan: DrivePlan, ground: GroundMap, route: GroundRoute) -> None:
         """Publish a route."""
         stamp = self.get_clock().now().to_msg()
-        evidence = EvidencePointArray(points=goal.evidence)
+        evidence = EvidencePointArray(points=list(map(evidence_message, plan.request.evidence)))
         evidence.header.stamp = stamp
         self._evidence.publish(evidence)
         self._route.publish(route)

@@ -42,7 +42,10 @@ class BackgroundJob(Generic[ResultT, ProgressT]):
         self._progress = progress
         self._is_cancelled = Event()
         self._future: Future[ResultT] = Future()
-        Thread(target=self._run, name=name, daemon=True).start()
+        try:
+            Thread(target=self._run, name=name, daemon=True).start()
+        except RuntimeError as error:
+            raise MemoryError(f'{name}: {error}') from error
 
     @property
     def progress(self) -> ProgressT:

@@ -43,6 +43,7 @@ def mistakes(scenario: Scenario) -> list[str]:
         *_two_ends(scenario),
         *_too_much_wind(scenario),
         *_missing_sensors(scenario),
+        *_missing_gas_sensors(scenario),
         *_unclear_places(scenario),
         *_unused_shields(scenario),
         *_unclear_releases(scenario),
@@ -246,6 +247,17 @@ def _missing_sensors(scenario: Scenario) -> Iterator[str]:
     for key, block in blocks.items():
         if not any(set(block.sensors) <= set(v.sensors) for v in scenario.vehicles):
             yield f'{key}.sensors = {list(block.sensors)}: no vehicle carries all of them'
+
+
+def _missing_gas_sensors(scenario: Scenario) -> Iterator[str]:
+    block = scenario.ground_vehicle
+    if block is None or block.turn_back_ppm is None:
+        return
+    line = f'ground_vehicle.turn_back_ppm = {block.turn_back_ppm:g}: '
+    if block.link:
+        yield f'{line}must be left out, no gas sensor of a real ground vehicle is read'
+    elif not scenario.air.gas_sensors:
+        yield f'{line}needs air.gas_sensors, by which it turns back'
 
 
 def _half_origin(scenario: Scenario) -> Iterator[str]:

@@ -138,10 +138,13 @@ def _with_files(scenario: Scenario, path: Path) -> Scenario:
     scene = camera.scene_file or f'../scenes/{scenario.scene}.yaml'
     drawn = scene if camera.backend == 'engine' else None
     terrain = scenario.survey.terrain_file or None
+    driver = scenario.ground_vehicle
+    labels = driver.labels_file or None if driver else None
     for block, key, named, what in (
         ('camera', 'ground', ground, 'scene or the path of a GeoTIFF'),
         ('camera', 'scene_file', drawn, 'the path of a scene'),
         ('survey', 'terrain_file', terrain, 'the path of a GeoTIFF of heights'),
+        ('ground_vehicle', 'labels_file', labels, 'the path of a GeoTIFF of labels'),
         ('radiation', 'scene_file', radiation.scene_file or None, 'the path of a scene'),
         ('air.wind', 'scene_file', wind.scene_file or None, 'the path of a scene'),
         ('air.wind', 'record_file', wind.record_file or None, 'the path of a record (CSV)'),

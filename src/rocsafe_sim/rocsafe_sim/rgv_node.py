@@ -7,7 +7,7 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 
-from rocsafe_interfaces.msg import RadiationReading
+from rocsafe_interfaces.msg import GasReading, RadiationReading
 from rocsafe_ros.conversions import diagnostic, ns_of_stamp
 from rocsafe_ros.interfaces import topics
 from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
@@ -20,6 +20,7 @@ from rocsafe_sim.driving.readings import ReadingQueue
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.driving.rgv_options import RgvOptions
 from rocsafe_sim.errors import SimError
+from rocsafe_sim.messages.drive_conversions import ppm_of
 from rocsafe_sim.vehicle_interface.rgv_interface_node import RgvInterface
 
 # A detector that does not answer for this wall time is not waited for any longer.
@@ -43,10 +44,15 @@ class RgvNode(VehicleScopeNode):
         self._period_ns = options.fix_period_ns
         self._participant: Participant | None = None
         self._readings = ReadingQueue(options.reading_period_s)
+        period_s = options.gas_period_s
+        self._gases = {
+            sensor: ReadingQueue(period_s, is_awaited=False) for sensor in options.gas_sensors
+        }
         self._waits_since_s: float | None = None
         self._rgv = _rgv(options, self.vehicle_name)
         self._interface = RgvInterface(self, self._rgv, options.fix_period_ns, self._on_busy)
         topics.create_subscription(self, topics.RADIATION, self._on_reading)
+        topics.create_subscription(self, topics.GAS, self._on_gas)
         if options.lock_step:
             self._participant = Participant(self, self.vehicle_name, self._on_step)
             steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -61,7 +67,7 @@ class RgvNode(VehicleScopeNode):
 
     def _on_step(self, time_ns: int) -> bool | None:
         self._step(time_ns)
-        if self._rgv.rover.is_idle or self._readings.has_all(time_ns):
+        if self._rgv.rover.is_idle or self._has_all(time_ns):
             return self._rgv.rover.is_idle
         self._waits_since_s = time.monotonic()
         return None
@@ -72,17 +78,34 @@ class RgvNode(VehicleScopeNode):
             return
         for stamp_ns, rate_usvh in self._readings.due(self._rgv.rover.state.time_ns):
             self._rgv.rover.read(stamp_ns, rate_usvh)
+        for sensor, queue in self._gases.items():
+            for _, ppm in queue.due(self._rgv.rover.state.time_ns):
+                self._rgv.rover.read_gas(sensor, ppm)
         self._interface.step(time_ns)
 
     def _on_reading(self, reading: RadiationReading) -> None:
         self._readings.add(ns_of_stamp(reading.header.stamp), reading.dose_rate_usvh)
-        if self._readings.has_all(self._rgv.rover.state.time_ns):
+        self._look_again()
+
+    def _on_gas(self, reading: GasReading) -> None:
+        queue = self._gases.get(reading.sensor)
+        if queue is not None:
+            queue.add(ns_of_stamp(reading.header.stamp), ppm_of(reading))
+            self._look_again()
+
+    def _has_all(self, time_ns: int) -> bool:
+        return all(queue.has_all(time_ns) for queue in (self._readings, *self._gases.values()))
+
+    def _look_again(self) -> None:
+        if self._has_all(self._rgv.rover.state.time_ns):
             self._go_on()
 
     def _look(self) -> None:
         since = self._waits_since_s
         if since is not None and time.monotonic() - since > LONGEST_WAIT_S:
-            self.get_logger().warning('no reading of its detector: time goes on without')
+            self.get_logger().warning('no reading of its sensors: time goes on without')
+            for queue in self._gases.values():
+                queue.give_up()
             self._go_on()
 
     def _go_on(self) -> None:

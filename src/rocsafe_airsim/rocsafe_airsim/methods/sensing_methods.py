@@ -12,7 +12,8 @@ from rocsafe_airsim.methods.access import Access, matches, served
 from rocsafe_airsim.methods.given import number, sequence, shown, table, text
 from rocsafe_airsim.methods.given_motion import vector_of
 from rocsafe_airsim.ned import Quaternion, attitude_ned, heading, product
-from rocsafe_airsim.vehicle import DISARMED, Picture
+from rocsafe_airsim.rotors import rotor_states
+from rocsafe_airsim.vehicle import AIRBORNE, DISARMED, Picture
 
 # A camera that is rolled by no more counts as level.
 LEVEL_RAD = math.radians(1.0)
@@ -71,6 +72,17 @@ class SensingMethods:
     @served('getRadSensorData')
     async def _get_rad_sensor_data(self, _sensor: str = '', name: str = '') -> Any:
         return dict(self._at.vehicle(name).reading('radiation'))
+
+    @served('getRotorStates')
+    async def _get_rotor_states(self, name: str = '') -> values.Plain:
+        vehicle = self._at.vehicle(name)
+        if not vehicle.is_simulated:
+            raise AirsimError(f'{vehicle.name} is a real vehicle: it tells nothing of its rotors')
+        now = vehicle.now()
+        if now.state not in AIRBORNE:
+            return rotor_states(now.stamp_ns, 0.0)
+        imu = vehicle.reading('imu')
+        return rotor_states(imu['time_stamp'], -imu['linear_acceleration']['z_val'])
 
     @served('getImuData')
     async def _get_imu_data(self, _imu: str = '', name: str = '') -> Any:
@@ -155,6 +167,14 @@ class SensingMethods:
             )
         # AirSim's yaw is clockwise.
         await vehicle.point(own, pitch, -yaw)
+
+    @served('simSetCameraFov')
+    async def _sim_set_camera_fov(
+        self, camera: str, fov_deg: float, name: str = '', *_external: Any
+    ) -> None:
+        vehicle = self._at.simulated(name)
+        own = self._at.camera(vehicle, camera)
+        await vehicle.set_fov(own, number(fov_deg, 'fov_degrees'))
 
     @served('simListSceneObjects')
     async def _sim_list_scene_objects(self, name_regex: str = '.*') -> list[str]:

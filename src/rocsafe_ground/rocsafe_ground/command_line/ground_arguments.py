@@ -76,6 +76,11 @@ def _add_task(found: argparse.ArgumentParser) -> None:
         help='no place above this dose rate is entered, uSv/h '
         f'(default: {DEFAULT_TURN_BACK_USVH:g})',
     )  # fmt: skip
+    found.add_argument(
+        '--turn-back-ppm', type=number(1e-9, 1e6), default=math.inf, metavar='PPM',
+        help='no place above this concentration of the gas that was found, by its upper 95 %%, is '
+        'entered (default: not limited)',
+    )  # fmt: skip
     options = {field.name: field.default for field in dataclasses.fields(DriveRequest)}
     found.add_argument(
         '--confidence', type=number(0.5, 0.999), default=options['confidence'],

@@ -18,7 +18,6 @@ from rocsafe_ground.drivable.vehicle import GroundVehicle
 from rocsafe_ground.drive.drive_plan import DrivePlan, DriveRequest
 from rocsafe_ground.drive.ground_map import (
     RELEASES,
-    GroundMap,
     MapFiles,
     read_ground_map,
     read_posterior,
@@ -70,17 +69,21 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
     vehicle = GroundVehicle(**{name: getattr(options, name) for name in names})
     if not options.folder.is_dir():
         raise NoMapError(f'{options.folder}: no such folder')
-    ground = read_ground_map(files, vehicle, options.cell, options.turn_back)
-    if math.isfinite(options.load_budget) and ground.gas is None:
-        raise NoMapError(
-            f'--load-budget: {options.folder} has no {PLUME} and {ZONES} of a release'
-        )
+    ground = read_ground_map(
+        files, vehicle, options.cell, options.turn_back, options.turn_back_ppm
+    )
+    for word in ('load_budget', 'turn_back_ppm'):
+        if math.isfinite(getattr(options, word)) and ground.gas is None:
+            raise NoMapError(
+                f'--{word.replace("_", "-")}: {options.folder} has no {PLUME} and {ZONES} of a '
+                'release'
+            )
     request = DriveRequest(
         start=place_of(options.start),
         evidence=evidence_of(
             options.to,
             read_posterior(files),
-            _objects(options, ground),
+            _objects(options),
             _releases(options),
             _marks(options),
         ),
@@ -88,6 +91,7 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
         load_budget=options.load_budget,
         vehicle=vehicle,
         turn_back_usvh=options.turn_back,
+        turn_back_ppm=options.turn_back_ppm,
         confidence=options.confidence,
     )
     plan = plan_drive(request, ground)
@@ -96,12 +100,12 @@ def _planned(options: argparse.Namespace) -> tuple[DrivePlan, Path]:
     return plan, folder
 
 
-def _objects(options: argparse.Namespace, ground: GroundMap) -> list[EvidencePoint] | None:
+def _objects(options: argparse.Namespace) -> list[EvidencePoint] | None:
     """Return the things that labels propose, as many as a tour takes beside the others."""
     if options.labels is None:
         return None
     room = MOST_POINTS - sum(text != FROM_OBJECTS for text in options.to)
-    return labelled_things(read_labels(options.labels), ground.grid, max(room, 1))
+    return labelled_things(read_labels(options.labels), max(room, 1))
 
 
 def _marks(options: argparse.Namespace) -> list[PlaceMark]:

@@ -41,6 +41,7 @@ class Reason(IntEnum):
     ROUGH = 5
     TOO_NEAR = 6
     HOT = 7
+    GASSED = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

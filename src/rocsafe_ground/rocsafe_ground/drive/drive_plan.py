@@ -42,6 +42,8 @@ class DriveRequest:
         What drives.
     turn_back_usvh
         No part of the way has a higher dose rate.
+    turn_back_ppm
+        Nor a higher concentration of a gas that was found, by its upper 95 %.
     confidence
         Share of draws of the sources in which the dose is within the budget.
     draws
@@ -64,10 +66,15 @@ class DriveRequest:
     end: GeoPosition | None = None
     blocked: tuple[GeoPosition, ...] = ()
     load_budget: float = math.inf
+    turn_back_ppm: float = math.inf
 
     def __post_init__(self) -> None:
         if not self.evidence:
             raise ValueError('evidence is empty: must have at least one point')
+        names = [point.id for point in self.evidence]
+        if twice := sorted({name for name in names if names.count(name) > 1}):
+            text = 'is there twice: each point must have its own name'
+            raise ValueError(f'evidence: {twice[0]} {text}')
         require_positive('dose_budget_usv', self.dose_budget_usv, 'uSv')
         if not self.load_budget > 0.0:
             raise ValueError(f'load_budget = {self.load_budget:g}: must be above 0')

@@ -76,6 +76,8 @@ class GroundMap:
         No cell whose upper dose rate reaches it is free.
     gas
         Concentrations of a gas; None: none was found.
+    turn_back_ppm
+        No cell whose upper concentration reaches it is free.
     """
 
     grid: RouteGrid
@@ -83,6 +85,7 @@ class GroundMap:
     field: DoseField
     turn_back_usvh: float
     gas: GasField | None = None
+    turn_back_ppm: float = math.inf
 
     @property
     def reasons(self) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -92,6 +95,9 @@ class GroundMap:
         is_free = found == Reason.FREE
         found[is_free & (upper >= self.turn_back_usvh)] = Reason.HOT
         found[is_free & np.isnan(upper)] = Reason.UNKNOWN
+        if self.gas is not None:
+            is_gassed = self.gas.upper_ppm >= self.turn_back_ppm
+            found[(found == Reason.FREE) & is_gassed] = Reason.GASSED
         return found
 
     def blocked_at(self, places: Iterable[GeoPosition], radius_m: float) -> 'GroundMap':
@@ -117,10 +123,14 @@ def read_posterior(files: MapFiles) -> SourcePosterior | None:
 
 
 def read_ground_map(
-    files: MapFiles, vehicle: GroundVehicle, cell_m: float, turn_back_usvh: float
+    files: MapFiles,
+    vehicle: GroundVehicle,
+    cell_m: float,
+    turn_back_usvh: float,
+    turn_back_ppm: float = math.inf,
 ) -> GroundMap:
     """Return the map that files make; see `MapReader.read`."""
-    return MapReader().read(files, vehicle, cell_m, turn_back_usvh)
+    return MapReader().read(files, vehicle, cell_m, turn_back_usvh, turn_back_ppm)
 
 
 class MapReader:
@@ -130,7 +140,12 @@ class MapReader:
         self._known: tuple[Hashable, RouteGrid, DrivableGround] | None = None
 
     def read(
-        self, files: MapFiles, vehicle: GroundVehicle, cell_m: float, turn_back_usvh: float
+        self,
+        files: MapFiles,
+        vehicle: GroundVehicle,
+        cell_m: float,
+        turn_back_usvh: float,
+        turn_back_ppm: float = math.inf,
     ) -> GroundMap:
         """Return the map that files make.
 
@@ -167,6 +182,7 @@ class MapReader:
             field=field,
             turn_back_usvh=turn_back_usvh,
             gas=read_gas(files.gas or files.folder, grid),
+            turn_back_ppm=turn_back_ppm,
         )
 
     def _ground(

@@ -26,6 +26,7 @@ REASON_TEXTS = {
     Reason.ROUGH: 'ground that is too rough',
     Reason.TOO_NEAR: 'ground too near an obstacle',
     Reason.HOT: 'a dose rate at which the vehicle turns back',
+    Reason.GASSED: 'a concentration of gas at which the vehicle turns back',
     Reason.FREE: 'ground that nothing drivable leads to',
 }
 

@@ -42,7 +42,7 @@ def evidence_of(
     Raises
     ------
     ValueError
-        In one line, if a word is none of these, or two points have one name.
+        In one line, if a word is none of these.
     """
     found: list[EvidencePoint] = []
     for text in texts:
@@ -58,10 +58,6 @@ def evidence_of(
             found += read_evidence(Path(text))
         else:
             found.append(EvidencePoint(id=f'mark-{len(found) + 1}', position=place_of(text)))
-    names = [point.id for point in found]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise ValueError(f'evidence: {twice[0]} is there twice: each point must have its own name')
     return tuple(found)
 
 

@@ -4,9 +4,9 @@
 import numpy as np
 from scipy.ndimage import center_of_mass, label
 
+from rocsafe_geo.position import GeoPosition
 from rocsafe_ground.drivable.labels import LabelMap
-from rocsafe_ground.drivable.route_grid import RouteGrid
-from rocsafe_ground.evidence.evidence_point import OBJECT, EvidencePoint
+from rocsafe_ground.evidence.evidence_point import DEFAULT_DWELL_S, OBJECT, EvidencePoint
 
 # Classes that are evidence, and how much each is worth: a flask holds a source, a drum may leak.
 WORTH = {
@@ -21,10 +21,12 @@ WORTH = {
 LEAST_AREA_M2 = 0.15
 
 
-def labelled_things(labels: LabelMap, grid: RouteGrid, most: int) -> list[EvidencePoint]:
+def labelled_things(
+    labels: LabelMap, most: int, dwell_s: float = DEFAULT_DWELL_S
+) -> list[EvidencePoint]:
     """Return up to `most` things, the worthiest first, of one kind the largest first.
 
-    `grid` is that of a route on the same ground; its frame gives the places.
+    A vehicle stands at each for `dwell_s`.
     """
     found: list[tuple[float, float, EvidencePoint]] = []
     pixel_m2 = labels.bands.pixel_m**2
@@ -35,12 +37,13 @@ def labelled_things(labels: LabelMap, grid: RouteGrid, most: int) -> list[Eviden
         for number, (row, column) in enumerate(middles, 1):
             if sizes[number] < LEAST_AREA_M2:
                 continue
-            east, north = labels.bands.place_in(grid.projection, row, column)
+            longitude, latitude = labels.bands.place_in('EPSG:4326', row, column)
             point = EvidencePoint(
                 id=f'{name}-{number}',
-                position=grid.position_at(east, north),
+                position=GeoPosition(latitude, longitude),
                 kind=OBJECT,
                 priority=worth,
+                dwell_s=dwell_s,
                 found_in=f'label {name}, {sizes[number]:.2f} m2',
             )
             found.append((-worth, -float(sizes[number]), point))

@@ -40,6 +40,8 @@ class DriveSoFar:
         Where something stood in its way.
     found
         Sources and releases that were asked for.
+    objects
+        Things that labels proposed at the first request; None: not asked yet.
     """
 
     evidence: tuple[str, ...] = ()
@@ -48,6 +50,7 @@ class DriveSoFar:
     position: GeoPoint | None = None
     blocked: tuple[GeoPoint, ...] = ()
     found: tuple[EvidencePoint, ...] = ()
+    objects: tuple[EvidencePoint, ...] | None = None
 
     def asked(self, evidence: Sequence[EvidencePoint]) -> 'DriveSoFar':
         """Return it after a request for a drive to evidence."""
@@ -88,10 +91,12 @@ def drive_goal(
         for one in (
             *_named(block, marks),
             *_evidence(block, sources, releases, release_unit, so_far.found),
+            *(so_far.objects or ()),
         )
         if one.id not in so_far.evidence
     ]
-    if not evidence:
+    to_objects = bool(block.labels_file) and block.to_objects and so_far.objects is None
+    if not evidence and not to_objects:
         return None
     home = point_of_position(scenario.ground_position(block.home))
     return PlanGroundRoute.Goal(
@@ -100,9 +105,12 @@ def drive_goal(
         end=[] if so_far.position is None else [home],
         blocked=list(so_far.blocked),
         evidence=evidence,
+        to_objects=to_objects,
+        object_dwell_s=block.dwell_s,
         dose_budget_usv=max(block.dose_budget_usv - so_far.dose_usv, LEAST_BUDGET_USV),
         load_budget=block.load_budget or 0.0,
         turn_back_usvh=block.turn_back_usvh,
+        turn_back_ppm=block.turn_back_ppm or 0.0,
         endurance_s=max(block.endurance_s - so_far.duration_s, LEAST_ENDURANCE_S),
     )
 

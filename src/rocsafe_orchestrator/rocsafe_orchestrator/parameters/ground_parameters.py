@@ -26,6 +26,7 @@ def router_parameters(
     return {
         'width_m': block.width_m,
         **({'terrain_file': terrain} if terrain else {}),
+        **({'labels_file': block.labels_file} if block.labels_file else {}),
         'products_directory': str(run.path),
         'hazard_directory': str(run.hazard),
         'export_directory': str(run.drives),
@@ -42,6 +43,8 @@ def rgv_parameters(scenario: Scenario, block: GroundVehicleBlock, run: RunDirect
         'home_longitude_deg': block.home[1],
         'width_m': block.width_m,
         'endurance_s': block.endurance_s / (1.0 - block.reserve_fraction),
+        'gas_sensors': list(scenario.air.gas_sensors),
+        'gas_period_s': scenario.air.window_s + fix_period_s,
         'reading_period_s': fix_period_s if is_ideal else radiation.window_s + fix_period_s,
         'fix_rate_hz': simulation.fix_rate_hz,
         'gps_horizontal_std_m': simulation.gps_horizontal_std_m,

@@ -2,6 +2,7 @@
 """Requests to the localizer, the router and the ground vehicle of a mission."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -155,6 +156,8 @@ class DriveRequests(GoalRequests):
             self._refuse(order, f'router: {result.error_msg}')
             return
         self._route = result.route
+        if self._so_far.objects is None:
+            self._so_far = replace(self._so_far, objects=tuple(result.objects))
         photographs = len(self._so_far.evidence)
         photographs += sum(bool(stop.evidence) for stop in result.route.stops)
         self._monitor.images_expected += photographs - self._photographs

@@ -19,6 +19,7 @@ from rocsafe_interfaces.srv import (
     PushRally,
     QueryRadiationField,
     Resume,
+    SetFieldOfView,
     SetHome,
     SetLight,
     SetSpeed,
@@ -45,6 +46,13 @@ PREFLIGHT = _call('preflight', Preflight, 'service', Scope.VEHICLE, 'checks of a
 GO_TO = _call('go_to', GoTo, 'service', Scope.VEHICLE, 'fly to a point and stay there')
 LOOK = _call(
     'camera/look', Look, 'service', Scope.VEHICLE, 'an image now; simulated vehicles only'
+)
+SET_FOV = _call(
+    'camera/set_fov',
+    SetFieldOfView,
+    'service',
+    Scope.VEHICLE,
+    'of looks and streams; simulated only',
 )
 MOVE = _call('move', Move, 'service', Scope.VEHICLE, 'fly freely; simulated vehicles only')
 SET_WIND = _call('set_wind', SetWind, 'service', Scope.VEHICLE, 'wind of simulated vehicles only')

@@ -90,7 +90,8 @@ def run(
         0 after SIGINT or SIGTERM, when ROS is shut down, or after ``--help``; 2, with one line on
         standard error, if an argument or a parameter is wrong; 1, with one line, if the process
         stood still for so long that the others have given it up, and there is a supervisor to
-        start it again; in a mission that goes on without one it starts itself again. Any other
+        start it again; in a mission that goes on without one it starts itself again; also where
+        memory, or threads, are not to be had. Any other
         exception ends the process with its traceback, and its supervisor decides whether to start
         it again.
     """
@@ -118,6 +119,9 @@ def run(
     except (ParameterError, InvalidParameterTypeException) as error:
         print(f'error: {error}', file=sys.stderr)  # noqa: T201
         return EXIT_USAGE
+    except MemoryError as error:
+        print(f'error: not enough memory: {_first_line(error)}', file=sys.stderr)  # noqa: T201
+        return EXIT_FAILURE
     finally:
         rclpy.try_shutdown()
     if code == _AGAIN:

@@ -33,12 +33,21 @@ class GroundVehicleBlock(Block):
         Dose that it may take on its whole drive.
     turn_back_usvh
         No part of its way is planned to reach this dose rate, at which it turns back.
+    turn_back_ppm
+        No part of its way is planned to reach this concentration of a gas that was found, by its
+        upper 95 %, and it turns back at a reading of it by one of its own sensors that read in
+        ppm; None: no limit.
     load_budget
         Toxic load of gas along its way by the upper 95 %, times that of level 2; None: no limit.
     evidence, to_sources, to_releases, to_marks
         Named places, and whether it goes to each source and each release of gas that was found,
         and to each place that operators marked on the console before the drive is planned, for
         `dwell_s`.
+    labels_file
+        GeoTIFF of classes of ground and things that somebody made, names in the ``.json`` beside
+        it; they count instead of colours. Empty: none.
+    to_objects
+        Whether it also goes to the drums, flasks, wagons and markers of the labels.
     link, drone
         Of a real ground vehicle, an ArduPilot Rover, as of a drone; an empty link: it is
         simulated.
@@ -49,12 +58,15 @@ class GroundVehicleBlock(Block):
     dose_budget_usv: float = Field(gt=0.0, le=1e9)
     load_budget: float | None = Field(default=None, gt=0.0, le=1e9)
     turn_back_usvh: float = Field(default=1e5, ge=1e-3, le=1e9)
+    turn_back_ppm: float | None = Field(default=None, gt=0.0, le=1e6)
     endurance_s: float = Field(default=7200.0, gt=0.0, le=604_800.0)
     reserve_fraction: float = Field(default=0.1, ge=0.0, le=0.9)
     width_m: float = Field(default=0.7, ge=0.1, le=10.0)
     to_sources: bool = True
     to_releases: bool = True
     to_marks: bool = False
+    labels_file: str = ''
+    to_objects: bool = True
     dwell_s: float = Field(default=30.0, ge=0.0, le=3600.0)
     link: str = ''
     drone: DroneBlock = DroneBlock()

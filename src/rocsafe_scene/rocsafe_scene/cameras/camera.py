@@ -50,6 +50,12 @@ class Camera(Protocol):
     def set_light(self, order: LightOrder) -> None:
         """Change sun and air from the next image on; raises `ViewError` if it cannot be."""
 
+    def through(self, lens: PinholeCamera) -> 'Camera':
+        """Return a camera of the same world with another lens."""
+
+    def close(self) -> None:
+        """Release what it draws with."""
+
     def photograph(
         self,
         position_enu: Enu,

@@ -118,6 +118,8 @@ class EngineCamera:
         Intrinsics of the camera.
     oversampling
         1 to 4, see `OversampledCamera`.
+    buffers
+        Those of another camera, to be shared; None: its own.
 
     Raises
     ------
@@ -125,11 +127,18 @@ class EngineCamera:
         One line.
     """
 
-    def __init__(self, scene: EngineScene, lens: PinholeCamera, oversampling: int) -> None:
+    def __init__(
+        self,
+        scene: EngineScene,
+        lens: PinholeCamera,
+        oversampling: int,
+        buffers: OversampledCamera | None = None,
+    ) -> None:
         self.lens = lens
         self.truth: Truth | None = None
-        self._scene = scene
-        self._camera = OversampledCamera(scene.renderer, lens, oversampling)
+        self._scene, self._oversampling = scene, oversampling
+        self._is_sharing = buffers is not None
+        self._camera = buffers or OversampledCamera(scene.renderer, lens, oversampling)
 
     @property
     def remark(self) -> str:
@@ -145,6 +154,18 @@ class EngineCamera:
         """Change sun and air of the scene, also for all other cameras in it."""
         self._scene.set_light(order)
 
+    def through(self, lens: PinholeCamera) -> 'EngineCamera':
+        """Return a camera of the same scene with another lens; it shares buffers of its size."""
+        old = self._camera.lens
+        sizes = [(each.image_width_px, each.image_height_px) for each in (old, lens)]
+        buffers = self._camera if sizes[0] == sizes[1] else None
+        return EngineCamera(self._scene, lens, self._oversampling, buffers)
+
+    def close(self) -> None:
+        """Release its buffers if they are its own."""
+        if not self._is_sharing:
+            self._camera.close()
+
     def photograph(
         self,
         position_enu: Enu,
@@ -155,6 +176,7 @@ class EngineCamera:
     ) -> ImageArray:
         """Return the image seen from a pose at a time: blue, green, red."""
         self._scene.set_time(time_ns)
+        self._camera.look_through(self.lens)
         expose = self._camera.expose_once if is_quick else self._camera.expose
         frame = expose(np.array(position_enu), rotation_enu_from_optical)
         self.truth = Truth(depth_m=frame.depth_m, numbers=reported_numbers(frame))

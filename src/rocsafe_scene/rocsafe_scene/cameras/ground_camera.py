@@ -2,7 +2,7 @@
 """A pinhole camera over flat ground."""
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -44,6 +44,13 @@ class GroundCamera:
     def set_light(self, order: LightOrder) -> None:  # noqa: ARG002 - there is none to change
         """Refuse: the ground is a photograph."""
         raise GroundError('the flat ground is a photograph: its light cannot be changed')
+
+    def through(self, lens: PinholeCamera) -> 'GroundCamera':
+        """Return a camera over the same ground with another lens."""
+        return replace(self, lens=lens)
+
+    def close(self) -> None:
+        """Release nothing."""
 
     def photograph(
         self,

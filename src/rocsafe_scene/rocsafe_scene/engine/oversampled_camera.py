@@ -85,22 +85,41 @@ class OversampledCamera:
                 f'of {LARGEST_SIDE_PX} px at most'
             )
         self.lens = lens
-        self._renderer = renderer
+        self._renderer, self._oversampling = renderer, oversampling
         self._pair: tuple[_AnyCamera, _AnyCamera] | None = None
         if oversampling > 1:
-            large = PinholeCamera(
-                lens.horizontal_fov_rad,
-                oversampling * lens.image_width_px,
-                oversampling * lens.image_height_px,
-            )
             self._pair = (
-                renderer.camera(large, Purpose.IMAGE),
+                renderer.camera(self._large(lens), Purpose.IMAGE),
                 renderer.camera(lens, Purpose.TRUTH),
             )
 
     def expose_once(self, position_enu: Floats, rotation_enu_from_optical: Floats) -> Rendering:
         """Return what is seen from a pose, drawn once; see `RendererCamera.expose`."""
         return self._plain.expose(position_enu, rotation_enu_from_optical)
+
+    def _large(self, lens: PinholeCamera) -> PinholeCamera:
+        width_px, height_px = (
+            self._oversampling * side for side in (lens.image_width_px, lens.image_height_px)
+        )
+        return PinholeCamera(lens.horizontal_fov_rad, width_px, height_px)
+
+    def look_through(self, lens: PinholeCamera) -> None:
+        """Use another lens, of the same image size."""
+        if lens == self.lens:
+            return
+        self.lens = lens
+        if self._pair is not None:
+            self._pair[0].look_through(self._large(lens))
+            self._pair[1].look_through(lens)
+        if '_plain' in self.__dict__:
+            self._plain.look_through(lens)
+
+    def close(self) -> None:
+        """Release the buffers."""
+        for camera in (self.__dict__.pop('_plain', None), *(self._pair or ())):
+            if camera is not None:
+                camera.close()
+        self._pair = None
 
     @cached_property
     def _plain(self) -> _AnyCamera:

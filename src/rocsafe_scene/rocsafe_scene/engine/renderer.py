@@ -127,6 +127,12 @@ class RendererCamera:
         """Draw as much detail as a camera of focal length `focal_px` resolves."""
         self._camera.setLodScale(DETAIL.scale_of(focal_px))
 
+    def look_through(self, lens: PinholeCamera) -> None:
+        """Use another lens, of the same image size."""
+        self.lens = lens
+        self._camera.setLens(pinhole_lens(lens))
+        self.resolve(lens.focal_px)
+
     def use_parallel_projection(self, width_m: float, depth_m: float) -> None:
         """Draw without perspective and in full detail; depths are then undefined.
 

@@ -64,13 +64,10 @@ class SoftwareRendererCamera:
     """A camera with its buffers; make it once and use it again."""
 
     def __init__(self, renderer: SoftwareRenderer, lens: PinholeCamera) -> None:
-        self.lens = lens
+        self._cameras: list[Any] = []
+        self.look_through(lens)
         self._renderer = renderer
         self._node = renderer.graph.root.attachNewNode('eye')
-        matrix = lens.matrix
-        # Rays (x, y, 1) through the pixels: x of each column, y of each row.
-        self._x = ((np.arange(lens.image_width_px) - matrix[0, 2]) / matrix[0, 0])[None]
-        self._y = ((np.arange(lens.image_height_px) - matrix[1, 2]) / matrix[1, 1])[:, None]
         self._passes = [
             self._pass('picture', LOOK, None),
             self._pass('triangles', KNOW, _numbering()),
@@ -83,6 +80,7 @@ class SoftwareRendererCamera:
         sky = (*self._renderer.sky.tolist(), 1.0) if state is None else (0.0, 0.0, 0.0, 0.0)
         buffer.setClearColor(core.LVecBase4f(*sky))
         camera = core.Camera(name, pinhole_lens(self.lens))
+        self._cameras.append(camera)
         camera.setScene(self._renderer.graph.root)
         camera.setCameraMask(mask)
         if state is not None:
@@ -90,6 +88,16 @@ class SoftwareRendererCamera:
         buffer.makeDisplayRegion().setCamera(self._node.attachNewNode(camera))
         buffer.setActive(False)
         return buffer, texture
+
+    def look_through(self, lens: PinholeCamera) -> None:
+        """Use another lens, of the same image size."""
+        self.lens = lens
+        for camera in self._cameras:
+            camera.setLens(pinhole_lens(lens))
+        matrix = lens.matrix
+        # Rays (x, y, 1) through the pixels: x of each column, y of each row.
+        self._x = ((np.arange(lens.image_width_px) - matrix[0, 2]) / matrix[0, 0])[None]
+        self._y = ((np.arange(lens.image_height_px) - matrix[1, 2]) / matrix[1, 1])[:, None]
 
     def resolve(self, focal_px: float) -> None:
         """Do nothing: here the level of detail does not depend on the focal length."""

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A camera mounted on a vehicle, and the images it takes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rocsafe_geo.arrays import FloatArray, ImageArray
 from rocsafe_geo.motion.state import Enu
-from rocsafe_geo.pinhole import rotation_body_from_optical, rotation_enu_from_body
+from rocsafe_geo.pinhole import PinholeCamera, rotation_body_from_optical, rotation_enu_from_body
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.camera import Camera, Truth
 from rocsafe_scene.optics.motion import (
@@ -37,8 +37,8 @@ class CameraPicture:
 
     Attributes
     ----------
-    camera
-        Name of the camera.
+    settings
+        Settings of the camera with which it was taken.
     time_ns
         Simulated time of the exposure.
     image
@@ -51,12 +51,17 @@ class CameraPicture:
         True rotation, (3, 3).
     """
 
-    camera: str
+    settings: CameraSettings
     time_ns: int
     image: ImageArray
     truth: Truth | None
     position_enu: Enu
     rotation_enu_from_optical: FloatArray
+
+    @property
+    def camera(self) -> str:
+        """Name of the camera."""
+        return self.settings.name
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +87,7 @@ class Exposure:
     rng
         Generator of the sensor's noise.
     is_quick
-        Whether it is for a stream, and drawn without oversampling.
+        Whether it is for a stream or a look: drawn without oversampling, in their field of view.
     """
 
     time_ns: int
@@ -111,11 +116,16 @@ class CameraModel:
     optics: Optics | None = None
 
 
+def optics_of(settings: CameraSettings) -> Optics | None:
+    """Return the optics of a camera; None if it has no effects."""
+    return None if settings.effects.are_none else Optics(settings.lens, settings.effects)
+
+
 class MountedCamera:
     """One camera of one vehicle."""
 
     def __init__(self, model: CameraModel) -> None:
-        self.model = model
+        self.model = self._looks = model
         settings = model.settings
         self.gimbal = Gimbal(settings.limits, settings.direction) if settings.gimbal else None
 
@@ -149,6 +159,27 @@ class MountedCamera:
         looks = self.direction(time_ns)
         return np.asarray(body @ rotation_body_from_optical(looks.pitch_rad, looks.yaw_rad))
 
+    def set_fov(self, horizontal_fov_deg: float) -> None:
+        """Change the field of view of streams and looks.
+
+        Raises
+        ------
+        ValueError
+            If no such camera can be.
+        ViewError
+            If the view cannot be drawn.
+        """
+        settings = replace(self.settings, horizontal_fov_deg=horizontal_fov_deg)
+        if settings == self._looks.settings:
+            return
+        model = self.model
+        if settings != self.settings:
+            camera = model.camera.through(settings.drawn_lens)
+            model = CameraModel(settings=settings, camera=camera, optics=optics_of(settings))
+        if self._looks is not self.model:
+            self._looks.camera.close()
+        self._looks = model
+
     def take(self, exposure: Exposure) -> CameraPicture:
         """Return the image of an exposure.
 
@@ -159,15 +190,16 @@ class MountedCamera:
         """
         place, time_ns = exposure.stand.position_enu, exposure.time_ns
         rotation = self.rotation(self.held(exposure.stand.attitude), time_ns)
-        camera, optics = self.model.camera, self.model.optics
+        model = self._looks if exposure.is_quick else self.model
+        camera, optics = model.camera, model.optics
         image = camera.photograph(place, rotation, time_ns, is_quick=exposure.is_quick)
         truth = camera.truth
         if optics is not None:
-            rates = self._rates(exposure, rotation, truth)
+            rates = self._rates(exposure, model.settings.drawn_lens, rotation, truth)
             image = optics.develop(image, rates, exposure.rng)
             truth = None if truth is None else optics.truth(truth, rates)
         return CameraPicture(
-            camera=self.name,
+            settings=model.settings,
             time_ns=time_ns,
             image=image,
             truth=truth,
@@ -176,7 +208,11 @@ class MountedCamera:
         )
 
     def _rates(
-        self, exposure: Exposure, rotation: FloatArray, truth: Truth | None
+        self,
+        exposure: Exposure,
+        lens: PinholeCamera,
+        rotation: FloatArray,
+        truth: Truth | None,
     ) -> Rates | None:
         """Return the image motion of each drawn pixel; None if nothing moves."""
         if not self.span_ns:
@@ -184,7 +220,6 @@ class MountedCamera:
         motion = self._motion(exposure)
         if motion.is_none:
             return None
-        lens = self.settings.drawn_lens
         if truth is None:
             height_m = exposure.stand.position_enu[2]
             return pixel_rates(lens, plane_depth_m(lens, height_m, rotation), motion)

@@ -70,6 +70,8 @@ class DrivenRoute:
         Dose rate at which it turns back.
     upper_ratio
         Upper 95 % of the predicted dose over its mean; 0: nobody told.
+    turn_back_ppm
+        Concentration of gas at which it turns back; 0: none.
     """
 
     route_id: str
@@ -77,6 +79,7 @@ class DrivenRoute:
     budget_usv: float
     turn_back_usvh: float
     upper_ratio: float = 0.0
+    turn_back_ppm: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.stops) < 2:
@@ -86,3 +89,4 @@ class DrivenRoute:
         require_positive('dose_budget_usv', self.budget_usv, 'uSv')
         require_positive('turn_back_usvh', self.turn_back_usvh, 'uSv/h')
         require_not_negative('upper_ratio', self.upper_ratio)
+        require_not_negative('turn_back_ppm', self.turn_back_ppm, 'ppm')

@@ -35,6 +35,7 @@ class DriveOutcome(Enum):
     TURNED_BACK_DOSE = 'turned back for its dose'
     BLOCKED = 'blocked'
     COLLISION = 'collided'
+    TURNED_BACK_GAS = 'turned back for gas'
     DOSE_UNEXPECTED = 'readings outside the prediction'
 
 

@@ -29,6 +29,8 @@ class RgvOptions(SensingOptions):
     reading_period_s: float = option(
         0.2, 'time between two readings of its detector, s; 0: it has none', 0.0, 60.0
     )
+    gas_sensors: tuple[str, ...] = option((), 'names of its gas sensors')
+    gas_period_s: float = option(1.2, 'time between two readings of each, s', 0.01, 700.0)
     width_m: float = option(0.7, 'width across the tracks, m', 0.1, 10.0)
     endurance_s: float = option(8000.0, 'driving time on a full battery, s', 1.0, 604_800.0)
     camera_file: str = option('', 'YAML file of its camera, see docs/cameras.md; empty: forward')

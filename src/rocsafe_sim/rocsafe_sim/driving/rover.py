@@ -35,6 +35,7 @@ class Rover(RoverMotion):
     def __init__(self, parts: RoverParts, state: DriveState) -> None:
         super().__init__(parts, state)
         self._rates: deque[float] = deque([state.read_usvh], maxlen=RATES_KEPT)
+        self._gas_ns = 0
 
     def drive(self, route: DrivenRoute, *, replaces: bool = False) -> None:
         """Drive `route` from here; with `replaces` in place of the one being driven.
@@ -156,17 +157,34 @@ class Rover(RoverMotion):
         if state.mode is DriveMode.DRIVING and state.ledger.outcome is None:
             self._reconsider()
 
+    def read_gas(self, sensor: str, ppm: float) -> None:
+        """Take a reading of one of its gas sensors; infinite: it is saturated."""
+        state = self.state
+        self._gas_ns = state.time_ns
+        level = state.route.turn_back_ppm if state.route else 0.0
+        is_out = state.mode is DriveMode.DRIVING and state.ledger.outcome is None
+        if not (level and is_out) or ppm < level:
+            return
+        reads = f'reads {ppm:.4g} ppm' if math.isfinite(ppm) else 'is saturated'
+        text = f'{sensor} {reads}: the level is {level:.4g}'
+        self._go_back(DriveOutcome.TURNED_BACK_GAS, text)
+
     def step(self, time_ns: int) -> list[EvidenceShot]:
         """Advance to `time_ns` and return the photographs that are due; see `RoverMotion.step`."""
         shots = super().step(time_ns)
         state = self.state
-        heard_ns = max(state.read_ns, state.ledger.began_ns)
-        silent_s = (state.time_ns - heard_ns) / NS_PER_S
-        is_driving = state.mode is DriveMode.DRIVING and self.parts.has_detector
-        if is_driving and silent_s > self.parts.caution.silent_s:
-            text = f'its detector has been silent for {silent_s:.0f} s'
-            self._go_back(DriveOutcome.TURNED_BACK_DOSE, text)
+        if self.parts.has_detector:
+            self._heed_silence('detector has', state.read_ns, DriveOutcome.TURNED_BACK_DOSE)
+        if state.route is not None and state.route.turn_back_ppm:
+            self._heed_silence('gas sensors have', self._gas_ns, DriveOutcome.TURNED_BACK_GAS)
         return shots
+
+    def _heed_silence(self, who: str, read_ns: int, outcome: DriveOutcome) -> None:
+        state = self.state
+        heard_ns = max(read_ns, state.ledger.began_ns)
+        silent_s = (state.time_ns - heard_ns) / NS_PER_S
+        if state.mode is DriveMode.DRIVING and silent_s > self.parts.caution.silent_s:
+            self._go_back(outcome, f'its {who} been silent for {silent_s:.0f} s')
 
     def _reconsider(self) -> None:
         found = reason_to_end(self._outlook(), self.parts.caution)

@@ -11,7 +11,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.battery import VOLTAGE_V
 from rocsafe_geo.motion.ground_motion import Place
 from rocsafe_interfaces.action import DriveRoute
-from rocsafe_interfaces.msg import GeoPoint, GroundRoute, VehicleState
+from rocsafe_interfaces.msg import GasReading, GeoPoint, GroundRoute, VehicleState
 from rocsafe_ros.conversions import enu_of_point, point_of_position
 from rocsafe_sim.driving.drive_route import DrivenRoute, RouteStop
 from rocsafe_sim.driving.drive_state import DriveMode, DriveOutcome
@@ -33,6 +33,7 @@ OUTCOMES = {
     DriveOutcome.TURNED_BACK_DOSE: DriveRoute.Result.TURNED_BACK_DOSE,
     DriveOutcome.BLOCKED: DriveRoute.Result.BLOCKED,
     DriveOutcome.COLLISION: DriveRoute.Result.COLLISION,
+    DriveOutcome.TURNED_BACK_GAS: DriveRoute.Result.TURNED_BACK_GAS,
     DriveOutcome.DOSE_UNEXPECTED: DriveRoute.Result.DOSE_UNEXPECTED,
 }
 
@@ -54,8 +55,19 @@ def drive_route_of(message: GroundRoute, frame: LocalFrame) -> DrivenRoute:
         stops=tuple(stops),
         budget_usv=message.dose_budget_usv,
         turn_back_usvh=message.turn_back_usvh,
+        turn_back_ppm=message.turn_back_ppm,
         upper_ratio=message.dose_upper_usv / message.dose_usv if message.dose_usv > 0.0 else 0.0,
     )
+
+
+def ppm_of(reading: GasReading) -> float:
+    """Return a concentration: infinite where the sensor is saturated, none where it tells none.
+
+    What is saturated shows a lower limit, or nothing at all.
+    """
+    if reading.unit != 'ppm':
+        return -math.inf
+    return math.inf if reading.saturated else float(reading.raw)
 
 
 def drive_result(rgv: Rgv) -> DriveRoute.Result:

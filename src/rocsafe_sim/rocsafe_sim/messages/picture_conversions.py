@@ -21,7 +21,6 @@ from rocsafe_ros.conversions import (
     stamp_of_ns,
 )
 from rocsafe_scene.cameras.camera import Truth
-from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.gimbal import Direction, Gimbal
 from rocsafe_sim.cameras.mounted_camera import CameraPicture, MountedCamera
 
@@ -32,8 +31,9 @@ def picture_header(vehicle: str, picture: CameraPicture) -> Header:
     return Header(stamp=stamp, frame_id=f'{vehicle}/{picture.camera}_optical')
 
 
-def info_message(settings: CameraSettings, header: Header) -> CameraInfo:
-    """Return the intrinsics of a camera, with its distortion."""
+def info_message(picture: CameraPicture, header: Header) -> CameraInfo:
+    """Return the intrinsics of an image, with its distortion."""
+    settings = picture.settings
     return camera_info_message(settings.lens, header, settings.effects.distortion)
 
 

@@ -15,10 +15,9 @@ from rocsafe_scene.flat_ground.ground_photograph import read_photograph
 from rocsafe_scene.flat_ground.scene_ground import SceneGround
 from rocsafe_scene.ground.ground_patch import Ground
 from rocsafe_scene.ground.orthophoto import OrthophotoGround
-from rocsafe_scene.optics.optics import Optics
 from rocsafe_scene.scene.map_cache import default_folder
 from rocsafe_sim.cameras.camera_settings import CameraSettings
-from rocsafe_sim.cameras.mounted_camera import CameraModel
+from rocsafe_sim.cameras.mounted_camera import CameraModel, optics_of
 from rocsafe_sim.flight.sensing_options import ENGINE, SCENE_GROUND, SensingOptions
 from rocsafe_sim.options import VehicleOptions
 from rocsafe_sim.vehicle.surroundings import Surroundings
@@ -66,14 +65,10 @@ def shared_parts(options: SensingOptions, cameras: Iterable[CameraSettings]) -> 
     is_engine = options.camera_backend == ENGINE
     draws, surroundings = _engine(options) if is_engine else _flat(options)
     models = tuple(
-        CameraModel(settings=settings, camera=draws(settings), optics=_optics(settings))
+        CameraModel(settings=settings, camera=draws(settings), optics=optics_of(settings))
         for settings in cameras
     )
     return SharedParts(cameras=models, surroundings=surroundings)
-
-
-def _optics(settings: CameraSettings) -> Optics | None:
-    return None if settings.effects.are_none else Optics(settings.lens, settings.effects)
 
 
 def _flat(options: SensingOptions) -> tuple[Callable[[CameraSettings], Camera], None]:

@@ -5,7 +5,7 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
-from rocsafe_interfaces.srv import Look
+from rocsafe_interfaces.srv import Look, SetFieldOfView
 from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
 from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
@@ -37,7 +37,7 @@ class CameraInterface:
     """Publishes the topics of a camera, and executes the commands to its gimbal.
 
     Publishes: image_raw, image_raw/compressed, camera_info, depth, labels, label_table, pose,
-    gimbal/state, and the frame of a gimbal. Subscribes: gimbal/command. Service: look.
+    gimbal/state, and the frame of a gimbal. Subscribes: gimbal/command. Services: look, set_fov.
 
     Images are published when the vehicle takes them at viewpoints, and `stream_rate_hz` times a
     simulated second as long as anybody but a recorder subscribes.
@@ -64,8 +64,9 @@ class CameraInterface:
             self._table.publish(String(data=camera.model.camera.label_table()))
         rate_hz = camera.settings.stream_rate_hz
         self._stream = Cadence(period_ns(rate_hz)) if rate_hz else None
-        look = of_camera(calls.LOOK, camera.name)
-        node.create_service(look.call_type, look.name, self._on_look)
+        for spec, answer in ((calls.LOOK, self._on_look), (calls.SET_FOV, self._on_fov)):
+            own = of_camera(spec, camera.name)
+            node.create_service(own.call_type, own.name, answer)
         if camera.gimbal is not None:
             self._add_gimbal()
 
@@ -90,7 +91,7 @@ class CameraInterface:
 
     def _publish(self, picture: CameraPicture, jpeg: bytes | None) -> None:
         header = picture_header(self._vehicle, picture)
-        self._info.publish(info_message(self._camera.settings, header))
+        self._info.publish(info_message(picture, header))
         if jpeg is not None:
             self._compressed.publish(jpeg_message(jpeg, header))
         if _is_heard(self._image):
@@ -125,10 +126,21 @@ class CameraInterface:
             return response
         header = picture_header(self._vehicle, picture)
         response.image, response.pose = image_message(picture, header), pose_message(picture)
-        response.camera_info = info_message(self._camera.settings, header)
+        response.camera_info = info_message(picture, header)
         if request.with_truth and picture.truth is not None:
             response.depth = depth_message(picture.truth, header)
             response.labels = labels_message(picture.truth, header)
+        response.success = True
+        return response
+
+    def _on_fov(
+        self, request: SetFieldOfView.Request, response: SetFieldOfView.Response
+    ) -> SetFieldOfView.Response:
+        try:
+            self._camera.set_fov(request.horizontal_fov_deg)
+        except (ViewError, ValueError) as refusal:
+            response.message = f'{self._vehicle}: {self.name}: {refusal}'
+            return response
         response.success = True
         return response
 
