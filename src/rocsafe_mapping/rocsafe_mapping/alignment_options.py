@@ -327,8 +327,8 @@ class StructureOptions:
     least_angle_rad
         Between two rays, for a point to be used.
     good_angle_rad, widest_rad, seeds, least_seed_points
-        Of the pair that a scene begins with; pairs tried, of whose scenes the one with most
-        sightings counts, and points that a pair must give.
+        Of the pair that a scene begins with; pairs tried that give so many points, of whose scenes
+        the one with most sightings counts.
     growth
         The scene is adjusted when it has grown by this factor.
     bundle_steps, first_damping, largest_damping, least_gain

@@ -5,9 +5,8 @@ Snavely, Seitz, Szeliski: Photo tourism (2006); Schoenberger, Frahm: Structure-f
 revisited (2016).
 """
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -63,14 +62,11 @@ class Cameras:
         Of each photograph.
     lens_std
         Prior of logarithm of the focal length, k1 and k2; zeros for a calibrated camera.
-    lens
-        Logarithm of the focal length over `focal_px`, k1 and k2, with which a scene begins.
     """
 
     offsets_px: Sequence[FloatArray]
     focal_px: FloatArray
     lens_std: FloatArray
-    lens: FloatArray = field(default_factory=lambda: np.zeros(3))
 
 
 def all_grown(
@@ -78,14 +74,13 @@ def all_grown(
 ) -> tuple[Grown, ...]:
     """Return scenes without common photographs, that of most sightings first.
 
-    Photographs that too little ties to those of a scene form one of their own. The lens is that of
-    the first scene: the others are smaller and tell less of it.
+    Photographs that too little ties to those of a scene form one of their own, with a lens of its
+    own: few photographs tell little of the lens, and with that of another scene nothing may grow.
     """
     left, found = dict(links), []
     while (grown := best_grown(left, tracks, cameras, options)) is not None:
         found.append(grown)
         left = {key: link for key, link in left.items() if not set(grown.names) & set(key)}
-        cameras = dataclasses.replace(cameras, lens=grown.scene.lens, lens_std=HELD)
     return tuple(found)
 
 
@@ -96,15 +91,21 @@ def best_grown(
 
     Two photographs may agree by a wrong geometry, of a plane above all: the scene that grows from
     them takes in most photographs, but fewer of their sightings. From a seed of whose matches most
-    agree with a scene, the same scene would grow: it is passed over.
+    agree with a scene, the same scene would grow: it is passed over. Pairs that are no seed do not
+    count, or a few of them would hide all others.
     """
     found: list[Grown] = []
+    tried = 0
     for key in _seeds(links, options):
+        if tried == options.seeds:
+            break
         if any(2 * scene.common_points(key) > len(links[key].matches) for scene in found):
+            tried += 1
             continue
         scene = Growth(tracks, cameras, options).grow(key, links[key])
         if scene is not None:
             found.append(scene)
+            tried += 1
     return max(found, key=lambda scene: len(scene.seen.photos), default=None)
 
 
@@ -128,7 +129,7 @@ class Growth:
         self._centres = np.zeros((len(focal_px), 3))
         self._rotations = np.zeros((len(focal_px), 3, 3))
         self._places = np.full((tracks.count, 3), np.nan)
-        self._lens = cameras.lens
+        self._lens: FloatArray = np.zeros(3)
         self._bundled_count = 0
 
     def grow(self, key: Key, link: Link) -> Grown | None:
@@ -341,4 +342,4 @@ def _seeds(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
         good = min(link.angle_rad / options.good_angle_rad, 1.0)
         return -len(link.matches) * (good if link.angle_rad < options.widest_rad else 0.1)
 
-    return sorted(links, key=lambda key: (worth(key), key))[: options.seeds]
+    return sorted(links, key=lambda key: (worth(key), key))

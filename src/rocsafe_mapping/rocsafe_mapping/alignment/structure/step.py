@@ -71,8 +71,19 @@ def find_structure(
     if not scenes:
         return None
     pairs = [pair for grown in scenes for pair in _ties(chosen, grown, structure)]
+    # All look through one lens: each scene tells of it as much as it has sightings.
+    focal_factor = math.exp(
+        np.average(
+            [grown.scene.lens[0] for grown in scenes],
+            weights=[len(grown.seen.photos) for grown in scenes],
+        )
+    )
     return Structure(
-        photos={n: p for grown in scenes for n, p in _tilted(chosen, grown, structure).items()},
+        photos={
+            name: photo
+            for grown in scenes
+            for name, photo in _tilted(chosen, grown, focal_factor, structure).items()
+        },
         pairs=tuple(sorted(pairs, key=lambda pair: (pair.first, pair.second))),
         scenes=tuple(_poses(names, grown) for grown in scenes),
     )
@@ -133,14 +144,18 @@ def _candidates(
     return sorted(keys | most_alike(few, lost, structure.neighbours, options.matching))
 
 
-def _tilted(photos: Sequence[Photo], grown: Grown, options: StructureOptions) -> dict[str, Photo]:
+def _tilted(
+    photos: Sequence[Photo], grown: Grown, focal_factor: float, options: StructureOptions
+) -> dict[str, Photo]:
     """Return the photographs with the rotations that were found, north being unknown."""
     found = {}
-    scene, factor = grown.scene, math.exp(grown.scene.lens[0])
+    scene = grown.scene
     for number, rotation, centre in zip(grown.names, scene.rotations, scene.centres, strict=True):
         photo = photos[number]
         camera = dataclasses.replace(
-            photo.camera, fx_px=photo.camera.fx_px * factor, fy_px=photo.camera.fy_px * factor
+            photo.camera,
+            fx_px=photo.camera.fx_px * focal_factor,
+            fy_px=photo.camera.fy_px * focal_factor,
         )
         height_m = photo.prior.centre[2] if photo.has_height else centre[2]
         found[photo.name] = dataclasses.replace(
