@@ -42,7 +42,7 @@ test: ## set up and pass the tests
 .PHONY: test-fast
 test-fast: ## set up and pass the tests that need no node and no process: under a minute
 	@sh tools/setup.sh --dev
-	@$(PYTEST) -n 2 --dist worksteal -m 'not process and not slow and not all' --hypothesis-profile=fast $(ARGS)
+	@$(PYTEST) -n 2 --dist loadscope -m 'not process and not slow and not all' --hypothesis-profile=fast $(ARGS)
 
 .PHONY: test-all
 test-all: ## set up and pass all tests: also those with browsers and autopilots, where there are any

@@ -43,7 +43,7 @@ from rocsafe_mavlink.plan.flight_plan import FlightPlan, FlightWaypoint, mission
 from rocsafe_mavlink.protocols.mission_transfer import TransferStage, transfer  # noqa: E402
 from rocsafe_mavlink.wire.dialect import Message, decode, encode  # noqa: E402
 from rocsafe_mavlink.wire.framing import pack_frame, scan  # noqa: E402
-from rocsafe_ros import topics  # noqa: E402
+from rocsafe_ros.interfaces import topics  # noqa: E402
 
 DRONES = 10
 RATE_HZ = 10.0

@@ -28,8 +28,8 @@ from rich.table import Table
 from sensor_msgs.msg import Image
 
 from rocsafe_interfaces.msg import VehicleState
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interfaces import topics
 
 SCENARIO = Path(__file__).resolve().parents[1] / 'config/scenarios/derailment_engine.yaml'
 START_DEADLINE_S = 240.0

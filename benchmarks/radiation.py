@@ -29,8 +29,8 @@ def node(_: int) -> Iterator[Row]:
     from rclpy.node import Node
     from sensor_msgs.msg import NavSatFix, NavSatStatus
 
-    from rocsafe_ros import topics
     from rocsafe_ros.conversions import stamp_of_ns
+    from rocsafe_ros.interfaces import topics
 
     names = [f'rav{number + 1}' for number in range(VEHICLES)]
     rclpy.init()

@@ -22,7 +22,7 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, Route, Viewpoint
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 HEIGHT_M = 20.0
 # East and north of home of the places to photograph, metres.

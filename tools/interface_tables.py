@@ -9,9 +9,9 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-from rocsafe_ros.calls import CALLS
-from rocsafe_ros.interface_spec import CallSpec, Scope, TopicSpec
-from rocsafe_ros.topics import TOPICS
+from rocsafe_ros.interfaces.calls import CALLS
+from rocsafe_ros.interfaces.interface_spec import CallSpec, Scope, TopicSpec
+from rocsafe_ros.interfaces.topics import TOPICS
 
 DOCUMENT = Path(__file__).resolve().parents[1] / 'docs/interfaces.md'
 

@@ -311,7 +311,7 @@ class Receipts:
     """Hears which photographs are acknowledged, as a vehicle does."""
 
     def __init__(self, node: Any) -> None:
-        from rocsafe_ros import topics
+        from rocsafe_ros.interfaces import topics
 
         self.stored: set[str] = set()
         topics.create_subscription(node, topics.RECEIPTS, self._on_receipt)

@@ -14,7 +14,7 @@ from typing import Any
 
 import yaml
 
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 FOLDER = Path(__file__).resolve().parents[1] / 'src/rocsafe_bringup/view'
 VEHICLES = ('rav1', 'rav2', 'rav3')

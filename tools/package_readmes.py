@@ -13,8 +13,8 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import CallSpec, Scope, TopicSpec
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import CallSpec, Scope, TopicSpec
 
 ROOT = Path(__file__).resolve().parents[1]
 # Documents of each package in docs/.

@@ -69,7 +69,7 @@ TOPIC_SETTINGS = {
 
 def spec_of(name):
     """Return the topic of this name, without its vehicle."""
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     vehicle, _, rest = name.lstrip('/').partition('/')
     wanted = {name, rest if vehicle.startswith('rav') else name.lstrip('/')}

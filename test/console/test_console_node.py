@@ -32,7 +32,7 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition, ecef_m
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import AgentState, GroundRoute, MissionState, VehicleState
-from rocsafe_ros import calls, topics
+from rocsafe_ros.interfaces import calls, topics
 
 DEADLINE_S = 60.0
 SPEAK_S = 0.1

@@ -24,7 +24,7 @@ from rocsafe_console.evidence.seal import (
 )
 from rocsafe_console.seal_command import main as seal_main
 from rocsafe_console.verify_command import main as verify_main
-from rocsafe_geo.storage.evidence_log import (
+from rocsafe_geo.evidence.evidence_log import (
     LOG_NAME,
     Event,
     EvidenceError,

@@ -287,7 +287,7 @@ import sys, time
 import rclpy
 from rclpy.node import Node
 from rocsafe_interfaces.msg import MissionState, VehicleState
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 rclpy.init()
 node = Node('speaker')
 mission = topics.create_publisher(node, topics.MISSION_STATE)

@@ -31,7 +31,7 @@ from rocsafe_console.web import context as context_module
 from rocsafe_console.web import order_handlers
 from rocsafe_console.web.context import ORDERS, REFUSALS, REFUSALS_S, WebOptions
 from rocsafe_console.web.server import ServerThread, require_safe
-from rocsafe_geo.storage.evidence_log import checked
+from rocsafe_geo.evidence.evidence_log import checked
 
 PASSWORD = 'correct horse battery'  # noqa: S105 - of a test
 LAYERS = (

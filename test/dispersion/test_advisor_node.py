@@ -13,8 +13,8 @@ from rclpy.parameter import Parameter
 from rocsafe_dispersion.advice_conversions import report_of
 from rocsafe_dispersion.advisor_node import AdvisorNode
 from rocsafe_interfaces.msg import AgentReport, GasReading, GeoPoint
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.interfaces import topics
 
 DEADLINE_S = 60.0
 UNKNOWN_PLACE = GeoPoint(latitude=math.nan, longitude=math.nan, altitude=math.nan)

@@ -12,8 +12,8 @@ from sensor_msgs.msg import NavSatFix, NavSatStatus
 
 from rocsafe_dispersion.air_node import AirNode
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0

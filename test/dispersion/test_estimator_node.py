@@ -18,8 +18,8 @@ from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.msg import GasReading, GeoPoint, ParticleReading, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import ParameterError
 
 from .airs import EASTWARDS, LAYER, SPEED_MPS

@@ -9,7 +9,7 @@ from rclpy.node import Node
 
 from rocsafe_fleet.vehicle_link_node import SILENT_S, VehicleLink
 from rocsafe_interfaces.msg import VehicleState
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.lease.holder_node import Leases
 
 DEADLINE_S = 30.0

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from rocsafe_geo.evidence.shot import Shot, shot_of, shot_record
+from rocsafe_geo.evidence.shot_store import RESEND_BURST, RESEND_S, ShotStore, SpoolError
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.shot import Shot, shot_of, shot_record
-from rocsafe_geo.storage.shot_store import RESEND_BURST, RESEND_S, ShotStore, SpoolError
 
 
 def shot(sequence: int = 0, jpeg: bytes = b'\xff\xd8picture') -> Shot:

@@ -31,8 +31,8 @@ from test.ground.villages import (
     write_village,
 )
 
+from rocsafe_geo.evidence.evidence_log import LOG_NAME, Event, EvidenceLog
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceLog
 from rocsafe_ground.command_line.ground_command import lines_of, main
 from rocsafe_ground.drivable.drivable_ground import Reason
 from rocsafe_ground.drivable.ground_classes import GroundClass, ground_classes

@@ -14,7 +14,7 @@ from rocsafe_ground.router_node import RouterNode
 from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint
 from rocsafe_ros.conversions import point_of_position
-from rocsafe_ros.topics import (
+from rocsafe_ros.interfaces.topics import (
     EVIDENCE,
     GROUND_COSTS,
     GROUND_PATH,

@@ -21,8 +21,8 @@ from rocsafe_mapping.photographs.label_images import LabelImages
 from rocsafe_mapping.repository.server import Repository
 from rocsafe_mapping.store import store
 from rocsafe_mapping.store.catalogue import read_shot
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp, quaternion_message, stamp_of_ns
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0

@@ -24,8 +24,8 @@ from rocsafe_interfaces.msg import ShotReceipt
 from rocsafe_mapping.live import map_worker
 from rocsafe_mapping.mosaic_node import MosaicNode
 from rocsafe_mapping.store.store import ImageStore
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import region_of_area
+from rocsafe_ros.interfaces import calls, topics
 
 _spec = importlib.util.spec_from_file_location(
     'ground', pathlib.Path(__file__).with_name('ground.py')

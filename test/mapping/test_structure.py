@@ -6,18 +6,21 @@ import importlib.util
 import itertools
 import math
 import pathlib
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
 from rocsafe_geo.pinhole import rotation_enu_from_optical
+from rocsafe_mapping.alignment.matching.features import Features
 from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.structure.bundle import Observations, Scene, bundled
 from rocsafe_mapping.alignment.structure.epipolar import Link, Tracks
-from rocsafe_mapping.alignment.structure.growth import Cameras, all_grown, best_grown
+from rocsafe_mapping.alignment.structure.growth import Cameras, Growth, all_grown, best_grown
 from rocsafe_mapping.alignment.structure.levelled import levelled
-from rocsafe_mapping.alignment_options import StructureOptions
+from rocsafe_mapping.alignment.structure.step import _candidates
+from rocsafe_mapping.alignment_options import AlignmentOptions, StructureOptions
 from rocsafe_mapping.mosaic.mapmaker import Mapmaker, MapOptions, Shot
 
 _spec = importlib.util.spec_from_file_location(
@@ -94,8 +97,12 @@ def test_a_point_behind_a_camera_moves_no_lens():
 
 
 @pytest.mark.slow
-def test_the_scene_of_most_sightings_counts():
+def test_the_scene_of_most_sightings_counts(monkeypatch):
     """The best pair shows what no other photograph does: its scene is not the largest."""
+    began, begin = [], Growth._begin
+    monkeypatch.setattr(
+        Growth, '_begin', lambda self, *seed: began.append(seed[0]) or begin(self, *seed)
+    )
     rng = np.random.default_rng(5)
     scene = scene_of(rng, count=9, points=300)
     seen = seen_in(scene, rng)
@@ -122,11 +129,35 @@ def test_the_scene_of_most_sightings_counts():
     found = best_grown(links, tracks, cameras, StructureOptions())
     assert sorted(found.names) == list(range(2, 9))
     assert np.median(found.seen.errors_px(found.scene)) < 1.0
-    # The two others are not lost: they are a scene of their own, seen through the same lens.
+    # Further pairs of the large scene would grow the same.
+    assert (len(began), began[0]) == (2, (0, 1))
+    # The two others are not lost: they are a scene of their own.
     first, second = all_grown(links, tracks, cameras, StructureOptions())
     assert sorted(first.names) == list(range(2, 9))
     assert sorted(second.names) == [0, 1]
-    assert np.array_equal(second.scene.lens, first.scene.lens)
+
+
+def test_photographs_without_a_fix_are_matched_with_those_most_alike():
+    """Sixty in a row, each showing half of what the next one does; two thirds tell no fix."""
+    rng = np.random.default_rng(6)
+    seen = rng.uniform(0.0, 1.0, (61 * 30, 128)).astype(np.float32)
+    features = [
+        Features(points_px=np.zeros((60, 2)), descriptors=seen[30 * number :][:60])
+        for number in range(60)
+    ]
+    shots = [
+        SimpleNamespace(
+            is_located=number % 3 == 0,
+            prior=Pose(centre=np.array([10.0 * number, 0.0, 30.0]), rotation=np.eye(3)),
+        )
+        for number in range(60)
+    ]
+    found = set(_candidates(shots, features, AlignmentOptions()))
+    assert {(number, number + 1) for number in range(59)} <= found
+    most = AlignmentOptions().structure.neighbours
+    assert len(found) <= most * 60
+    assert all(one < other for one, other in found)
+    assert len(_candidates(shots[:40], features[:40], AlignmentOptions())) == 40 * 39 / 2
 
 
 def test_ground_is_the_plane_of_most_points():

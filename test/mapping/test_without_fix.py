@@ -42,6 +42,10 @@ POINTS = {
 UNKNOWN = {'latitude_deg': math.nan, 'longitude_deg': math.nan, 'altitude_m': math.nan}
 
 
+def ignored(line):
+    """Take a notice that the test does not look at."""
+
+
 def place_of(east, north):
     """Return longitude and latitude of a point of the ground."""
     latitude, longitude, _ = texture.FRAME.to_geodetic([east, north, 0.0])[0]
@@ -99,7 +103,7 @@ def control(flight, tmp_path_factory):
     """The surveyed points, read from a file."""
     path = tmp_path_factory.mktemp('control') / 'gcp_list.txt'
     path.write_text(gcp_text(flight))
-    return read_control(path)
+    return read_control(path, ignored)
 
 
 @pytest.fixture(scope='module')
@@ -128,6 +132,44 @@ def test_ground_control_tightens_a_map_with_fixes(flight, control, checked):
     tight = control_facts(aligned(shots, Survey(control=control))[1])
     assert tight['check']['rmse_m'] < 0.1 < loose['check']['rmse_m']
     assert tight['check']['stated_error_m'] < 0.2 * loose['check']['stated_error_m']
+
+
+@pytest.mark.parametrize(
+    ('crs', 'x', 'y', 'datum_error_m', 'says'),
+    [
+        ('EPSG:27700', 351339.5, 512979.5, 2.0, 'uk_os_OSTN15_NTv2_OSGBtoETRS.tif'),
+        ('EPSG:4230', 9.0, 53.0, 1.5, 'EPSG:4230'),
+        ('EPSG:25832', 500000.0, 5900000.0, 0.0, None),
+        ('EPSG:4326', 9.0, 53.0, 0.0, None),
+        ('WGS84 UTM 32N', 500000.0, 5900000.0, 0.0, None),
+    ],
+)
+def test_a_datum_that_is_known_to_metres_is_told(tmp_path, crs, x, y, datum_error_m, says):
+    """Figures of PROJ's data base: without its grids, the British National Grid is off by 2 m."""
+    path, notices = tmp_path / 'list.txt', []
+    path.write_text(f'{crs}\n{x} {y} 60 10 20 a.jpg a')
+    (point,) = read_control(path, notices.append)
+    path.write_text(f'{crs}\na.jpg {x} {y}')
+    place = read_geolocations(path, notices.append)['a.jpg']
+    assert point.datum_error_m == place.datum_error_m >= datum_error_m
+    assert (point.datum_error_m == 0.0) == (datum_error_m == 0.0)
+    assert len(notices) == (0 if says is None else 2)
+    assert all(says in notice for notice in notices)
+
+
+def test_an_inexact_datum_is_in_the_stated_error(flight, control, checked):
+    """Of check points in another CRS than the fixes, and of all that such points place."""
+    shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
+    inexact = tuple(dataclasses.replace(point, datum_error_m=2.0) for point in control)
+    checks = Survey(control=tuple(point for point in inexact if point.is_check))
+    judged, exact = (control_facts(it)['check'] for it in (aligned(shots, checks)[1], checked))
+    assert judged['stated_error_m'] == pytest.approx(
+        math.hypot(exact['stated_error_m'], 2.0), rel=0.01
+    )
+    assert judged['rmse_m'] == exact['rmse_m']
+    placed = aligned(shots, Survey(control=inexact))[1]
+    assert min(placed.errors_m.values()) >= 2.0
+    assert control_facts(placed)['check']['stated_error_m'] == pytest.approx(2.0, abs=0.1)
 
 
 def test_check_points_do_not_move_the_map(flight, checked):
@@ -266,21 +308,31 @@ def test_geo_txt_places_photographs(flight, folder, tmp_path):
     assert np.hypot(*(np.array([east, north]) - TO_UTM.transform(*place_of(0, 0)))) < 3.0
 
 
+def control_at(path):
+    """Read ground control."""
+    return read_control(path, ignored)
+
+
+def places_at(path):
+    """Read places of photographs."""
+    return read_geolocations(path, ignored)
+
+
 GCP_ROW = '500000 5900000 60 10 20 DJI_0000.JPG a'
 BAD = [
-    (read_control, '', 'it is empty'),
-    (read_control, 'EPSG:32629\n', 'it has no point'),
-    (read_control, 'EPSG:999999\n' + GCP_ROW, "row 1: CRS = 'EPSG:999999'"),
-    (read_control, 'WGS84 UTM 61N\n' + GCP_ROW, 'row 1: UTM zone = 61 must be from 1 to 60'),
-    (read_control, 'EPSG:32629\n500000 x 60 10 20 a.jpg', "row 2: geo_y = 'x' is no number"),
-    (read_control, 'EPSG:32629\n500000 inf 60 10 20 a.jpg', 'row 2: geo_y = inf must be finite'),
-    (read_control, 'EPSG:32629\n500000 5900000 60 10 20', 'row 2: image_name is missing'),
-    (read_control, f'EPSG:32629\n{GCP_ROW}\n500009 5900000 0 1 2 b.jpg a', 'row 3: a has'),
-    (read_control, 'EPSG:4326\n10 95 0 1 2 a.jpg', 'row 2: geo_x = 10, geo_y = 95 lie outside'),
-    (read_geolocations, 'EPSG:4326\n', 'it names no photograph'),
-    (read_geolocations, 'EPSG:4326\na.jpg 9', "row 2: geo_y = '' is no number"),
-    (read_geolocations, 'EPSG:4326\na.jpg 9 53\nA.JPG 9 53', "row 3: image_name = 'A.JPG' stands"),
-    (read_geolocations, 'EPSG:4326\na.jpg 9 53 1 0 0 0 -1', 'row 2: horz_accuracy = -1 must be'),
+    (control_at, '', 'it is empty'),
+    (control_at, 'EPSG:32629\n', 'it has no point'),
+    (control_at, 'EPSG:999999\n' + GCP_ROW, "row 1: CRS = 'EPSG:999999'"),
+    (control_at, 'WGS84 UTM 61N\n' + GCP_ROW, 'row 1: UTM zone = 61 must be from 1 to 60'),
+    (control_at, 'EPSG:32629\n500000 x 60 10 20 a.jpg', "row 2: geo_y = 'x' is no number"),
+    (control_at, 'EPSG:32629\n500000 inf 60 10 20 a.jpg', 'row 2: geo_y = inf must be finite'),
+    (control_at, 'EPSG:32629\n500000 5900000 60 10 20', 'row 2: image_name is missing'),
+    (control_at, f'EPSG:32629\n{GCP_ROW}\n500009 5900000 0 1 2 b.jpg a', 'row 3: a has'),
+    (control_at, 'EPSG:4326\n10 95 0 1 2 a.jpg', 'row 2: geo_x = 10, geo_y = 95 lie outside'),
+    (places_at, 'EPSG:4326\n', 'it names no photograph'),
+    (places_at, 'EPSG:4326\na.jpg 9', "row 2: geo_y = '' is no number"),
+    (places_at, 'EPSG:4326\na.jpg 9 53\nA.JPG 9 53', "row 3: image_name = 'A.JPG' stands"),
+    (places_at, 'EPSG:4326\na.jpg 9 53 1 0 0 0 -1', 'row 2: horz_accuracy = -1 must be'),
     (read_track, 'lat,lon\n1,2', 'row 1: no column is called time or'),
     (read_track, 'time,lat,lon\nnoon,1,2\n', "row 2: time = 'noon' is neither ISO 8601"),
     (read_track, 'time,lat,lon\n1,91,2\n2,1,2', 'row 2: latitude = 91 must be'),
@@ -339,6 +391,6 @@ def test_control_points_that_contradict_each_other_forbid_to_trust_the_map(fligh
     path = tmp_path / 'gcp_list.txt'
     path.write_text('\n'.join([lines[0], *('\t'.join(words) for words in shuffled)]))
     shots = [(name_of(shot), shot.record, shot.jpeg) for shot in flight]
-    maker, alignment, _ = aligned(shots, Survey(control=read_control(path)))
+    maker, alignment, _ = aligned(shots, Survey(control=read_control(path, ignored)))
     reasons = violations(alignment, maker.block.state)
     assert [reason for reason in reasons if 'points are off by' in reason]

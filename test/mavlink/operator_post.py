@@ -15,8 +15,8 @@ from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import MissionState, Route, VehicleState, Viewpoint
 from rocsafe_interfaces.srv import Lease
 from rocsafe_mavlink.bridge_node import BridgeNode
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.plan_digest import route_digest
 
 # Of a flight on a machine that does ten other things.

@@ -36,8 +36,8 @@ from rocsafe_mavlink.vehicle_interface.node_timing import NodeTiming
 from rocsafe_planner.conversions import message_of_plan, request_of_goal
 from rocsafe_planner.options import PlannerOptions
 from rocsafe_planner.planning import plan_survey
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.interfaces import topics
 
 # Wall time for a flight of some minutes on a busy machine.
 DEADLINE_S = 120.0

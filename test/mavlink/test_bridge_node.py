@@ -23,7 +23,7 @@ from rocsafe_interfaces.srv import Lease, Preflight, Resume, SetSpeed
 from rocsafe_mavlink.autopilots.ardupilot import GUIDED, LOITER
 from rocsafe_mavlink.bridge_node import BridgeNode
 from rocsafe_mavlink.knowledge import telemetry as vehicle
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_ros.plan_digest import route_digest
 

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from test.fakes.fake_autopilot import FakeCopter
 from test.mavlink.telemetry import ready
 
+from rocsafe_geo.evidence.shot_store import ShotStore
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_geo.storage.shot_store import ShotStore
 from rocsafe_mavlink.assembly import open_source
 from rocsafe_mavlink.camera.camera_trigger import (
     CAPTURED,

@@ -21,7 +21,7 @@ from test.mavlink.operator_post import Ground
 
 from rocsafe_interfaces.msg import RadiationReading
 from rocsafe_radiation.detector_node import DetectorNode
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 
 class Tunnel:

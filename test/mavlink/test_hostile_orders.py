@@ -16,8 +16,8 @@ from test.mavlink.operator_post import HOME_PLACE, Ground, survey
 from rocsafe_geo.position import offset
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPolygon
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.plan_digest import route_digest
 
 RUNS = 250

@@ -15,7 +15,7 @@ from test.mavlink.airspace import free_port
 from test.mavlink.operator_post import Ground, survey
 
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 COPTER = Path(__file__).with_name('second_copter.py')
 DEADLINE_S = 120.0

@@ -23,7 +23,7 @@ from rocsafe_mavlink.link.endpoint import Endpoint, EndpointKind
 from rocsafe_mavlink.link.transport import UdpTransport
 from rocsafe_mavlink.wire.dialect import Message, encode
 from rocsafe_mavlink.wire.framing import pack_frame
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 
 class Clock:

@@ -17,7 +17,7 @@ def test_a_simulated_vehicle_is_shown_and_a_real_one_is_not(ros):
 
     from rocsafe_interfaces.msg import GeoPoint, Route, SurveyPlan, VehicleState, Viewpoint
     from rocsafe_mavlink.view_node import ViewNode
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
         station.bind(('127.0.0.1', 0))

@@ -9,8 +9,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
 
+from rocsafe_geo.evidence.place_marks import PlaceMark
 from rocsafe_geo.position import GeoPosition, offset
-from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_interfaces.action import DriveRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint
 from rocsafe_orchestrator.mission.driving import MOST_PLANS, DriveEnd

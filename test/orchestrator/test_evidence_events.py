@@ -3,8 +3,8 @@
 
 import pytest
 
-from rocsafe_geo.storage.code_version import version_text
-from rocsafe_geo.storage.evidence_log import Event, EvidenceLog, read_log
+from rocsafe_geo.evidence.code_version import version_text
+from rocsafe_geo.evidence.evidence_log import Event, EvidenceLog, read_log
 
 MESSAGE_ROOM = 3
 HASH_LETTERS = 64
@@ -36,7 +36,7 @@ def filled(message_type: type, depth: int = MESSAGE_ROOM) -> object:
 def kept_topics() -> list:
     """Return the topics that the log keeps."""
     from rocsafe_orchestrator.recording.evidence_events import KEPT
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     return [spec for spec in topics.TOPICS if spec.name in KEPT]
 
@@ -46,7 +46,7 @@ def test_every_kept_message_can_be_written_and_read(tmp_path):
     from rclpy.serialization import serialize_message
 
     from rocsafe_orchestrator.recording.evidence_events import KEPT, EvidenceEvents
-    from rocsafe_ros.interface_spec import Scope
+    from rocsafe_ros.interfaces.interface_spec import Scope
 
     events: list[Event] = []
     made = EvidenceEvents(lambda: 1.0, set())
@@ -75,7 +75,7 @@ def test_a_photograph_is_told_with_place_and_uncertainty(tmp_path):
 
     from rocsafe_interfaces.msg import ShotReceipt
     from rocsafe_orchestrator.recording.evidence_events import EvidenceEvents
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     receipt = ShotReceipt(vehicle='rav1', shot_id='rav1-00007', sha256='ab' * 32, viewpoint_id=12)
     receipt.fix.latitude, receipt.fix.longitude, receipt.fix.altitude = 53.0, -9.0, 98.5
@@ -110,7 +110,7 @@ def test_a_reading_that_is_no_number_hides_no_other():
 
     from rocsafe_interfaces.msg import RadiationReading
     from rocsafe_orchestrator.recording.evidence_events import EvidenceEvents
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     for values, highest in (
         ((float('nan'), 3.0, 2.0), 3.0),

@@ -3,7 +3,7 @@
 
 import time
 
-from rocsafe_geo.storage.evidence_log import Event, EvidenceLog, read_log
+from rocsafe_geo.evidence.evidence_log import Event, EvidenceLog, read_log
 from rocsafe_orchestrator.recording.evidence_writer import EvidenceWriter
 
 

@@ -21,11 +21,11 @@ from std_srvs.srv import Trigger
 from rocsafe_interfaces.srv import FleetCommand, Lease, Resume
 from rocsafe_orchestrator.fleet_verbs_node import ANSWER_S, FleetVerbsNode
 from rocsafe_orchestrator.process_table.launches import find_executable
-from rocsafe_ros import calls
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.interface_spec import CallSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import LeaseRefusedError
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 DEADLINE_S = 60.0
 MANY = tuple(f'rav{number}' for number in range(1, 51))

@@ -42,11 +42,11 @@ from rocsafe_orchestrator.mission_state.situation import Situation
 from rocsafe_orchestrator.orchestrator_node import OrchestratorNode
 from rocsafe_orchestrator.process_table.table import crew_of, process_table
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
 from rocsafe_ros.domain.mission_identity import new_identity
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario_file import read_scenario
 

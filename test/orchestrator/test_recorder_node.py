@@ -22,7 +22,7 @@ class Vehicle:
     def __init__(self, ros):
         from rclpy.node import Node
 
-        from rocsafe_ros import topics
+        from rocsafe_ros.interfaces import topics
 
         self.ros = ros
         self.node = Node('rav', namespace='rav1', context=ros.context)
@@ -151,7 +151,7 @@ def test_bursts_are_recorded_whole(ros, vehicle, tmp_path):
 
     from rocsafe_interfaces.msg import AccumulatedDose, Decision, VehicleState
     from rocsafe_orchestrator.recorder_node import RecorderNode
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     recorder = RecorderNode(
         context=ros.context,
@@ -191,7 +191,7 @@ def test_bursts_are_recorded_whole(ros, vehicle, tmp_path):
 def test_every_topic_is_recorded_or_left_out_with_a_reason():
     """A topic that is added is recorded without another line."""
     from rocsafe_orchestrator.recording.recorded_topics import LEFT_OUT, recorded_topics
-    from rocsafe_ros import topics
+    from rocsafe_ros.interfaces import topics
 
     recorded = {spec.name for spec, _ in recorded_topics(['rav1'], (), ['rav1'])}
     assert recorded | set(LEFT_OUT) == {spec.name for spec in topics.TOPICS}
@@ -234,7 +234,7 @@ def test_evidence_is_logged_without_any_console(ros, tmp_path):
     from mcap.reader import make_reader
     from rclpy.node import Node
 
-    from rocsafe_geo.storage.evidence_log import LOG_NAME, read_log
+    from rocsafe_geo.evidence.evidence_log import LOG_NAME, read_log
     from rocsafe_interfaces.msg import (
         Decision,
         HazardSourceArray,
@@ -242,8 +242,8 @@ def test_evidence_is_logged_without_any_console(ros, tmp_path):
         ShotReceipt,
         VehicleState,
     )
-    from rocsafe_ros import topics
     from rocsafe_ros.conversions import stamp_of_ns
+    from rocsafe_ros.interfaces import topics
 
     def reading(second, rate):
         made = RadiationReading(detector='nai', dose_rate_usvh=rate, dose_rate_std_usvh=0.5)

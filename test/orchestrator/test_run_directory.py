@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rocsafe_geo.storage.code_version import git_revision
+from rocsafe_geo.evidence.code_version import git_revision
 from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.provenance import provenance, write_json
 from rocsafe_orchestrator.run_directory import create_run_directory, remove_parts, run_name

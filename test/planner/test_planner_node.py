@@ -24,7 +24,7 @@ from rocsafe_interfaces.msg import (
     VehicleSpec,
 )
 from rocsafe_planner.planner_node import PlannerNode
-from rocsafe_ros.topics import PLAN, create_subscription
+from rocsafe_ros.interfaces.topics import PLAN, create_subscription
 
 from .terrains import write_terrain
 

@@ -18,10 +18,10 @@ from std_msgs.msg import UInt8MultiArray
 
 from rocsafe_interfaces.msg import VehicleEvent
 from rocsafe_radiation.detector_node import DetectorNode
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
-from rocsafe_ros.health import HealthReporter
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError
+from rocsafe_ros.process.health import HealthReporter
 
 DEADLINE_S = 30.0
 

@@ -18,8 +18,8 @@ from rocsafe_geo.position import GeoPosition, offset
 from rocsafe_interfaces.msg import GeoPoint, RadiationReading
 from rocsafe_interfaces.srv import QueryRadiationField
 from rocsafe_radiation.field_node import FieldNode
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import ParameterError
 
 DEADLINE_S = 60.0

@@ -18,8 +18,8 @@ from rocsafe_hazard import fit_cycle_node
 from rocsafe_interfaces.msg import DoseAlarm, DoseRate, GeoPoint, RadiationReading
 from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_radiation.localizer_node import LocalizerNode
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp, region_of_area, stamp_of_ns
+from rocsafe_ros.interfaces import calls, topics
 
 from .simulated_survey import survey
 

@@ -47,9 +47,9 @@ def test_tree_is_one(ros):
     from nav_msgs.msg import Odometry
     from rclpy.node import Node
 
-    from rocsafe_ros import topics
     from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames, publish_origin
-    from rocsafe_ros.vehicle_scope import VehicleScopeNode
+    from rocsafe_ros.interfaces import topics
+    from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 
     listener = Node('listener', context=ros.context)
     vehicles = [

@@ -12,8 +12,8 @@ from rclpy.node import Node
 
 from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_ros.background_job import BackgroundJob
-from rocsafe_ros.calls import PLAN_GROUND_ROUTE
 from rocsafe_ros.goal_jobs_node import GoalJobs
+from rocsafe_ros.interfaces.calls import PLAN_GROUND_ROUTE
 
 DEADLINE_S = 30.0
 FEEDBACKS = 10

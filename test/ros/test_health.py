@@ -7,10 +7,10 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import VehicleState
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, vehicle_diagnostic
 from rocsafe_ros.domain.interface_versions import TOPICS_A_LOOK, InterfaceVersions
-from rocsafe_ros.health import HealthReporter
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.process.health import HealthReporter
 
 DEADLINE_S = 30.0
 STATE = 'rocsafe_interfaces/msg/VehicleState'

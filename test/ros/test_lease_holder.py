@@ -11,9 +11,9 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from rclpy.node import Node
 
 from rocsafe_interfaces.srv import Lease
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.holder_node import RENEW_S, Leases
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 DEADLINE_S = RENEW_S / 2.0
 

@@ -9,8 +9,9 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
-from rocsafe_ros import lockstep, topics
+from rocsafe_ros import lockstep
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.lockstep import Participant
 
 STEP_NS = 100_000_000

@@ -11,8 +11,8 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
-from rocsafe_ros import calls, topics
 from rocsafe_ros.domain.mission_identity import MissionIdentity, identity_of, new_identity
+from rocsafe_ros.interfaces import calls, topics
 
 NAMES = st.from_regex('[A-Za-z0-9][A-Za-z0-9_-]{0,63}', fullmatch=True)
 TOKENS = st.from_regex('[0-9a-f]{1,32}', fullmatch=True)

@@ -24,7 +24,7 @@ NAME = sys.argv.pop()
 from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 class Subject(Node):
     def __init__(self, **options):

@@ -23,7 +23,7 @@ import os
 import sys
 from rclpy.node import Node
 from std_msgs.msg import String
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 class Subject(Node):
     def __init__(self, **options):
@@ -120,7 +120,11 @@ def test_wrong_interface_is_refused(named, words):
 @pytest.mark.skipif(os.geteuid() != 0 or not shutil.which('unshare'), reason='needs root, unshare')
 def test_a_machine_without_loopback_is_told():
     """Nodes of a mission would wait for each other in vain."""
-    words = [sys.executable, '-c', 'from rocsafe_ros.run import run; raise SystemExit(run(None))']
+    words = [
+        sys.executable,
+        '-c',
+        'from rocsafe_ros.process.run import run; raise SystemExit(run(None))',
+    ]
     environment = {name: value for name, value in os.environ.items() if name not in PROFILES} | {
         'PYTHONPATH': os.pathsep.join(filter(None, sys.path))
     }

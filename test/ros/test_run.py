@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from rocsafe_ros.run import is_orphan
+from rocsafe_ros.process.run import is_orphan
 
 DEADLINE_S = 60.0
 
@@ -19,7 +19,7 @@ import sys
 from dataclasses import dataclass, field
 from rclpy.node import Node
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
@@ -181,7 +181,9 @@ def test_node_that_stood_still_ends_to_be_started_again(own_domain, monkeypatch,
     """The others have given it up; without a supervisor nobody would start it again."""
     if is_supervised:
         monkeypatch.setenv('ROCSAFE_SUPERVISOR_PID', str(os.getpid()))
-    process = start('import rocsafe_ros.run\nrocsafe_ros.run.STOOD_STILL_S = 0.5\n' + NODE)
+    process = start(
+        'import rocsafe_ros.process.run\nrocsafe_ros.process.run.STOOD_STILL_S = 0.5\n' + NODE
+    )
     assert process.stdout.readline() == 'alive\n'
     process.send_signal(signal.SIGSTOP)
     time.sleep(3.0)
@@ -205,7 +207,7 @@ def test_node_without_a_supervisor_starts_itself_again(own_domain, monkeypatch, 
     monkeypatch.setenv('ROCSAFE_SUPERVISOR_PID', '1')
     monkeypatch.setenv('ROCSAFE_FLEET_LOCK', str(lock))
     script = tmp_path / 'node'
-    code = 'import rocsafe_ros.run\nrocsafe_ros.run.STOOD_STILL_S = 0.5\n' + NODE
+    code = 'import rocsafe_ros.process.run\nrocsafe_ros.process.run.STOOD_STILL_S = 0.5\n' + NODE
     script.write_text(f'#!{sys.executable}\n{code}')
     script.chmod(0o755)
     with lock.open('rb') as held:

@@ -4,9 +4,9 @@
 import pytest
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import name_of
-from rocsafe_ros.qos import MEASUREMENTS_KEPT
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import name_of
+from rocsafe_ros.interfaces.qos import MEASUREMENTS_KEPT
 
 
 def test_names_are_unique_and_relative():

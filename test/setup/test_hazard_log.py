@@ -75,7 +75,7 @@ QUESTIONS = {'preflight', 'camera/look', 'radiation_field/query'}
 def test_every_order_has_its_unsafe_control_actions():
     """All that moves, plans or leads, by service, action or topic."""
     pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup')
-    from rocsafe_ros import calls, topics
+    from rocsafe_ros.interfaces import calls, topics
 
     table = LOG.read_text().split('## Unsafe control actions')[1].split('## Known and open')[0]
     firsts = ' '.join(re.findall(r'^\| (.*?) \|', table, re.M))

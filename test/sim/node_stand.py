@@ -15,8 +15,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPoint, Route, ShotReceipt, Viewpoint
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import TopicSpec
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec
 
 ORIGIN = GeoPosition(53.28, -9.06, 60.0)
 FRAME = LocalFrame(ORIGIN)

@@ -12,7 +12,7 @@ from test.sim.node_stand import DEADLINE_S, Operator
 
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_airsim.gimbals_node import Gimbals
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 CAMERAS = (
     {

@@ -15,9 +15,9 @@ from test.sim.node_stand import DEADLINE_S, SMALL, Operator, route
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_interfaces.srv import Look, SetFieldOfView
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.interface_spec import TopicSpec, of_camera
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec, of_camera
 from rocsafe_scene.cameras.camera import Truth
 from rocsafe_sim.cameras.camera_settings import CameraSettings
 from rocsafe_sim.cameras.mounted_camera import CameraModel

@@ -12,7 +12,7 @@ from test.sim.node_stand import DEADLINE_S, Operator, point
 
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_interfaces.srv import Lease, Move, SetLight, SetWind
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 
 class Pilot:

@@ -18,8 +18,8 @@ from rocsafe_geo.position import GeoPosition
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import GeoPolygon
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import Scope
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import Scope
 
 RUNS = 800
 SERVICES = [

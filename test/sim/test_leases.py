@@ -17,7 +17,7 @@ from test.sim.node_stand import DEADLINE_S, Operator, route
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Control, VehicleState
 from rocsafe_interfaces.srv import Lease, Resume
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 
 def take(operator: Operator, **fields: Any) -> Any:

@@ -28,7 +28,7 @@ from test.sim.node_stand import (
 )  # fmt: skip
 from test.sim.vehicle_files import cameras_file, fleet_file
 
-from rocsafe_geo.storage import shot_store
+from rocsafe_geo.evidence import shot_store
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import (
     GeoPoint,
@@ -36,8 +36,8 @@ from rocsafe_interfaces.msg import (
     VehicleState,
 )
 from rocsafe_interfaces.srv import GoTo, PushFence, PushRally, Resume, SetHome, SetSpeed
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError
 from rocsafe_sim.fleet_node import FleetNode
 from rocsafe_sim.rav.shared_parts import make_shared

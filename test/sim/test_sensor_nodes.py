@@ -13,8 +13,8 @@ pytest.importorskip('rclpy', reason='no ROS 2 here: source it or run make setup'
 from std_srvs.srv import SetBool
 from test.sim.node_stand import DEADLINE_S, FRAME, Operator
 
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interfaces import topics
 from rocsafe_sim.sensors.earth_field import gravity_mps2, magnetic_field_ut, year_of
 
 SENSORS = (topics.IMU, topics.BAROMETER, topics.MAGNETOMETER, topics.RANGE)

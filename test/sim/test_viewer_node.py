@@ -16,7 +16,7 @@ from test.sim.node_stand import DEADLINE_S, Operator, parameters
 from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_interfaces.srv import SetLight
-from rocsafe_ros import calls, topics
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_scene.errors import EngineError
 from rocsafe_scene.live.live_view import pose_at
 from rocsafe_sim import viewer_node

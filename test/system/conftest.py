@@ -239,8 +239,8 @@ class Intruder:
         from rosgraph_msgs.msg import Clock
 
         from rocsafe_interfaces.msg import StepDone
-        from rocsafe_ros import topics
         from rocsafe_ros.conversions import stamp_of_ns
+        from rocsafe_ros.interfaces import topics
 
         later = stamp_of_ns(2_000_000_000_000_000_000)
         clock = topics.create_publisher(self._node, topics.CLOCK)
@@ -259,7 +259,7 @@ class Intruder:
         from sensor_msgs.msg import NavSatFix
 
         from rocsafe_interfaces.msg import RadiationReading, VehicleState
-        from rocsafe_ros import topics
+        from rocsafe_ros.interfaces import topics
 
         specs = (topics.FIX, topics.GROUND_TRUTH_FIX, topics.RADIATION, topics.STATE)
         outputs = [topics.create_publisher(self._node, spec, name) for spec in specs]

@@ -31,7 +31,7 @@ from test.mavlink.operator_post import survey
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import VehicleState
 from rocsafe_interfaces.srv import Lease, Resume
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.plan_digest import route_digest
 
 pytestmark = pytest.mark.system

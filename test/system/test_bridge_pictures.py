@@ -15,7 +15,7 @@ from test.system.test_bridge_kills import CLOSELY_WATCHED, COUNT, SLOW, Post
 
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import ShotReceipt
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 pytestmark = pytest.mark.system
 

@@ -15,7 +15,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from rocsafe_interfaces.msg import RadiationReading
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 EXAMPLE = Path(__file__).parents[2] / 'examples' / 'cpp'
 BUILD_S, RUN_S = 300.0, 60.0

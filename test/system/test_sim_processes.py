@@ -23,8 +23,8 @@ from rocsafe_geo.position import GeoPosition  # noqa: E402
 from rocsafe_interfaces.action import FlyRoute  # noqa: E402
 from rocsafe_interfaces.msg import GeoPoint, Route, ShotReceipt, Viewpoint  # noqa: E402
 from rocsafe_interfaces.srv import Lease  # noqa: E402
-from rocsafe_ros import topics  # noqa: E402
 from rocsafe_ros.conversions import ns_of_stamp  # noqa: E402
+from rocsafe_ros.interfaces import topics  # noqa: E402
 
 pytestmark = pytest.mark.system
 

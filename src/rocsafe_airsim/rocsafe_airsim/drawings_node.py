@@ -10,7 +10,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from rocsafe_airsim.conversions import marker_of, text_marker_of
 from rocsafe_airsim.ned import Vector
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 MOST_DRAWINGS = 500
 # A trace keeps its newest points.

@@ -8,8 +8,8 @@ from rclpy.publisher import Publisher
 
 from rocsafe_airsim.errors import AirsimError
 from rocsafe_interfaces.msg import GimbalCommand, GimbalState
-from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import of_camera
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import of_camera
 
 # A gimbal turns by some 60 degrees a second of mission time; a world may be slow.
 SETTLE_S, LOOK_S = 30.0, 0.02

@@ -18,9 +18,9 @@ from rocsafe_airsim.options import AirsimOptions
 from rocsafe_airsim.protocol.server import AirsimServer
 from rocsafe_airsim.vehicle_node import RENEW_S, RosVehicle
 from rocsafe_geo.position import GeoPosition
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 STATE_TYPE, LOOK_TYPE = 'rocsafe_interfaces/msg/VehicleState', 'rocsafe_interfaces/srv/Look'
 LOOK_S = 0.5

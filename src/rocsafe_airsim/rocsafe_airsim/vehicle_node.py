@@ -29,9 +29,9 @@ from rocsafe_interfaces.srv import (
     SetLight,
     SetWind,
 )
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp, stamp_of_ns
-from rocsafe_ros.interface_spec import CallSpec, name_of, of_camera
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import CallSpec, name_of, of_camera
 
 HOLDER = 'airsim'
 # A client whose script ends without a word leads for no longer.

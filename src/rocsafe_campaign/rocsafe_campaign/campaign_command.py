@@ -22,7 +22,7 @@ from rocsafe_campaign.results.metrics import METRICS
 from rocsafe_campaign.results.page import moving, result_of, write_page
 from rocsafe_campaign.results.row import COMPLETE, Row
 from rocsafe_campaign.results.table import write_table
-from rocsafe_geo.storage.code_version import git_revision
+from rocsafe_geo.evidence.code_version import git_revision
 from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_scenario.errors import ScenarioError
 

@@ -45,8 +45,8 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     WindReading,
 )
-from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import TopicSpec, name_of
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec, name_of
 
 STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
 # What only a ground vehicle offers.

@@ -14,8 +14,8 @@ from rocsafe_console.orders.order_book import Order
 from rocsafe_console.picture.vehicle import Vehicle
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import GroundRoute
-from rocsafe_ros import calls
-from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.interface_spec import name_of
 
 MOST_OFFERS = 50
 

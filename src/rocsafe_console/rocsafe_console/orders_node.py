@@ -21,8 +21,8 @@ from rocsafe_console.orders.order_book import Order, Outcome, Result, Target
 from rocsafe_console.people.roles import Action
 from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_interfaces.srv import FleetCommand, GoTo, Lease, Resume
-from rocsafe_ros import calls
-from rocsafe_ros.interface_spec import CallSpec, name_of
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.interface_spec import CallSpec, name_of
 
 ANSWER_S = 5.0
 LOOK_S = 0.05

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from rocsafe_console.evidence.seal import make_key, public_key_of, read_key, seal_run
 from rocsafe_console.evidence.signing import key_path, usual_key
-from rocsafe_geo.storage.code_version import version_text
-from rocsafe_geo.storage.evidence_log import EvidenceError
+from rocsafe_geo.evidence.code_version import version_text
+from rocsafe_geo.evidence.evidence_log import EvidenceError
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE = 0, 1, 2
 

@@ -10,7 +10,7 @@ from rocsafe_console.console_node import ConsoleNode
 from rocsafe_console.errors import ConsoleError
 from rocsafe_console.web.context import Context
 from rocsafe_console.web.server import ServerThread
-from rocsafe_ros.run import EXIT_USAGE, run
+from rocsafe_ros.process.run import EXIT_USAGE, run
 
 REACH = (
     'ROCSAFE_INTERFACES', 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'ROS_STATIC_PEERS',

@@ -17,9 +17,9 @@ from rocsafe_dispersion.mission_gas.gas_spool import GasSpool
 from rocsafe_dispersion.release_conversions import gas_flight_reading_of
 from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import AgentReport, GasReading
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 
 class AdvisorNode(Node):

@@ -18,12 +18,12 @@ from rocsafe_dispersion.conversions import (
     seconds_since,
     wind_reading_of,
 )
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import has_position
 from rocsafe_ros.fix_pairs_node import FixPairs
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 
 class AirSensors:

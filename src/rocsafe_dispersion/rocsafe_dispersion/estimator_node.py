@@ -30,10 +30,10 @@ from rocsafe_hazard.conversions import fill_suggestion
 from rocsafe_hazard.fit_cycle_node import FitCycle, FitSteps
 from rocsafe_interfaces.msg import GasReading, ParticleReading, Region, WindReading
 from rocsafe_interfaces.srv import SuggestViewpoints
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 
 class EstimatorNode(Node):

@@ -31,13 +31,13 @@ from rocsafe_fleet.stall_watch_node import StallWatch
 from rocsafe_fleet.vehicle_link_node import VehicleLink
 from rocsafe_interfaces.msg import RadiationReading, SurveyPlan
 from rocsafe_planner.solver.precompile import load_kernels
-from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE
 from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import FLEET_LOCK_VARIABLE, is_orphan, run
+from rocsafe_ros.process.run import FLEET_LOCK_VARIABLE, is_orphan, run
 
 NAME = 'agents'
 STEP_S = 0.05

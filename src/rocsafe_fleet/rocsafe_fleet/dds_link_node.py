@@ -6,7 +6,7 @@ from collections import deque
 from rclpy.node import Node
 
 from rocsafe_interfaces.msg import FleetPacket
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 
 class DdsLink:

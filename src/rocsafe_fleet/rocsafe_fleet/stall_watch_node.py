@@ -9,9 +9,9 @@ from rclpy.node import Node
 
 from rocsafe_fleet.options import AgentOptions
 from rocsafe_interfaces.msg import StepDone
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.run import is_orphan
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.process.run import is_orphan
 
 
 class StallWatch:

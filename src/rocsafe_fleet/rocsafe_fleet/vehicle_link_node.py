@@ -13,8 +13,8 @@ from std_srvs.srv import Trigger
 from rocsafe_fleet.conversions import inability, is_aloft, numbers_of, visited_of
 from rocsafe_interfaces.action import FlyRoute
 from rocsafe_interfaces.msg import Control, Route, VehicleState
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import name_of
 from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_ros.plan_digest import route_digest
 

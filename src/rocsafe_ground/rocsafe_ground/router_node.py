@@ -26,17 +26,17 @@ from rocsafe_ground.products.files import ROUTE_FILE, write_drive
 from rocsafe_interfaces.action import PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePointArray, GroundRoute
 from rocsafe_ros.background_job import BackgroundJob
-from rocsafe_ros.calls import PLAN_GROUND_ROUTE
 from rocsafe_ros.goal_jobs_node import GoalJob, GoalJobs
-from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.topics import (
+from rocsafe_ros.interfaces.calls import PLAN_GROUND_ROUTE
+from rocsafe_ros.interfaces.topics import (
     EVIDENCE,
     GROUND_COSTS,
     GROUND_PATH,
     GROUND_ROUTE,
     create_publisher,
 )
+from rocsafe_ros.parameters import declare_options
+from rocsafe_ros.process.run import run
 
 # A drive, the map that it was planned on, and its number from 0.
 Planned = tuple[DrivePlan, GroundMap, int]

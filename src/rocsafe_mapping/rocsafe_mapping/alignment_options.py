@@ -95,7 +95,7 @@ class NeighbourOptions:
         Photographs of the nearest fixes that are neighbours where heights, hence footprints, are
         unknown.
     alike_features
-        Strongest features that show which photographs look alike where there is no fix.
+        Strongest or coarsest features that show which photographs look alike without a fix.
     """
 
     most: int = 9
@@ -315,8 +315,8 @@ class StructureOptions:
     count, search_side_px
         SIFT features of a photograph, and the long side of the picture that they are found in.
     neighbours
-        Photographs of the nearest fixes that each is matched with; up to `all_up_to` photographs,
-        or without fixes, all are.
+        Photographs of the nearest fixes that each is matched with, or most like it where it has no
+        fix; of up to `all_up_to` photographs all are.
     least_matches, least_share, least_front_share
         Matches that fit the epipolar geometry, their share, and that of those before both cameras.
     epipolar_px, pose_px, point_px, knee_px
@@ -327,8 +327,8 @@ class StructureOptions:
     least_angle_rad
         Between two rays, for a point to be used.
     good_angle_rad, widest_rad, seeds, least_seed_points
-        Of the pair that a scene begins with; pairs tried, of whose scenes the one with most
-        sightings counts, and points that a pair must give.
+        Of the pair that a scene begins with; pairs tried that give so many points, of whose scenes
+        the one with most sightings counts.
     growth
         The scene is adjusted when it has grown by this factor.
     bundle_steps, first_damping, largest_damping, least_gain

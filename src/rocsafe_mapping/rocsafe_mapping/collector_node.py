@@ -25,11 +25,11 @@ from rocsafe_mapping.store.catalogue import read_store
 from rocsafe_mapping.store.listings import write_listings
 from rocsafe_mapping.store.store import Answer, ImageStore, Status
 from rocsafe_mapping.store.store_index import write_index
-from rocsafe_ros import topics
 from rocsafe_ros.background_job import BackgroundJob
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 # The folder's lists are written when no photograph came for this time, seconds.
 QUIET_S = 2.0

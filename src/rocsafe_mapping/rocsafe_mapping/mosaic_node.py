@@ -15,10 +15,10 @@ from rocsafe_mapping.live.map_worker import MapWorker
 from rocsafe_mapping.map_conversions import mosaic_message
 from rocsafe_mapping.options import MosaicOptions
 from rocsafe_mapping.products.map_files import MapFiles
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 # Between two previews while photographs come.
 PREVIEW_S = 0.5

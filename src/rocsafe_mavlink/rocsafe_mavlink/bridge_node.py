@@ -35,12 +35,12 @@ from rocsafe_mavlink.vehicle_interface.node_timing import TIMING
 from rocsafe_mavlink.vehicle_interface.route_goals_node import RouteGoals
 from rocsafe_mavlink.vehicle_interface.shots_node import ShotSender
 from rocsafe_mavlink.wire.dialect import Message
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.process.run import run
 
 
 class DroneInterface:

@@ -14,9 +14,9 @@ from rocsafe_mavlink import view_conversions
 from rocsafe_mavlink.errors import EndpointError
 from rocsafe_mavlink.view.station_view import StationView
 from rocsafe_mavlink.view_options import ViewOptions
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 STATE_TYPE = 'rocsafe_interfaces/msg/VehicleState'
 # Variables by which a user sets how far ROS looks.

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rocsafe_geo.storage.code_version import version_text
+from rocsafe_geo.evidence.code_version import version_text
 from rocsafe_orchestrator.command_line import passed_on
 from rocsafe_orchestrator.errors import EXIT_SETUP, EXIT_USAGE, OrchestratorError
 from rocsafe_orchestrator.processes.interrupt import Interrupted, ended_by_signals

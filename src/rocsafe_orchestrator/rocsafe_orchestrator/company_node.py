@@ -20,7 +20,7 @@ from rocsafe_orchestrator.errors import SetupError
 from rocsafe_orchestrator.processes.company import Speaker, objections
 from rocsafe_ros.domain.discovery import await_discovery
 from rocsafe_ros.domain.mission_identity import MissionIdentity, identity_of
-from rocsafe_ros.run import end_with
+from rocsafe_ros.process.run import end_with
 
 # Participants of other machines announce themselves several times within this time.
 REMOTE_S = 1.0

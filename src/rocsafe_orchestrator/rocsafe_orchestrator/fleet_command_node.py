@@ -17,8 +17,8 @@ from rocsafe_orchestrator.errors import (
     OrchestratorError,
 )
 from rocsafe_orchestrator.processes.ros_reach import stay_on_this_machine
-from rocsafe_ros import calls
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.interface_spec import CallSpec
 
 SPECS = {
     'hold': calls.FLEET_HOLD,

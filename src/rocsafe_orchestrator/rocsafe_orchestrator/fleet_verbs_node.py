@@ -21,10 +21,10 @@ from std_srvs.srv import Trigger
 from rocsafe_geo.option import option
 from rocsafe_interfaces.msg import Control, VehicleAnswer
 from rocsafe_interfaces.srv import FleetCommand, Lease, Resume
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import CallSpec, name_of
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import CallSpec, name_of
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import is_orphan, run
+from rocsafe_ros.process.run import is_orphan, run
 
 # A call is answered after this time, by those who have answered.
 ANSWER_S = 0.8

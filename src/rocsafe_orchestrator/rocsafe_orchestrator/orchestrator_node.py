@@ -36,12 +36,12 @@ from rocsafe_orchestrator.parameters import goal_conversions
 from rocsafe_orchestrator.process_table.table import Endpoint, ProcessSpec
 from rocsafe_orchestrator.requests.requests_node import Requests
 from rocsafe_orchestrator.watches.decisions import Decision
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import ns_of_stamp
 from rocsafe_ros.domain.mission_identity import MissionIdentity
 from rocsafe_ros.frames import publish_origin
-from rocsafe_ros.health import HealthReporter
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import ParameterError, declare_options
+from rocsafe_ros.process.health import HealthReporter
 from rocsafe_scenario.errors import ScenarioError
 from rocsafe_scenario.scenario import Scenario
 

@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.storage.code_version import git_is_dirty, git_revision
+from rocsafe_geo.evidence.code_version import git_is_dirty, git_revision
 from rocsafe_geo.storage.durable import replace_whole
 
 # Distributions whose version decides what a run computes.

@@ -15,8 +15,8 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
+from rocsafe_geo.evidence.evidence_log import LOG_NAME, Event
 from rocsafe_geo.option import option
-from rocsafe_geo.storage.evidence_log import LOG_NAME, Event
 from rocsafe_orchestrator.recording.evidence_events import KEPT, EvidenceEvents
 from rocsafe_orchestrator.recording.evidence_writer import EvidenceWriter, hashes_told
 from rocsafe_orchestrator.recording.message_definitions import MessageDefinitions
@@ -27,11 +27,11 @@ from rocsafe_orchestrator.recording.recorded_topics import (
 )
 from rocsafe_orchestrator.recording.segments import SegmentWriter
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import TopicSpec, name_of
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec, name_of
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 # Periods of wall time: checks for publishers, and flushes outside lock-step.
 POLL_S = 0.05

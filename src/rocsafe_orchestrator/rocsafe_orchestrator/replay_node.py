@@ -24,8 +24,8 @@ from rocsafe_orchestrator.replay.recorded_inputs import (
     time_of,
 )
 from rocsafe_orchestrator.replay.shot_conversions import shot_message
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.interfaces import calls, topics
 
 TICK_S = 0.01
 SERVE_S = 0.05

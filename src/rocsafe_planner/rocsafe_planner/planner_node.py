@@ -29,11 +29,11 @@ from rocsafe_planner.plan.request import SurveyRequest
 from rocsafe_planner.planning import UNKNOWN, Figures
 from rocsafe_planner.replanning import remaining_request
 from rocsafe_ros.background_job import BackgroundJob
-from rocsafe_ros.calls import PLAN_SURVEY
 from rocsafe_ros.goal_jobs_node import GoalJob, GoalJobs
+from rocsafe_ros.interfaces.calls import PLAN_SURVEY
+from rocsafe_ros.interfaces.topics import PLAN, create_publisher
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.topics import PLAN, create_publisher
+from rocsafe_ros.process.run import run
 
 Search = GoalJob[SurveyPlan, Figures]
 

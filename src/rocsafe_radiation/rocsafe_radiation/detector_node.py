@@ -18,11 +18,11 @@ from rocsafe_radiation.acquisition_conversions import (
 from rocsafe_radiation.conversions import coordinates_of_fix
 from rocsafe_radiation.detector_options import DetectorOptions
 from rocsafe_radiation.errors import DetectorLostError
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, has_position, ns_of_stamp
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.process.run import run
 
 POLL_S = 0.05
 WATCH_S = 1.0

@@ -22,11 +22,11 @@ from rocsafe_radiation.errors import RadiationError, UnknownPointError
 from rocsafe_radiation.field_parameters.field_making import survey_field
 from rocsafe_radiation.field_parameters.field_options import FieldOptions
 from rocsafe_radiation.physics.field import require_point
-from rocsafe_ros import calls, topics
 from rocsafe_ros.fix_pairs_node import FixPairs
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 
 class Detector:

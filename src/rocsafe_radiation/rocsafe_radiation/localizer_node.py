@@ -26,10 +26,10 @@ from rocsafe_radiation.products.files import write_products
 from rocsafe_radiation.readings.ground import GroundError
 from rocsafe_radiation.readings.reading_spool import ReadingSpool
 from rocsafe_radiation.vehicle_watch_node import VehicleWatch
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import area_of_region
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 
 
 class LocalizerNode(Node):

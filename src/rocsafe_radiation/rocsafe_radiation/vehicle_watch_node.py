@@ -14,7 +14,7 @@ from rocsafe_radiation.dose_conversions import (
     exposure_of,
 )
 from rocsafe_radiation.readings.reading_log import FlightReading
-from rocsafe_ros import topics
+from rocsafe_ros.interfaces import topics
 
 # Between two messages of the dose, which grows with each reading.
 DOSE_PERIOD_NS = NS_PER_S

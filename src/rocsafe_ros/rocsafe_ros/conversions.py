@@ -14,13 +14,13 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import CameraInfo, CompressedImage, NavSatFix, NavSatStatus
 from std_msgs.msg import Header
 
+from rocsafe_geo.evidence.shot import Shot
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.limits import require_between
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import PinholeCamera
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.regions.area import SurveyArea
-from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_interfaces.msg import GeoPoint, GeoPolygon, GeotaggedImage, Region, VehicleState
 

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from rclpy.node import Node
 from sensor_msgs.msg import NavSatFix
 
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import ns_of_stamp
+from rocsafe_ros.interfaces import topics
 from rocsafe_ros.pairing import StampPairing
 
 

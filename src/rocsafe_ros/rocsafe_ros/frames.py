@@ -16,9 +16,9 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from rocsafe_geo.frame import LocalFrame
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import EARTH_FRAME, MAP_FRAME, quaternion_message
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 
 Rotation = tuple[float, float, float, float]
 NO_ROTATION: Rotation = (0.0, 0.0, 0.0, 1.0)

@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.timer import Timer
 
 from rocsafe_ros.background_job import BackgroundJob, ProgressT, ResultT
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces.interface_spec import CallSpec
 
 # How often a running job is looked at, on the wall clock: simulated time may stand still.
 WATCH_PERIOD_S = 0.1

@@ -16,8 +16,8 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from rocsafe_interfaces.msg import StepDone
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import stamp_of_ns
+from rocsafe_ros.interfaces import topics
 
 # Wall time after which a report is repeated; the world uses the same interval.
 REPEAT_S = 0.5

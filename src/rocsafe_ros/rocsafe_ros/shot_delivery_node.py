@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType
 
-from rocsafe_geo.storage.shot import Shot
-from rocsafe_geo.storage.shot_store import RESEND_S, ShotStore
+from rocsafe_geo.evidence.shot import Shot
+from rocsafe_geo.evidence.shot_store import RESEND_S, ShotStore
 from rocsafe_interfaces.msg import GeotaggedImage, ShotReceipt
-from rocsafe_ros import topics
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 
 
 class ShotDelivery:

@@ -12,10 +12,10 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from rocsafe_ros.conversions import diagnostic
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.process.run import run
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.clock.cadence import floor_to
 from rocsafe_sim.errors import SimError

@@ -8,10 +8,10 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from rocsafe_geo.position import GeoPosition
 from rocsafe_ros.conversions import diagnostic
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.process.run import run
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.clock.cadence import floor_to
 from rocsafe_sim.errors import SimError

@@ -8,12 +8,12 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 
 from rocsafe_interfaces.msg import GasReading, RadiationReading
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, ns_of_stamp
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lockstep import Participant
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.process.run import run
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.clock.cadence import floor_to
 from rocsafe_sim.driving.readings import ReadingQueue

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from rocsafe_geo.storage.shot import Shot
+from rocsafe_geo.evidence.shot import Shot
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_ros.frames import VehicleFrames
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.picture_conversions import mounts_of
 from rocsafe_sim.messages.sensor_conversions import sensor_mounts
 from rocsafe_sim.rav.rav import Rav

@@ -11,10 +11,10 @@ from std_msgs.msg import Header
 from visualization_msgs.msg import MarkerArray
 
 from rocsafe_interfaces.srv import SetLight
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import MAP_FRAME, jpeg_message, stamp_of_ns
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import ParameterError, declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
 from rocsafe_scene.live.live_view import DrawnLine, LiveView, Sight, pose_at, pose_behind

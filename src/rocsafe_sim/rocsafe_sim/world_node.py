@@ -11,10 +11,10 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from std_srvs.srv import SetBool
 
 from rocsafe_interfaces.msg import StepDone
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import diagnostic, ns_of_stamp, stamp_of_ns
+from rocsafe_ros.interfaces import calls, topics
 from rocsafe_ros.parameters import declare_options
-from rocsafe_ros.run import run
+from rocsafe_ros.process.run import run
 from rocsafe_scene.flat_ground.ground_photograph import read_boxes
 from rocsafe_sim.clock.clockwork import Clockwork, Pace
 from rocsafe_sim.messages.marker_conversions import scene_markers

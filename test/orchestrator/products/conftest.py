@@ -203,7 +203,7 @@ class SyntheticRun:
 
     def _mission_message(self, seconds, phase):
         from rocsafe_interfaces.msg import MissionState
-        from rocsafe_ros import topics
+        from rocsafe_ros.interfaces import topics
 
         message = MissionState(phase=phase, mission_time_s=seconds, wall_time_s=4 + seconds / 25)
         message.header.stamp = _stamp(seconds)
@@ -213,7 +213,7 @@ class SyntheticRun:
         from sensor_msgs.msg import NavSatFix
 
         from rocsafe_interfaces.msg import RadiationReading, VehicleState
-        from rocsafe_ros import topics
+        from rocsafe_ros.interfaces import topics
 
         ticks, track, shots, end = self.flights[name]
         places = self.frame.to_geodetic(track)

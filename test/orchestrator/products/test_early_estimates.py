@@ -5,6 +5,7 @@ import dataclasses
 import os
 import shutil
 import sys
+from itertools import chain, repeat
 from threading import Thread
 
 import pytest
@@ -70,7 +71,7 @@ def test_products_wait_until_all_is_recorded(tmp_path, made):
 
 def test_the_process_ends_with_its_orchestrator(tmp_path, made, monkeypatch):
     """Nobody would tell it that all is recorded."""
-    parents = iter([os.getppid(), 1])
+    parents = chain([os.getppid()], repeat(1))
     monkeypatch.setattr(report_process.os, 'getppid', lambda: next(parents))
     assert report_process.main(tmp_path) == 1
     assert not made

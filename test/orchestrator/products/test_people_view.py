@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from rocsafe_console.evidence.desk import Desk
-from rocsafe_geo.storage.evidence_log import Event
+from rocsafe_geo.evidence.evidence_log import Event
 from rocsafe_orchestrator.report.sections.people_view import people_rows
 
 NOON_S = 1_780_315_200.0

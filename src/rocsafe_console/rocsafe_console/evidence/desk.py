@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from threading import Lock, Thread
 
-from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceLog
+from rocsafe_geo.evidence.evidence_log import LOG_NAME, Event, EvidenceLog
 
 CONSOLE_LOG = 'console.jsonl'
 

@@ -17,8 +17,7 @@ from typing import Any
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
-from rocsafe_geo.storage.durable import write_whole
-from rocsafe_geo.storage.evidence_log import (
+from rocsafe_geo.evidence.evidence_log import (
     LOG_NAME,
     EvidenceError,
     faults_of,
@@ -26,6 +25,7 @@ from rocsafe_geo.storage.evidence_log import (
     segments_of,
     whole_lines,
 )
+from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.storage.secret_file import SecretFileError, read_secret
 
 FORMAT = 'rocsafe-seal-1'

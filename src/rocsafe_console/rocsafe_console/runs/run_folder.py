@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from rocsafe_console.errors import ConsoleError
-from rocsafe_geo.storage.evidence_log import LOG_NAME, segments_of
+from rocsafe_geo.evidence.evidence_log import LOG_NAME, segments_of
 from rocsafe_console.runs.recorded_flight import tracks_of
 
 _NAME = re.compile(r'[A-Za-z0-9][A-Za-z0-9._-]{0,150}')

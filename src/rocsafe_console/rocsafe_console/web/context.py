@@ -25,7 +25,7 @@ from rocsafe_console.picture.alarms import WARN
 from rocsafe_console.picture.live import Live
 from rocsafe_console.runs.base_map import BaseMap
 from rocsafe_console.runs.drafts import MISSION_VARIABLE
-from rocsafe_geo.storage.evidence_log import Event
+from rocsafe_geo.evidence.evidence_log import Event
 
 # Orders, marks and links of one session; a person cannot click faster.
 ORDERS, ORDERS_S = 30, 10.0

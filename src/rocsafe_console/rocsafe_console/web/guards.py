@@ -11,7 +11,7 @@ from aiohttp import web
 from rocsafe_console.errors import ConsoleError, RefusedError, TooManyError
 from rocsafe_console.web.context import ASKED, SESSION, WebOptions, context_of
 from rocsafe_console.web.door import DOOR
-from rocsafe_geo.storage.evidence_log import EvidenceError
+from rocsafe_geo.evidence.evidence_log import EvidenceError
 
 LOOPBACK_NAMES = ('127.0.0.1', 'localhost', '[::1]')
 OPEN = frozenset({'/api/login', '/api/token', '/api/hello'})

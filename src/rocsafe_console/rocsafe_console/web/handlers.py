@@ -33,7 +33,7 @@ from rocsafe_console.web.context import (
     session_of,
 )
 from rocsafe_console.web.guards import REPORT_POLICY, body_of, refused
-from rocsafe_geo.storage.evidence_log import line_of
+from rocsafe_geo.evidence.evidence_log import line_of
 
 MOST_TEXT, MOST_MARKS = 500, 1000
 

@@ -12,8 +12,8 @@ from rocsafe_console.people.roles import Action
 from rocsafe_console.runs.run_folder import is_flying, run_in
 from rocsafe_console.web.context import context_of, mission_session, session_of
 from rocsafe_console.web.guards import body_of
-from rocsafe_geo.storage.code_version import version_text
-from rocsafe_geo.storage.evidence_log import EvidenceError
+from rocsafe_geo.evidence.code_version import version_text
+from rocsafe_geo.evidence.evidence_log import EvidenceError
 
 # Hashing a run keeps a disk busy: one at a time.
 SEALING: web.AppKey[asyncio.Lock] = web.AppKey('sealing', asyncio.Lock)

@@ -9,8 +9,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from rocsafe_geo.storage.evidence_log import LOG_NAME, EvidenceError
-from rocsafe_geo.storage.place_marks import PlaceMark, read_marks
+from rocsafe_geo.evidence.evidence_log import LOG_NAME, EvidenceError
+from rocsafe_geo.evidence.place_marks import PlaceMark, read_marks
 from rocsafe_ground.command_line.ground_arguments import joined, parser
 from rocsafe_ground.dose.toxic_load import PLUME, ZONES, GasExposure
 from rocsafe_ground.drivable.labels import read_labels

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.evidence.place_marks import PlaceMark
 from rocsafe_geo.position import GeoPosition
 from rocsafe_geo.storage.named_file import require_file
-from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_ground.dose.source_posterior import SourcePosterior
 from rocsafe_ground.evidence.evidence_point import MARK, SOURCE, EvidencePoint
 

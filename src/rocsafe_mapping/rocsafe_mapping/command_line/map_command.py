@@ -116,12 +116,12 @@ def make_map(options: argparse.Namespace) -> int:
     watch = Stopwatch()
     watch.lap('start')
     folder = options.output or options.folder / 'map'
-    shots = _shots(options)
+    shots, datum_error_m = _shots(options)
     labels = _labels_of(options, [shot.name for shot in shots])
     maker = Mapmaker(
         MapOptions(ground_resolution_m=options.resolution, max_pixels=options.max_pixels), note
     )
-    maker.add_all(shots, _survey(options))
+    maker.add_all(shots, _survey(options, datum_error_m))
     if not len(maker) or maker.frame is None:
         raise MappingError(f'{options.folder}: no photograph that can be placed')
     _require_writable(folder)
@@ -142,25 +142,33 @@ def make_map(options: argparse.Namespace) -> int:
     return _conclude(document, folder)
 
 
-def _shots(options: argparse.Namespace) -> list[Shot]:
-    """Return the photographs, at the places that a ``geo.txt`` says."""
+def _shots(options: argparse.Namespace) -> tuple[list[Shot], float]:
+    """Return the photographs, and how exactly the CRS of a ``geo.txt`` is known in WGS84, metres.
+
+    They are at the places that it says.
+    """
     stored = {shot.path.name: shot for shot in shots_of(options.folder)}
     records = {name: shot.record for name, shot in stored.items()}
+    datum_error_m = 0.0
     if options.geo is not None:
-        records = located(records, read_geolocations(options.geo), note)
-    return [
+        places = read_geolocations(options.geo, note)
+        records = located(records, places, note)
+        datum_error_m = max(place.datum_error_m for place in places.values())
+    shots = [
         Shot(name=name, record=records[name], read=shot.read_image)
         for name, shot in stored.items()
     ]
+    return shots, datum_error_m
 
 
-def _survey(options: argparse.Namespace) -> Survey:
+def _survey(options: argparse.Namespace, places_datum_error_m: float) -> Survey:
     if options.clock_offset is not None and options.track is None:
         raise MappingError('--clock-offset is that of a --track, which is missing')
     return Survey(
-        control=read_control(options.gcp) if options.gcp is not None else (),
+        control=read_control(options.gcp, note) if options.gcp is not None else (),
         track=read_track(options.track) if options.track is not None else None,
         clock_offset_s=math.nan if options.clock_offset is None else options.clock_offset,
+        places_datum_error_m=places_datum_error_m,
     )
 
 

@@ -113,6 +113,7 @@ class Mapmaker:
         self.frame: GroundFrame | None = None
         self.epsg = LOCAL_EPSG
         self._control: tuple[SurveyedMark, ...] = ()
+        self._datum_error_m = 0.0
 
     def __len__(self) -> int:
         return len(self.block)
@@ -163,6 +164,7 @@ class Mapmaker:
         if self.frame is not None:
             records = {shot.name: shot.record for shot in left if shot.name in self.block}
             self._control = control_in(self.frame, survey, records)
+            self._datum_error_m = survey.datum_error_m
             self.block.marks = tuple(m.mark for m in self._control if not m.is_check)
             self.block.path = path_in(self.frame, survey)
             self.block.clock_offset_s = survey.clock_offset_s
@@ -280,6 +282,7 @@ class Mapmaker:
         options = self.options.alignment
         most = options.adjustment.most_ties
         heights = tie_heights(photos, pairs, state, most)
+        errors = stated_error_m(photos, pairs, state, options.adjustment) if state.poses else {}
         return Alignment(
             heights=heights,
             photos=photos,
@@ -289,9 +292,9 @@ class Mapmaker:
             groups=tuple(map(len, groups_of(pairs))),
             control=found_points(self._control, photos, state),
             is_local=block.is_local,
-            errors_m=stated_error_m(photos, pairs, state, options.adjustment)
-            if state.poses
-            else {},
+            errors_m={
+                n: math.hypot(error_m, self._datum_error_m) for n, error_m in errors.items()
+            },
             held_out_px=residuals_px(photos, pairs, state, most, held_out=True),
         )
 

@@ -37,19 +37,29 @@ class Survey:
         Of the vehicle that took the photographs without a fix.
     clock_offset_s
         What the camera's clock is behind the track's; NaN where it is to be found.
+    places_datum_error_m
+        How exactly the CRS of places from a file is known in WGS84.
     """
 
     control: tuple[ControlPoint, ...] = ()
     track: Track | None = None
     clock_offset_s: float = math.nan
+    places_datum_error_m: float = 0.0
+
+    @property
+    def datum_error_m(self) -> float:
+        """How exactly the CRS of what places the map is known in WGS84, metres."""
+        placing = [point.datum_error_m for point in self.control if not point.is_check]
+        return max([self.places_datum_error_m, *placing])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SurveyedMark:
-    """A control point in the local frame, and whether it only judges the map."""
+    """A control point in the local frame, see `ControlPoint`."""
 
     mark: Mark
     is_check: bool
+    datum_error_m: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,6 +72,8 @@ class FoundPoint:
         Of the point.
     off_m
         Where the photographs put it less where it was surveyed, (east, north), shape (2,).
+    datum_error_m
+        How exactly its CRS is known in WGS84.
     place_m
         Where it was surveyed, local (east, north).
     photos
@@ -71,6 +83,7 @@ class FoundPoint:
     name: str
     is_check: bool
     off_m: FloatArray
+    datum_error_m: float
     place_m: FloatArray
     photos: tuple[str, ...]
 
@@ -117,7 +130,9 @@ def control_in(
             )
         pixels = {name: np.array(pixel) for name, pixel in sightings[point.name].items()}
         mark = Mark(name=point.name, surveyed_m=place, found_m=place, sightings=pixels)
-        found.append(SurveyedMark(mark=mark, is_check=point.is_check))
+        found.append(
+            SurveyedMark(mark=mark, is_check=point.is_check, datum_error_m=point.datum_error_m)
+        )
     return tuple(found)
 
 
@@ -143,6 +158,7 @@ def found_points(
             name=surveyed.mark.name,
             is_check=surveyed.is_check,
             off_m=found[surveyed.mark.name] - surveyed.mark.surveyed_m,
+            datum_error_m=surveyed.datum_error_m,
             place_m=surveyed.mark.surveyed_m,
             photos=tuple(sorted(set(surveyed.mark.sightings) & set(state.poses))),
         )

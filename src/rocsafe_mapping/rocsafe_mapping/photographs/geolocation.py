@@ -12,7 +12,7 @@ from pathlib import Path
 
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.photographs.shot import ShotRecord
-from rocsafe_mapping.photographs.survey_file import read_rows
+from rocsafe_mapping.photographs.survey_file import inexactness, read_rows
 
 HORIZONTAL, VERTICAL = 7, 8
 LEAST_ACCURACY_M, LARGEST_ACCURACY_M = 1e-4, 1e5
@@ -28,12 +28,15 @@ class Geolocation:
         WGS84; the altitude as it stands in the file, NaN if unknown.
     covariance_m2
         East, north, up, row major; zeros where unknown.
+    datum_error_m
+        How exactly its CRS is known in WGS84: all places of a file are off alike.
     """
 
     latitude_deg: float
     longitude_deg: float
     altitude_m: float
     covariance_m2: tuple[float, ...]
+    datum_error_m: float
 
     def of(self, record: ShotRecord) -> ShotRecord:
         """Return `record` with this position."""
@@ -46,8 +49,10 @@ class Geolocation:
         )
 
 
-def read_geolocations(path: Path) -> dict[str, Geolocation]:
+def read_geolocations(path: Path, notice: Callable[[str], None]) -> dict[str, Geolocation]:
     """Return the positions of a ``geo.txt`` by file name in lower case.
+
+    `notice` is told of a CRS that is known to some metres only.
 
     Raises
     ------
@@ -74,9 +79,12 @@ def read_geolocations(path: Path) -> dict[str, Geolocation]:
             covariance_m2=(
                 variances[0], 0.0, 0.0, 0.0, variances[0], 0.0, 0.0, 0.0, variances[1],
             ),
+            datum_error_m=places.datum_error_m,
         )  # fmt: skip
     if not found:
         raise MappingError(f'{path}: it names no photograph')
+    if line := inexactness(places, path):
+        notice(line)
     return found
 
 

@@ -5,13 +5,14 @@ Rows are ``x y z pixel_x pixel_y name [label]``; rows of one label, or without l
 are sightings of one point. A label that begins with ``CHK-`` is that of a check point.
 """
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from rocsafe_mapping.errors import MappingError
 from rocsafe_mapping.photographs.shot import ShotRecord
-from rocsafe_mapping.photographs.survey_file import Row, read_rows
+from rocsafe_mapping.photographs.survey_file import Row, inexactness, read_rows
 
 CHECK_PREFIX = 'CHK-'
 LABEL = 6
@@ -59,6 +60,8 @@ class ControlPoint:
         Its label.
     latitude_deg, longitude_deg, altitude_m
         WGS84; the altitude as it stands in the file, NaN if unknown.
+    datum_error_m
+        How exactly its CRS is known in WGS84: all points of a file are off alike.
     sightings
         In the photographs that show it.
     """
@@ -67,6 +70,7 @@ class ControlPoint:
     latitude_deg: float
     longitude_deg: float
     altitude_m: float
+    datum_error_m: float
     sightings: tuple[Sighting, ...]
 
     @property
@@ -75,8 +79,10 @@ class ControlPoint:
         return self.name.upper().startswith(CHECK_PREFIX)
 
 
-def read_control(path: Path) -> tuple[ControlPoint, ...]:
+def read_control(path: Path, notice: Callable[[str], None]) -> tuple[ControlPoint, ...]:
     """Return the points of a ``gcp_list.txt``.
+
+    `notice` is told of a CRS that is known to some metres only.
 
     Raises
     ------
@@ -101,10 +107,13 @@ def read_control(path: Path) -> tuple[ControlPoint, ...]:
             latitude_deg=latitude,
             longitude_deg=longitude,
             altitude_m=row.height(2),
+            datum_error_m=places.datum_error_m,
             sightings=sightings,
         )
     if not found:
         raise MappingError(f'{path}: it has no point')
+    if line := inexactness(places, path):
+        notice(line)
     return _numbered(found)
 
 
@@ -118,15 +127,7 @@ def _sighting(row: Row) -> Sighting:
 def _numbered(found: Mapping[str, ControlPoint]) -> tuple[ControlPoint, ...]:
     """Return the points; those without a label are called by their number."""
     return tuple(
-        ControlPoint(
-            name=f'point {number}',
-            latitude_deg=point.latitude_deg,
-            longitude_deg=point.longitude_deg,
-            altitude_m=point.altitude_m,
-            sightings=point.sightings,
-        )
-        if ' ' in name
-        else point
+        dataclasses.replace(point, name=f'point {number}') if ' ' in name else point
         for number, (name, point) in enumerate(found.items(), 1)
     )
 

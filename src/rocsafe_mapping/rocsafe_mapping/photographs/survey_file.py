@@ -6,18 +6,24 @@ Format: OpenDroneMap's documentation, "Ground Control Points" and "Image Geoloca
 
 import math
 import re
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
+from pyproj.transformer import TransformerGroup
 
 from rocsafe_geo.storage.named_file import require_file
 from rocsafe_mapping.errors import MappingError
 
 MOST_BYTES = 64 * 2**20
 WGS84_EPSG, UTM_ZONES = 4326, 60
+MOVING_FRAME_M = 1.0
+"""PROJ's accuracy for frames that a plate carries away from WGS84, as ETRS89: not counted, for
+who corrects fixes from a network of stations there has them in that frame."""
+
 _UTM = re.compile(r'WGS84\s+UTM\s+(\d{1,2})\s*([NS])', re.IGNORECASE)
 
 
@@ -64,9 +70,41 @@ class Row:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Places:
-    """Turns the coordinates of a file into positions."""
+    """Turns the coordinates of a file into positions.
 
+    Attributes
+    ----------
+    crs
+        As the file names it.
+    to_wgs84
+        From that CRS.
+    """
+
+    crs: str
     to_wgs84: Transformer
+
+    @property
+    def datum_error_m(self) -> float:
+        """How exactly the last position is known in WGS84, metres; 0 where PROJ does not say.
+
+        A national CRS with a datum of its own is known to some metres where PROJ has not the grid
+        of its shifts. All points of one CRS are off alike.
+        """
+        found = float(self.to_wgs84.accuracy)
+        if found < 0.0:  # there are several ways: that of the last position
+            found = float(self.to_wgs84.get_last_used_operation().accuracy)
+        return found if found > MOVING_FRAME_M else 0.0
+
+    @property
+    def missing_grids(self) -> tuple[str, ...]:
+        """Files with which PROJ would know positions more exactly than it does."""
+        source = self.to_wgs84.source_crs
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore', UserWarning)
+            group = TransformerGroup(source, WGS84_EPSG, always_xy=True)
+        if group.best_available or not group.unavailable_operations:
+            return ()
+        return tuple(grid.short_name for grid in group.unavailable_operations[0].grids)
 
     def position(self, row: Row, x_index: int) -> tuple[float, float]:
         """Return latitude and longitude of a row, whose x and y stand from `x_index`.
@@ -122,6 +160,19 @@ def read_rows(path: Path) -> tuple[Places, tuple[Row, ...]]:
     )
 
 
+def inexactness(places: Places, path: Path) -> str | None:
+    """Return a line on coordinates that are known to metres only, None if they are exact.
+
+    `places` has turned a row of the file at `path`.
+    """
+    if not places.datum_error_m:
+        return None
+    line = f'{path}: {places.crs} is known in WGS84 to {places.datum_error_m:g} m only'
+    if grids := places.missing_grids:
+        line += f"; with PROJ's {' and '.join(grids)} it would be exact (PROJ_NETWORK=ON gets it)"
+    return line
+
+
 def _places(where: str, text: str) -> Places:
     """Return what turns coordinates of the CRS called `text` into positions."""
     found = _UTM.fullmatch(text)
@@ -133,7 +184,10 @@ def _places(where: str, text: str) -> Places:
             south = ' +south' if found[2].upper() == 'S' else ''
             text = f'+proj=utm +zone={zone}{south} +datum=WGS84'
         crs = CRS.from_user_input(text)
-        return Places(to_wgs84=Transformer.from_crs(crs, WGS84_EPSG, always_xy=True))
+        with warnings.catch_warnings():  # `missing_grids` tells it
+            warnings.simplefilter('ignore', UserWarning)
+            to_wgs84 = Transformer.from_crs(crs, WGS84_EPSG, always_xy=True)
+        return Places(crs=text, to_wgs84=to_wgs84)
     except ProjError as error:
         raise MappingError(
             f'{where}: CRS = {text[:80]!r} is not known (EPSG:..., +proj=... or WGS84 UTM 16N)'

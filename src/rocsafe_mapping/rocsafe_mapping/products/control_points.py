@@ -50,9 +50,14 @@ def _rms(values: list[FloatArray]) -> float:
 
 
 def _stated_at(alignment: Alignment, point: FoundPoint) -> float:
-    """Return the stated error where a control point lies, on the mean of its photographs."""
+    """Return the stated error where a control point lies, on the mean of its photographs.
+
+    Where surveyed points place the map, it is off as they are; otherwise the point itself may be.
+    """
     place = point.place_m[np.newaxis]
-    return float(np.mean([alignment.errors_at_m(name, place)[0] for name in point.photos]))
+    map_m = float(np.mean([alignment.errors_at_m(name, place)[0] for name in point.photos]))
+    has_placing = any(not other.is_check for other in alignment.control)
+    return map_m if has_placing else float(np.hypot(map_m, point.datum_error_m))
 
 
 def control_violations(alignment: Alignment) -> list[str]:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from PIL import Image
 
+from rocsafe_geo.evidence.shot import Shot
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_optical
 from rocsafe_geo.position import distance_m
-from rocsafe_geo.storage.shot import Shot
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_mavlink.camera.camera_trigger import CameraTrigger, TriggerLog
 from rocsafe_mavlink.camera.numbering import ShotNumbering

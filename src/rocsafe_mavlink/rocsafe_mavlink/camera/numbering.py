@@ -4,9 +4,9 @@
 import json
 from pathlib import Path
 
+from rocsafe_geo.evidence.shot import Shot
+from rocsafe_geo.evidence.shot_store import ShotStore, SpoolError
 from rocsafe_geo.storage.durable import write_whole
-from rocsafe_geo.storage.shot import Shot
-from rocsafe_geo.storage.shot_store import ShotStore, SpoolError
 
 _NEXT = 'next.json'
 

@@ -10,12 +10,12 @@ from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.errors import CommandRefusedError
 from rocsafe_mavlink.plan.fence import Fence
 from rocsafe_mavlink.vehicle_interface.conversions import check_message, ring_of
-from rocsafe_ros import calls
 from rocsafe_ros.conversions import position_of_point
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.interface_spec import CallSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import LeaseRefusedError
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 Begin = Callable[[Any, float], None]
 

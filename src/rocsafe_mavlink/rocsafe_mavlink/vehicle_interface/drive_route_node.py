@@ -13,10 +13,10 @@ from rocsafe_mavlink.vehicle_interface.drive_conversions import (
     drive_result,
 )
 from rocsafe_mavlink.vehicle_interface.route_goals_node import RouteGoals
-from rocsafe_ros import calls
 from rocsafe_ros.conversions import point_of_position
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 
 class DriveRouteServer(RouteGoals):

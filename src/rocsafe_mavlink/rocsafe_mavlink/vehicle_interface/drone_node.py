@@ -26,7 +26,6 @@ from rocsafe_mavlink.vehicle_interface.conversions import (
 )
 from rocsafe_mavlink.vehicle_interface.node_timing import TIMING
 from rocsafe_mavlink.wire.dialect import Message
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -38,8 +37,9 @@ from rocsafe_ros.conversions import (
 )
 from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import LOOKS_DOWN, VehicleFrames
-from rocsafe_ros.interface_spec import TopicSpec
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 
 # Types of TUNNEL payloads up to this one are those of known devices.
 LARGEST_REGISTERED_TYPE = 32_767

@@ -12,11 +12,11 @@ from rocsafe_mavlink.flight.late_start import LateStart
 from rocsafe_mavlink.vehicle_interface.conversions import assignment_of, delay_of
 from rocsafe_mavlink.vehicle_interface.result_conversions import failure_message, result_message
 from rocsafe_mavlink.vehicle_interface.route_goals_node import RouteGoals
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import LeaseRefusedError
 from rocsafe_ros.lease.server_node import LeaseServer
 from rocsafe_ros.plan_digest import route_digest
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 
 class FlyRouteServer(RouteGoals):

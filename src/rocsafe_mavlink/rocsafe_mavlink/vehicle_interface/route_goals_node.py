@@ -12,10 +12,10 @@ from rocsafe_mavlink.drone.flight_record import FlightSummary
 from rocsafe_mavlink.errors import CommandRefusedError, WaitError
 from rocsafe_mavlink.flight.flight_journal import Assignment
 from rocsafe_mavlink.vehicle_interface.node_timing import TIMING
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces.interface_spec import CallSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import LeaseRefusedError
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 
 class RouteGoals(ABC):

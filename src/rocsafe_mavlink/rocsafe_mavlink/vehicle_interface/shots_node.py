@@ -3,22 +3,22 @@
 
 import time
 
+from rocsafe_geo.evidence.shot import Shot
 from rocsafe_geo.pinhole import PinholeCamera
-from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_mavlink.camera.geotagging import GeotagContext, Geotagger
 from rocsafe_mavlink.drone.drone import Drone
 from rocsafe_mavlink.vehicle_interface.node_timing import TIMING
 from rocsafe_mavlink.wire.dialect import Message
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
     camera_info_message,
     compressed_message,
     geotagged_message,
     shot_header,
 )
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.shot_delivery_node import ShotDelivery
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 # Standard deviation of an autopilot's attitude in quiet flight.
 ATTITUDE_STD_RAD = 0.02

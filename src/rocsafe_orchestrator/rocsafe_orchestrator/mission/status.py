@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from rocsafe_geo.evidence.place_marks import PlaceMark
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_orchestrator.mission_state.phase import Phase
 from rocsafe_orchestrator.mission_state.presence import Sighting
 

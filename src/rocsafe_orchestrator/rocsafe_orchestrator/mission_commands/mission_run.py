@@ -15,8 +15,8 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from rocsafe_geo.storage.evidence_log import LOG_NAME, Event, EvidenceError, EvidenceLog
-from rocsafe_geo.storage.place_marks import PlaceMark, read_marks
+from rocsafe_geo.evidence.evidence_log import LOG_NAME, Event, EvidenceError, EvidenceLog
+from rocsafe_geo.evidence.place_marks import PlaceMark, read_marks
 from rocsafe_orchestrator.company_node import Claim
 from rocsafe_orchestrator.errors import EXIT_COMPLETE, EXIT_FAILED
 from rocsafe_orchestrator.mission.mission import Mission

@@ -5,8 +5,8 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from rocsafe_geo.evidence.place_marks import PlaceMark
 from rocsafe_geo.position import GeoPosition, distance_m
-from rocsafe_geo.storage.place_marks import PlaceMark
 from rocsafe_interfaces.action import DriveRoute, PlanGroundRoute
 from rocsafe_interfaces.msg import EvidencePoint, GeoPoint, GroundRoute
 from rocsafe_orchestrator.mission.drive_watch import DriveWatch, WatchedStop

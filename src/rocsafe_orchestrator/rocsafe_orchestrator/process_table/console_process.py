@@ -16,7 +16,7 @@ from rocsafe_orchestrator.errors import OrchestratorError
 from rocsafe_orchestrator.process_table.executables import find_executable
 from rocsafe_orchestrator.process_table.launches import SUPERVISOR_VARIABLE
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros.run import EXIT_OK, EXIT_USAGE
+from rocsafe_ros.process.run import EXIT_OK, EXIT_USAGE
 
 PACKAGE = 'rocsafe_console'
 STOP_S = 5.0

@@ -13,9 +13,9 @@ from rocsafe_orchestrator.process_table.table import ProcessSpec
 from rocsafe_orchestrator.process_table.values import NEVER, Launch
 from rocsafe_orchestrator.run_directory import RunDirectory
 from rocsafe_ros.domain.mission_identity import MissionIdentity
-from rocsafe_ros.run import FLEET_LOCK_VARIABLE, SUPERVISOR_LOCK_VARIABLE
+from rocsafe_ros.process.run import FLEET_LOCK_VARIABLE, SUPERVISOR_LOCK_VARIABLE
 
-# Read by rocsafe_ros.run: a node ends when the process with this id does.
+# Read by rocsafe_ros.process.run: a node ends when the process with this id does.
 SUPERVISOR_VARIABLE = 'ROCSAFE_SUPERVISOR_PID'
 
 

@@ -22,8 +22,8 @@ from rocsafe_orchestrator.parameters.ground_parameters import (
 )
 from rocsafe_orchestrator.parameters.node_parameters import AGENTS, AIR, BRIDGE, FLEET
 from rocsafe_orchestrator.run_directory import RunDirectory
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import CallSpec, TopicSpec, name_of
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import CallSpec, TopicSpec, name_of
 from rocsafe_scenario.blocks.ground_vehicle import GroundVehicleBlock
 from rocsafe_scenario.blocks.vehicles import DetectorBlock, VehicleBlock
 from rocsafe_scenario.scenario import Scenario

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from rocsafe_orchestrator.process_table.table import ProcessSpec
 from rocsafe_orchestrator.recording.recorded_topics import recorded_topics
-from rocsafe_ros import calls, topics
 from rocsafe_ros.domain.mission_identity import BOUND, MissionIdentity
-from rocsafe_ros.interface_spec import Scope, name_of, of_camera
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import Scope, name_of, of_camera
 from rocsafe_scenario.scenario import Scenario
 
 ELSEWHERE = 'wait for its end, or choose another domain, for instance ROS_DOMAIN_ID=1'

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
-from rocsafe_ros.standard_streams import open_standard_streams
+from rocsafe_ros.process.standard_streams import open_standard_streams
 
 
 class LastingStream:

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rocsafe_geo.storage.evidence_log import Event
-from rocsafe_ros import topics
+from rocsafe_geo.evidence.evidence_log import Event
 from rocsafe_ros.conversions import ns_of_stamp
-from rocsafe_ros.interface_spec import TopicSpec, name_of
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec, name_of
 
 DATUM = 'WGS84, heights above the ellipsoid'
 # Time of the vehicles between two entries of their readings.

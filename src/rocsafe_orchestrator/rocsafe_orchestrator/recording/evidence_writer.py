@@ -6,7 +6,7 @@ from pathlib import Path
 from threading import Event as Flag
 from threading import Lock, Thread
 
-from rocsafe_geo.storage.evidence_log import Event, EvidenceError, EvidenceLog, read_log
+from rocsafe_geo.evidence.evidence_log import Event, EvidenceError, EvidenceLog, read_log
 
 PERIOD_S = 0.2
 MOST_WAITING = 100_000

@@ -4,8 +4,8 @@
 from collections.abc import Iterable, Iterator
 
 from rocsafe_orchestrator.recording.segments import Channel
-from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import Scope, TopicSpec, of_camera
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import Scope, TopicSpec, of_camera
 
 LEFT_OUT: dict[str, str] = {
     topics.CAMERA_IMAGE.name: 'its JPEG is recorded; taken only while somebody looks',

@@ -4,7 +4,7 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-# Less than a publisher keeps (`rocsafe_ros.qos.MEASUREMENTS_KEPT`), so that none is lost.
+# Less than a publisher keeps (`MEASUREMENTS_KEPT` in `rocsafe_ros.interfaces.qos`): none is lost.
 MOST_READINGS = 40
 MOST_SHOTS = 4
 # A photograph without a receipt is sent again after this wall time.

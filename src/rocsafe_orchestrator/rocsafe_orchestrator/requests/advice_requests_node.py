@@ -12,7 +12,7 @@ from rocsafe_interfaces.srv import SuggestViewpoints
 from rocsafe_orchestrator.mission.advice import Advice, Search
 from rocsafe_orchestrator.mission.mission import Mission
 from rocsafe_orchestrator.mission_state.request import Order
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
 from rocsafe_scenario.scenario import Scenario
 
 

@@ -27,8 +27,8 @@ from rocsafe_orchestrator.parameters.drive_goal import (
     task_digest,
 )
 from rocsafe_orchestrator.requests.goal_requests_node import GoalRequests
-from rocsafe_ros import calls
-from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.interface_spec import name_of
 from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_scenario.scenario import Scenario
 

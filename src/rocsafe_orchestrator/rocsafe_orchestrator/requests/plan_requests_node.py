@@ -18,7 +18,7 @@ from rocsafe_orchestrator.requests.advice_requests_node import AdviceRequests
 from rocsafe_orchestrator.requests.goal_requests_node import GoalRequests
 from rocsafe_planner.conversions import message_of_plan
 from rocsafe_planner.plan.plan_reading import read_plan
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
 from rocsafe_ros.plan_digest import plan_digest
 from rocsafe_scenario.scenario import Scenario
 

@@ -26,8 +26,8 @@ from rocsafe_orchestrator.requests.goal_requests_node import GoalRequests
 from rocsafe_orchestrator.requests.plan_requests_node import BROKEN_OFF, PlanRequests
 from rocsafe_orchestrator.watches.operator_watch import Verb
 from rocsafe_orchestrator.watches.retreat import retreat
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import CallSpec, name_of
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import CallSpec, name_of
 from rocsafe_ros.lease.holder_node import Leases
 from rocsafe_ros.plan_digest import route_digest
 from rocsafe_scenario.scenario import Scenario

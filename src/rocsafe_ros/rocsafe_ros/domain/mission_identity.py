@@ -6,7 +6,7 @@ import re
 import secrets
 from dataclasses import dataclass
 
-from rocsafe_ros import calls, topics
+from rocsafe_ros.interfaces import calls, topics
 
 # Enclaves of the processes of missions begin so.
 ROOT = '/rocsafe/'

@@ -14,8 +14,8 @@ from rclpy.node import Node
 
 from rocsafe_interfaces.msg import Control
 from rocsafe_interfaces.srv import Lease
-from rocsafe_ros import calls, topics
-from rocsafe_ros.interface_spec import name_of
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import name_of
 from rocsafe_ros.lease.control_lease import MISSION_VARIABLE, server_of
 
 # A mission that has died leaves its vehicles to others after this time.

@@ -18,9 +18,10 @@ from rocsafe_geo.storage.kept_file import KeptFile
 from rocsafe_geo.storage.value_file import values_of
 from rocsafe_interfaces.msg import Control
 from rocsafe_interfaces.srv import Lease as LeaseService
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import stamp_of_ns
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import CallSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import (
     MISSION_VARIABLE,
     Lease,
@@ -29,7 +30,6 @@ from rocsafe_ros.lease.control_lease import (
     server_of,
 )
 from rocsafe_ros.parameters import ParameterError
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 
 JOURNAL_NAME = 'lease.json'
 # Period of looking whether the lease has ended.

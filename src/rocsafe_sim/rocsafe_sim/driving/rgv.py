@@ -4,11 +4,11 @@
 import math
 from pathlib import Path
 
+from rocsafe_geo.evidence.shot import Shot
+from rocsafe_geo.evidence.shot_store import ShotStore
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import quaternion_of_rotation
-from rocsafe_geo.storage.shot import Shot
-from rocsafe_geo.storage.shot_store import ShotStore
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_sim.cameras.mounted_camera import Attitude, Exposure, MountedCamera, VehiclePose
 from rocsafe_sim.driving.caution import CautionOptions

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 
+from rocsafe_geo.evidence.shot import Quaternion
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_body_from_optical
-from rocsafe_geo.storage.shot import Quaternion
 from rocsafe_interfaces.msg import GimbalCommand, GimbalState
 from rocsafe_ros.conversions import (
     MAP_FRAME,

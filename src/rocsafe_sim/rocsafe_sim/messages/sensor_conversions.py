@@ -5,8 +5,8 @@ from geometry_msgs.msg import Vector3
 from sensor_msgs.msg import FluidPressure, Imu, MagneticField, Range
 from std_msgs.msg import Header
 
+from rocsafe_geo.evidence.shot import Quaternion
 from rocsafe_geo.pinhole import quaternion_of_rotation
-from rocsafe_geo.storage.shot import Quaternion
 from rocsafe_ros.conversions import quaternion_message, stamp_of_ns
 from rocsafe_sim.sensors.rangefinder import mount_of
 from rocsafe_sim.sensors.readings import (

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rocsafe_geo.evidence.shot import Shot
+from rocsafe_geo.evidence.shot_store import ShotStore
 from rocsafe_geo.frame import LocalFrame
 from rocsafe_geo.motion.state import Enu
 from rocsafe_geo.pinhole import quaternion_of_rotation, rotation_enu_from_body
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.shot import Shot
-from rocsafe_geo.storage.shot_store import ShotStore
 from rocsafe_geo.time_units import NS_PER_S
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_sim.cameras.gimbal import Direction

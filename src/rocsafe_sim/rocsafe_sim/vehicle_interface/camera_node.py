@@ -6,12 +6,12 @@ from std_msgs.msg import Header, String
 
 from rocsafe_interfaces.msg import GimbalCommand
 from rocsafe_interfaces.srv import Look, SetFieldOfView
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import jpeg_message, stamp_of_ns
 from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
-from rocsafe_ros.interface_spec import TopicSpec, of_camera
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec, of_camera
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.cameras.ground_camera import jpeg_of
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.cameras.mounted_camera import CameraPicture, MountedCamera

@@ -7,9 +7,9 @@ from rocsafe_geo.limits import require_positive
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import GeoPoint
 from rocsafe_interfaces.srv import GoTo, Move, PushRally
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.conversions import fence_of, places_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle_interface.order_answers_node import OrderAnswers

@@ -4,9 +4,9 @@
 from collections.abc import Callable
 
 from rocsafe_interfaces.action import DriveRoute
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.messages.drive_conversions import (
     drive_feedback,

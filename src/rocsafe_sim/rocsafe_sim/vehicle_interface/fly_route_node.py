@@ -4,9 +4,9 @@
 from collections.abc import Callable
 
 from rocsafe_interfaces.action import FlyRoute
-from rocsafe_ros import calls
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.conversions import refusal_message, result_message, route_of
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle_interface.route_goals_node import RouteGoals

@@ -2,8 +2,8 @@
 """The service `set_light` of a simulated vehicle: sun and air of the scene that it sees."""
 
 from rocsafe_interfaces.srv import SetLight
-from rocsafe_ros import calls
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import calls
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_scene.errors import ViewError
 from rocsafe_sim.messages.light_conversions import light_of
 from rocsafe_sim.rav.rav import Rav

@@ -8,10 +8,9 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 
+from rocsafe_geo.evidence.shot import Shot
 from rocsafe_geo.motion.state import Enu
-from rocsafe_geo.storage.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage, VehicleState
-from rocsafe_ros import calls, topics
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -24,9 +23,10 @@ from rocsafe_ros.conversions import (
     velocity_message,
 )
 from rocsafe_ros.frames import VehicleFrames
+from rocsafe_ros.interfaces import calls, topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.server_node import LeaseServer
 from rocsafe_ros.shot_delivery_node import ShotDelivery
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.driving.rgv import Rgv
 from rocsafe_sim.messages.drive_conversions import drive_battery, drive_state_message

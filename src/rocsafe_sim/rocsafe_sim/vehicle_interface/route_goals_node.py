@@ -7,10 +7,10 @@ from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse
 
-from rocsafe_ros.interface_spec import CallSpec
+from rocsafe_ros.interfaces.interface_spec import CallSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import LeaseRefusedError
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.errors import CommandRefusedError
 

@@ -6,9 +6,9 @@ from typing import Any
 
 from rclpy.publisher import Publisher
 
-from rocsafe_ros import topics
-from rocsafe_ros.interface_spec import TopicSpec
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.interface_spec import TopicSpec
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.messages.sensor_conversions import (
     imu_message,
     magnetic_message,

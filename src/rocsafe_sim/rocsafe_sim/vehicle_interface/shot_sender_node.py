@@ -3,11 +3,11 @@
 
 from collections.abc import Callable
 
-from rocsafe_geo.storage.shot import Shot
+from rocsafe_geo.evidence.shot import Shot
 from rocsafe_interfaces.msg import GeotaggedImage
 from rocsafe_ros.conversions import geotagged_message
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.shot_delivery_node import ShotDelivery
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.rav.rav import Rav
 
 

@@ -8,7 +8,6 @@ from std_msgs.msg import Header
 
 from rocsafe_geo.motion.state import Enu
 from rocsafe_interfaces.msg import VehicleState
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import (
     MAP_FRAME,
     fix_message,
@@ -21,7 +20,8 @@ from rocsafe_ros.conversions import (
 )
 from rocsafe_ros.domain.audience import Audience
 from rocsafe_ros.frames import VehicleFrames
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.clock.cadence import Cadence
 from rocsafe_sim.flight.route import FlightRoute
 from rocsafe_sim.messages.conversions import STATES, battery_message, ending_of, waiting_text

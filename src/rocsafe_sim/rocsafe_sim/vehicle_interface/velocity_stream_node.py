@@ -5,11 +5,11 @@ from collections.abc import Callable
 
 from geometry_msgs.msg import TwistStamped
 
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import MAP_FRAME, ns_of_stamp
+from rocsafe_ros.interfaces import topics
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 from rocsafe_ros.lease.control_lease import LeaseRefusedError
 from rocsafe_ros.lease.server_node import LeaseServer
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
 from rocsafe_sim.errors import CommandRefusedError
 from rocsafe_sim.rav.rav import Rav
 from rocsafe_sim.vehicle.velocity_follower import VelocityFollower

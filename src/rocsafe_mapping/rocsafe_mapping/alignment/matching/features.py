@@ -36,8 +36,8 @@ class Features:
         """Return some of them."""
         return Features(points_px=self.points_px[chosen], descriptors=self.descriptors[chosen])
 
-    def strongest(self, count: int) -> 'Features':
-        """Return the first `count`."""
+    def first(self, count: int) -> 'Features':
+        """Return the first `count`: the strongest of ORB, the coarsest of SIFT."""
         return Features(points_px=self.points_px[:count], descriptors=self.descriptors[:count])
 
     @property
@@ -64,11 +64,15 @@ def sift_features(gray: Gray, options: FeatureOptions) -> Features:
     """Return about `options.count` SIFT features (Lowe 2004), slower than ORB.
 
     Descriptors are compared by the Hellinger distance (Arandjelovic, Zisserman 2012): they are
-    roots of the gradients' shares.
+    roots of the gradients' shares. The coarsest come first: few of them tell whether photographs
+    show the same (Wu, Towards linear-time incremental structure from motion, 2013).
     """
     small, scale = _searched(gray, options)
     points, descriptors = _sift(options).detectAndCompute(small, None)
     if descriptors is not None:
+        order = np.argsort([-point.size for point in points], kind='stable')
+        points = [points[index] for index in order]
+        descriptors = descriptors[order]
         descriptors = np.sqrt(descriptors / descriptors.sum(axis=1, keepdims=True).clip(1e-6))
     return _features(points, descriptors, scale, np.zeros((0, 128), np.float32))
 

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether two photographs show the same ground, and which of their pixels are the same point."""
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -15,6 +16,8 @@ from rocsafe_mapping.alignment.matching.parallax import off_plane, transformed
 from rocsafe_mapping.alignment.matching.refinement import refined
 from rocsafe_mapping.alignment.model.photo import Photo, camera_matrix
 from rocsafe_mapping.alignment_options import AlignmentOptions, MatchingOptions
+
+Name = TypeVar('Name', str, int)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -83,7 +86,7 @@ def _coarse(
     features: Features, others: Features, count: int, zoom: float, options: MatchingOptions
 ) -> FloatArray | None:
     """Return the homography that the `count` strongest features suggest."""
-    matches = mutual_matches(features.strongest(count), others.strongest(count), options)
+    matches = mutual_matches(features.first(count), others.first(count), options)
     found = _homography(
         features, others, matches, options.coarse_inliers, options.coarse_share, options
     )
@@ -208,6 +211,30 @@ def mutual_matches(
             best[nearest.trainIdx] = (nearest.distance, nearest.queryIdx)
     kept = sorted((index, there) for there, (_, index) in best.items())
     return np.array(kept, np.int64).reshape(-1, 2)
+
+
+def most_alike(
+    features: Mapping[Name, Features],
+    wanted: Collection[Name],
+    most: int,
+    options: MatchingOptions,
+) -> set[tuple[Name, Name]]:
+    """Return the pairs of each of the `wanted` photographs with the `most` most like it.
+
+    They are those with which it has most mutual matches of few `features`.
+    """
+    counts: dict[Name, list[tuple[int, Name]]] = {name: [] for name in wanted}
+    for one, other in itertools.combinations(sorted(features), 2):
+        if one in counts or other in counts:
+            count = len(mutual_matches(features[one], features[other], options))
+            for name, partner in ((one, other), (other, one)):
+                if name in counts:
+                    counts[name].append((-count, partner))
+    return {
+        (min(name, other), max(name, other))
+        for name, found in counts.items()
+        for _, other in sorted(found)[:most]
+    }
 
 
 def _is_spread(points: FloatArray, photo: Photo, options: MatchingOptions) -> bool:

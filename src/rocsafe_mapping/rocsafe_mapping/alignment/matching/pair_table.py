@@ -2,7 +2,6 @@
 """All features of the photographs of a map and all pairs that were found among them."""
 
 import dataclasses
-import itertools
 from collections.abc import Callable, Collection, Mapping, Sequence
 
 import numpy as np
@@ -15,7 +14,7 @@ from rocsafe_mapping.alignment.matching.features import (
     sift_features,
 )
 from rocsafe_mapping.alignment.matching.neighbours import Neighbourhood
-from rocsafe_mapping.alignment.matching.pair_matching import Pair, View, match, mutual_matches
+from rocsafe_mapping.alignment.matching.pair_matching import Pair, View, match, most_alike
 from rocsafe_mapping.alignment.model.photo import Photo
 from rocsafe_mapping.alignment_options import AlignmentOptions
 
@@ -112,26 +111,12 @@ class PairTable:
         }
 
     def _most_alike(self, wanted: Collection[str]) -> set[Key]:
-        """Return the pairs of each of the `wanted` photographs with those most like it.
-
-        They are those with which it has most mutual matches of few features.
-        """
+        """Return the pairs of each of the `wanted` photographs with those most like it."""
         for name in self.without_features():
             self.extract(name)
         options = self._options.neighbours
-        few = {n: f.strongest(options.alike_features) for n, f in self._features.items()}
-        counts: dict[str, list[tuple[int, str]]] = {name: [] for name in wanted}
-        for one, other in itertools.combinations(sorted(few), 2):
-            if one in wanted or other in wanted:
-                count = len(mutual_matches(few[one], few[other], self._options.matching))
-                for name, partner in ((one, other), (other, one)):
-                    if name in wanted:
-                        counts[name].append((-count, partner))
-        return {
-            (min(name, other), max(name, other))
-            for name, found in counts.items()
-            for _, other in sorted(found)[: options.most]
-        }
+        few = {n: f.first(options.alike_features) for n, f in self._features.items()}
+        return most_alike(few, wanted, options.most, self._options.matching)
 
     def adopt(self, pairs: Sequence[Pair]) -> None:
         """Take over pairs that were found otherwise, in place of all others."""

@@ -174,6 +174,7 @@ def _system(
     point_jacobian = _block_column(by_point, seen.points, POINT_SIZE * len(scene.points))
     blocks = np.zeros((len(scene.points), POINT_SIZE, POINT_SIZE))
     np.add.at(blocks, seen.points, np.einsum('nij,nik->njk', by_point, by_point))
+    jacobian.eliminate_zeros()
     cameras = (jacobian.T @ jacobian).toarray()
     prior = np.where(lens_std > 0.0, np.maximum(lens_std, 1e-9) ** -2.0, 0.0)
     at = size + np.arange(LENS_SIZE)

@@ -5,9 +5,8 @@ Snavely, Seitz, Szeliski: Photo tourism (2006); Schoenberger, Frahm: Structure-f
 revisited (2016).
 """
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -43,6 +42,13 @@ class Grown:
     seen: Observations
     tracks: NDArray[np.int64]
 
+    def common_points(self, key: Key) -> int:
+        """Return how many points two photographs have in common; 0 if one has no pose."""
+        if not set(key) <= set(self.names):
+            return 0
+        first, second = (self.seen.photos == self.names.index(name) for name in key)
+        return len(np.intersect1d(self.seen.points[first], self.seen.points[second]))
+
 
 @dataclass(frozen=True, slots=True)
 class Cameras:
@@ -56,14 +62,11 @@ class Cameras:
         Of each photograph.
     lens_std
         Prior of logarithm of the focal length, k1 and k2; zeros for a calibrated camera.
-    lens
-        Logarithm of the focal length over `focal_px`, k1 and k2, with which a scene begins.
     """
 
     offsets_px: Sequence[FloatArray]
     focal_px: FloatArray
     lens_std: FloatArray
-    lens: FloatArray = field(default_factory=lambda: np.zeros(3))
 
 
 def all_grown(
@@ -71,14 +74,13 @@ def all_grown(
 ) -> tuple[Grown, ...]:
     """Return scenes without common photographs, that of most sightings first.
 
-    Photographs that too little ties to those of a scene form one of their own. The lens is that of
-    the first scene: the others are smaller and tell less of it.
+    Photographs that too little ties to those of a scene form one of their own, with a lens of its
+    own: few photographs tell little of the lens, and with that of another scene nothing may grow.
     """
     left, found = dict(links), []
     while (grown := best_grown(left, tracks, cameras, options)) is not None:
         found.append(grown)
         left = {key: link for key, link in left.items() if not set(grown.names) & set(key)}
-        cameras = dataclasses.replace(cameras, lens=grown.scene.lens, lens_std=HELD)
     return tuple(found)
 
 
@@ -88,12 +90,22 @@ def best_grown(
     """Return the scene in which most sightings agree, of those of several seeds; None without any.
 
     Two photographs may agree by a wrong geometry, of a plane above all: the scene that grows from
-    them takes in most photographs, but fewer of their sightings.
+    them takes in most photographs, but fewer of their sightings. From a seed of whose matches most
+    agree with a scene, the same scene would grow: it is passed over. Pairs that are no seed do not
+    count, or a few of them would hide all others.
     """
-    scenes = (
-        Growth(tracks, cameras, options).grow(key, links[key]) for key in _seeds(links, options)
-    )
-    found = [scene for scene in scenes if scene is not None]
+    found: list[Grown] = []
+    tried = 0
+    for key in _seeds(links, options):
+        if tried == options.seeds:
+            break
+        if any(2 * scene.common_points(key) > len(links[key].matches) for scene in found):
+            tried += 1
+            continue
+        scene = Growth(tracks, cameras, options).grow(key, links[key])
+        if scene is not None:
+            found.append(scene)
+            tried += 1
     return max(found, key=lambda scene: len(scene.seen.photos), default=None)
 
 
@@ -117,7 +129,7 @@ class Growth:
         self._centres = np.zeros((len(focal_px), 3))
         self._rotations = np.zeros((len(focal_px), 3, 3))
         self._places = np.full((tracks.count, 3), np.nan)
-        self._lens = cameras.lens
+        self._lens: FloatArray = np.zeros(3)
         self._bundled_count = 0
 
     def grow(self, key: Key, link: Link) -> Grown | None:
@@ -191,13 +203,18 @@ class Growth:
         rows = self._rows[name]
         rows = rows[self._is_known(rows)]
         points, rays = self._places[self._point[rows]], self._straight(rows)
-        cv2.setRNGSeed(0)
-        limit = options.pose_px / self._focal[name]
+        # By the size of the errors, not by the number below a limit: of points near a plane two
+        # poses may lie below it.
+        ransac = cv2.UsacParams()
+        ransac.threshold = options.pose_px / self._focal[name]
+        ransac.score = cv2.SCORE_METHOD_MSAC
+        ransac.maxIterations, ransac.confidence = 3000, 0.9999
+        ransac.loMethod = cv2.LOCAL_OPTIM_INNER_LO
+        ransac.randomGeneratorState = 0
         try:
-            found, turn, shift, inside = cv2.solvePnPRansac(
-                points, rays, np.eye(3), None, iterationsCount=3000,
-                reprojectionError=limit, confidence=0.9999, flags=cv2.SOLVEPNP_AP3P,
-            )  # fmt: skip
+            found, _, turn, shift, inside = cv2.solvePnPRansac(
+                points, rays, np.eye(3), np.zeros(4), params=ransac
+            )
         except cv2.error:
             return False
         if not found or inside is None or len(inside) < options.least_seen:
@@ -325,4 +342,4 @@ def _seeds(links: Mapping[Key, Link], options: StructureOptions) -> list[Key]:
         good = min(link.angle_rad / options.good_angle_rad, 1.0)
         return -len(link.matches) * (good if link.angle_rad < options.widest_rad else 0.1)
 
-    return sorted(links, key=lambda key: (worth(key), key))[: options.seeds]
+    return sorted(links, key=lambda key: (worth(key), key))

@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from rocsafe_geo.arrays import FloatArray
 from rocsafe_mapping.alignment.matching.features import Features, Gray, sift_features
-from rocsafe_mapping.alignment.matching.pair_matching import Pair
+from rocsafe_mapping.alignment.matching.pair_matching import Pair, most_alike
 from rocsafe_mapping.alignment.model.photo import Photo, Pose
 from rocsafe_mapping.alignment.structure.epipolar import Key, Link, linked, tracks_of
 from rocsafe_mapping.alignment.structure.growth import Cameras, Grown, all_grown
@@ -71,8 +71,19 @@ def find_structure(
     if not scenes:
         return None
     pairs = [pair for grown in scenes for pair in _ties(chosen, grown, structure)]
+    # All look through one lens: each scene tells of it as much as it has sightings.
+    focal_factor = math.exp(
+        np.average(
+            [grown.scene.lens[0] for grown in scenes],
+            weights=[len(grown.seen.photos) for grown in scenes],
+        )
+    )
     return Structure(
-        photos={n: p for grown in scenes for n, p in _tilted(chosen, grown, structure).items()},
+        photos={
+            name: photo
+            for grown in scenes
+            for name, photo in _tilted(chosen, grown, focal_factor, structure).items()
+        },
         pairs=tuple(sorted(pairs, key=lambda pair: (pair.first, pair.second))),
         scenes=tuple(_poses(names, grown) for grown in scenes),
     )
@@ -101,10 +112,10 @@ def _links(
     offsets: Sequence[FloatArray],
     options: AlignmentOptions,
 ) -> dict[Key, Link]:
-    """Return what ties photographs, of the nearest fixes or of all."""
+    """Return what ties photographs: of the nearest fixes, and those that look most alike."""
     rays = [part / photo.camera.fx_px for part, photo in zip(offsets, photos, strict=True)]
     links = {}
-    for key in _candidates(photos, options.structure):
+    for key in _candidates(photos, features, options):
         one, other = key
         link = linked(
             features[one], features[other], (rays[one], rays[other]),
@@ -115,28 +126,36 @@ def _links(
     return links
 
 
-def _candidates(photos: Sequence[Photo], options: StructureOptions) -> list[Key]:
-    if len(photos) <= options.all_up_to or not all(photo.is_located for photo in photos):
+def _candidates(
+    photos: Sequence[Photo], features: Sequence[Features], options: AlignmentOptions
+) -> list[Key]:
+    structure = options.structure
+    if len(photos) <= structure.all_up_to:
         return list(itertools.combinations(range(len(photos)), 2))
-    places = np.array([photo.prior.centre[:2] for photo in photos])
-    _, near = cKDTree(places).query(places, options.neighbours + 1)
-    keys = {
-        (min(one, other), max(one, other))
-        for one, others in enumerate(near.tolist())
-        for other in others
-        if other != one
-    }
-    return sorted(keys)
+    located = [number for number, photo in enumerate(photos) if photo.is_located]
+    keys = set()
+    if len(located) > structure.neighbours:
+        places = np.array([photos[number].prior.centre[:2] for number in located])
+        _, near = cKDTree(places).query(places, structure.neighbours + 1)
+        pairs = {(located[a], located[b]) for a, row in enumerate(near.tolist()) for b in row}
+        keys = {(min(pair), max(pair)) for pair in pairs if len(set(pair)) > 1}
+    few = {n: f.first(options.neighbours.alike_features) for n, f in enumerate(features)}
+    lost = set(few) - (set(located) if keys else set())
+    return sorted(keys | most_alike(few, lost, structure.neighbours, options.matching))
 
 
-def _tilted(photos: Sequence[Photo], grown: Grown, options: StructureOptions) -> dict[str, Photo]:
+def _tilted(
+    photos: Sequence[Photo], grown: Grown, focal_factor: float, options: StructureOptions
+) -> dict[str, Photo]:
     """Return the photographs with the rotations that were found, north being unknown."""
     found = {}
-    scene, factor = grown.scene, math.exp(grown.scene.lens[0])
+    scene = grown.scene
     for number, rotation, centre in zip(grown.names, scene.rotations, scene.centres, strict=True):
         photo = photos[number]
         camera = dataclasses.replace(
-            photo.camera, fx_px=photo.camera.fx_px * factor, fy_px=photo.camera.fy_px * factor
+            photo.camera,
+            fx_px=photo.camera.fx_px * focal_factor,
+            fy_px=photo.camera.fy_px * focal_factor,
         )
         height_m = photo.prior.centre[2] if photo.has_height else centre[2]
         found[photo.name] = dataclasses.replace(

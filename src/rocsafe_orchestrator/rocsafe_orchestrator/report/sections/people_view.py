@@ -8,7 +8,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.storage.evidence_log import DAMAGED, LOG_NAME, segments_of
+from rocsafe_geo.evidence.evidence_log import DAMAGED, LOG_NAME, segments_of
 
 Entry = Mapping[str, Any]
 Row = tuple[str, ...]

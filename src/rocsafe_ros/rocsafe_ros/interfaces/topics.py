@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every topic of ROCSAFE: name, type, quality of service, rate. Calls: `rocsafe_ros.calls`.
+"""Every topic of ROCSAFE: name, type, quality of service, rate.
 
+Services and actions are in `rocsafe_ros.interfaces.calls`.
 Names are relative. A name of vehicle scope is in the namespace of a vehicle (``rav1/fix``), a
 name of fleet scope in that above. `make docs` writes docs/interfaces.md from this module.
 """
@@ -64,8 +65,8 @@ from rocsafe_interfaces.msg import (
     VehicleState,
     WindReading,
 )
-from rocsafe_ros.interface_spec import Scope, TopicSpec, name_of
-from rocsafe_ros.qos import (
+from rocsafe_ros.interfaces.interface_spec import Scope, TopicSpec, name_of
+from rocsafe_ros.interfaces.qos import (
     DECISIONS_KEPT,
     PICTURES_KEPT,
     STATES_KEPT,
@@ -78,7 +79,7 @@ from rocsafe_ros.qos import (
     radio,
     stream,
 )
-from rocsafe_ros.vehicle_scope import VehicleScopeNode
+from rocsafe_ros.interfaces.vehicle_scope import VehicleScopeNode
 
 
 def _vehicle(name: str, message_type: type, qos: QoSProfile, rate: str, note: str) -> TopicSpec:

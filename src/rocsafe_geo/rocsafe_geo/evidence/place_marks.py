@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rocsafe_geo.evidence.evidence_log import read_log
 from rocsafe_geo.position import GeoPosition
-from rocsafe_geo.storage.evidence_log import read_log
 
 MARK = 'mark'
 

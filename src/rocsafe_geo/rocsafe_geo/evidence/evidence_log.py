@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rocsafe_geo.storage.code_version import version_text
+from rocsafe_geo.evidence.code_version import version_text
 from rocsafe_geo.storage.durable import write_whole
 from rocsafe_geo.storage.json_values import finite
 

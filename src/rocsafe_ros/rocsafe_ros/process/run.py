@@ -25,10 +25,10 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 from rocsafe_ros.domain.network import bind_interfaces
-from rocsafe_ros.health import HealthReporter
 from rocsafe_ros.parameters import ParameterError
-from rocsafe_ros.process_arguments import ArgumentError, help_wanted
-from rocsafe_ros.standard_streams import open_standard_streams
+from rocsafe_ros.process.health import HealthReporter
+from rocsafe_ros.process.process_arguments import ArgumentError, help_wanted
+from rocsafe_ros.process.standard_streams import open_standard_streams
 
 EXIT_OK = 0
 EXIT_FAILURE = 1

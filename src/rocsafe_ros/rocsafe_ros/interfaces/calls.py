@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every service and action of ROCSAFE: name, type, scope.
 
-Names are relative as in `rocsafe_ros.topics`. `make docs` writes docs/interfaces.md from both.
+Names are relative as in `rocsafe_ros.interfaces.topics`. `make docs` writes docs/interfaces.md
+from both.
 """
 
 from std_srvs.srv import SetBool, Trigger
@@ -25,7 +26,7 @@ from rocsafe_interfaces.srv import (
     SetWind,
     SuggestViewpoints,
 )
-from rocsafe_ros.interface_spec import CallSpec, Scope
+from rocsafe_ros.interfaces.interface_spec import CallSpec, Scope
 
 
 def _call(name: str, call_type: type, kind: str, scope: Scope, note: str) -> CallSpec:

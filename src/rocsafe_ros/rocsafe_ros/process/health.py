@@ -9,9 +9,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
-from rocsafe_ros import topics
 from rocsafe_ros.conversions import diagnostic, key_values
 from rocsafe_ros.domain.interface_versions import InterfaceVersions
+from rocsafe_ros.interfaces import topics
 
 PERIOD_S = 1.0
 

@@ -4,8 +4,8 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from rocsafe_geo.evidence.shot import Shot, shot_of, shot_record
 from rocsafe_geo.storage.durable import write_whole
-from rocsafe_geo.storage.shot import Shot, shot_of, shot_record
 
 # A photograph without a receipt is sent again after this much wall time,
 RESEND_S = 1.0
