@@ -113,7 +113,7 @@ def drawn(family: str, seed: int) -> Drawn:
     if family == 'tube':
         stronger = sensitivity / generator.uniform(1.0, 6.0)
         sensitivity /= stronger
-    sources = _sources(generator, order, places, height_m, sensitivity, stronger)
+    sources = drawn_sources(generator, order, places, height_m, sensitivity, stronger)
     angle = generator.uniform(0.0, 2.0 * math.pi)
     half_m = 0.5 * float(np.ptp(places[:, :2], axis=0).max())
     slope = generator.choice([0.0, 0.1]) / half_m
@@ -177,7 +177,7 @@ def _running(counts: FloatArray, smoothing_s: float) -> FloatArray:
     return np.array(found)
 
 
-def _sources(
+def drawn_sources(
     generator: Generator,
     order: int,
     places: FloatArray,
@@ -185,6 +185,7 @@ def _sources(
     sensitivity: float,
     stronger: float,
 ) -> FloatArray:
+    """Return sources (order, 4), two heights apart or more, that are counted."""
     low, high = places[:, :2].min(axis=0), places[:, :2].max(axis=0)
     usvh, per_m = NUCLIDES[NUCLIDE][:2]
     while True:

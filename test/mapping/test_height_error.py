@@ -30,6 +30,15 @@ def heights(places: np.ndarray, standing: np.ndarray, stds_m: float | np.ndarray
     return TieHeights(places_m=places, standing_m=standing, stds_m=stds_m)
 
 
+def test_a_few_wrong_ties_of_low_photographs_do_not_decide() -> None:
+    """Eight wrong matches that seem to tell heights to 2 cm, among 2000 that tell them to 0.3 m."""
+    ties, rng = scattered(2000, 0.0, 60.0), np.random.default_rng(4)
+    standing, stds_m = rng.normal(0.0, 1.0, 2000), np.full(2000, 0.3)
+    standing[:8], stds_m[:8] = -13.0, 0.02
+    found = height_error(Surface(), heights(ties, standing, stds_m), AlignmentOptions())
+    assert float(found.heights_m.max()) == pytest.approx(1.0, abs=0.4)
+
+
 @pytest.mark.parametrize('surface', ['level', 'grid'])
 def test_photographs_from_one_place_tell_no_heights(surface) -> None:
     """Whoever hovers and photographs, or flies a survey again, does not make the map worse."""

@@ -10,6 +10,10 @@ from rocsafe_mapping.alignment.model.photo import Pose
 from rocsafe_mapping.alignment.model.surface import Surface
 from rocsafe_mapping.alignment_options import AlignmentOptions
 
+ROUNDS = 10
+SMALLEST_M2 = 1e-12
+"""Keeps weights in proportion where all heights are zero."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class TieHeights:
@@ -39,8 +43,7 @@ def height_error(surface: Surface, ties: TieHeights, options: AlignmentOptions) 
     usual = _usual_m2(ties)
     if surface.is_level or not usual:
         return Surface(heights_m=np.full((1, 1), np.sqrt(usual)))
-    # The weights with which the variance of heights of that spread is found best.
-    telling = (usual / (usual + ties.stds_m**2)) ** 2
+    telling = _telling(usual, ties)
     nodes, weights = surface.weights(ties.places_m)
     counts, squares = (
         np.bincount(nodes.ravel(), (weights * values).ravel(), surface.heights_m.size)
@@ -55,10 +58,24 @@ def height_error(surface: Surface, ties: TieHeights, options: AlignmentOptions) 
 
 
 def _usual_m2(ties: TieHeights) -> float:
-    """Return the mean square of heights, by the ties that tell it best."""
+    """Return the mean square of heights.
+
+    By the few ties that tell heights best alone, a handful of wrong ones would decide: cameras
+    that were low tell heights to centimetres.
+    """
     if not len(ties.stds_m):
         return 0.0
-    return float(np.average(ties.standing_m**2, weights=(ties.stds_m.min() / ties.stds_m) ** 4))
+    usual = float(np.median(ties.standing_m**2))
+    for _ in range(ROUNDS):
+        weights = _telling(max(usual, SMALLEST_M2), ties)
+        usual = float(np.average(ties.standing_m**2, weights=weights))
+    return usual
+
+
+def _telling(usual_m2: float, ties: TieHeights) -> FloatArray:
+    """Return the weights (n,) with which the variance of heights of that spread is found best."""
+    found: FloatArray = (usual_m2 / (usual_m2 + ties.stds_m**2)) ** 2
+    return found
 
 
 def leaning_m(
