@@ -31,7 +31,7 @@ def heights(places: np.ndarray, standing: np.ndarray, stds_m: float | np.ndarray
 
 
 def test_a_few_wrong_ties_of_low_photographs_do_not_decide() -> None:
-    """Eight wrong matches that seem to tell heights to 2 cm, among 2000 that tell them to 0.3 m."""
+    """Eight wrong matches seem to tell heights to 2 cm, 2000 others tell them to 0.3 m."""
     ties, rng = scattered(2000, 0.0, 60.0), np.random.default_rng(4)
     standing, stds_m = rng.normal(0.0, 1.0, 2000), np.full(2000, 0.3)
     standing[:8], stds_m[:8] = -13.0, 0.02
