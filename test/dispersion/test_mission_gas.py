@@ -162,6 +162,7 @@ def test_a_long_verdict_is_told_whole_in_the_figure(assessment):
     assert float(lines[-1].get('y')) + 13.0 < moved + float(wind.get('y')) < float(inner.get('y'))
 
 
+@pytest.mark.slow
 def test_its_plume_and_zones_are_told_in_another_wind(assessment):
     """Where it goes to now: to the north instead of the east."""
     wind_mps = (0.0, SPEED_MPS)

@@ -208,6 +208,7 @@ def test_hot_ground_is_a_wall(village):
     assert plan.length_m > plan_drive(request_of(BEYOND), ground_of(village)).length_m
 
 
+@pytest.mark.slow
 def test_source_is_seen_from_where_the_dose_rate_is_low(village):
     """Within its reach, not on it."""
     ground = ground_of(village)
@@ -391,6 +392,7 @@ def test_each_budget_of_the_trade_off_admits_a_drive_of_its_time(village):
         assert plan.time_s <= 1.02 * time
 
 
+@pytest.mark.slow
 def test_time_of_the_trade_off_is_printed_once(village):
     """With the least budget that gives it."""
     plan = plan_drive(request_of((20.0, -10.0)), ground_of(village))
