@@ -283,6 +283,16 @@ def test_gas_sensors_that_fall_silent_bring_it_home_where_it_has_a_level():
     assert 'silent' in rover.state.ledger.text
 
 
+def test_a_gas_sensor_that_tells_no_concentration_is_silent():
+    """NaN, as of one that reads in another unit, is no reading: neither low nor saturated."""
+    rover = rover_of(parts_of(has_detector=False))
+    way = route_of(((0.0, 0.0), (60.0, 0.0), (0.0, 0.0)))
+    rover.drive(replace(way, turn_back_ppm=10.0))
+    drive_in_gas(rover, lambda east: east * math.nan)
+    assert rover.state.ledger.outcome is DriveOutcome.TURNED_BACK_GAS
+    assert 'silent' in rover.state.ledger.text
+
+
 def test_sensor_that_has_not_warmed_up_is_not_waited_for():
     """Once it has given a reading it is, until it is given up."""
     queue = ReadingQueue(1.2, is_awaited=False)

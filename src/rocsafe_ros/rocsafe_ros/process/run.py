@@ -88,12 +88,11 @@ def run(
     -------
     int
         0 after SIGINT or SIGTERM, when ROS is shut down, or after ``--help``; 2, with one line on
-        standard error, if an argument or a parameter is wrong; 1, with one line, if the process
-        stood still for so long that the others have given it up, and there is a supervisor to
-        start it again; in a mission that goes on without one it starts itself again; also where
-        memory, or threads, are not to be had. Any other
-        exception ends the process with its traceback, and its supervisor decides whether to start
-        it again.
+        standard error, if an argument or a parameter is wrong; 1, with one line, if there is not
+        enough memory for it or its threads, or if the process stood still for so long that the
+        others have given it up, and there is a supervisor to start it again; in a mission that
+        goes on without one it starts itself again. Any other exception ends the process with its
+        traceback, and its supervisor decides whether to start it again.
     """
     if outlives is None and os.environ.get(FLEET_LOCK_VARIABLE):
         outlives = FleetWatch(os.environ[FLEET_LOCK_VARIABLE])

@@ -158,7 +158,9 @@ class Rover(RoverMotion):
             self._reconsider()
 
     def read_gas(self, sensor: str, ppm: float) -> None:
-        """Take a reading of one of its gas sensors; infinite: it is saturated."""
+        """Take a reading of one of its gas sensors; infinite: it is saturated, NaN: it is none."""
+        if math.isnan(ppm):
+            return
         state = self.state
         self._gas_ns = state.time_ns
         level = state.route.turn_back_ppm if state.route else 0.0

@@ -61,12 +61,12 @@ def drive_route_of(message: GroundRoute, frame: LocalFrame) -> DrivenRoute:
 
 
 def ppm_of(reading: GasReading) -> float:
-    """Return a concentration: infinite where the sensor is saturated, none where it tells none.
+    """Return a concentration: infinite where the sensor is saturated, NaN where it tells none.
 
     What is saturated shows a lower limit, or nothing at all.
     """
     if reading.unit != 'ppm':
-        return -math.inf
+        return math.nan
     return math.inf if reading.saturated else float(reading.raw)
 
 

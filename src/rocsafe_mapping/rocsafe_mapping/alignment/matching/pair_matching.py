@@ -85,7 +85,7 @@ def match(first: View, second: View, method: str, options: AlignmentOptions) -> 
 def _coarse(
     features: Features, others: Features, count: int, zoom: float, options: MatchingOptions
 ) -> FloatArray | None:
-    """Return the homography that the `count` strongest features suggest."""
+    """Return the homography that the first `count` features suggest."""
     matches = mutual_matches(features.first(count), others.first(count), options)
     found = _homography(
         features, others, matches, options.coarse_inliers, options.coarse_share, options
